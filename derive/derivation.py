@@ -39,7 +39,8 @@ from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
 from derive.spec.model.scene import Redundant, Scene
-from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import Specification, check_specification
 
 AnyMechanism = Mechanism | SpatialMechanism

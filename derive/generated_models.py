@@ -30,6 +30,7 @@ TRUSTED = (
     "derive.backends.source_map",
     "derive.ir.expressions",
     "derive.ir.indices",
+    "derive.ir.kernel",
     "derive.ir.model",
     "derive.ir.patterns",
     "derive.ir.statements",
@@ -109,7 +110,7 @@ class _Reader(pickle.Unpickler):
 
     def find_class(self, module: str, name: str) -> Any:
         """The class of that name. Raises UnpicklingError for anything else."""
-        found = super().find_class(module, name) if module in TRUSTED else None
-        if not (isinstance(found, type) and found.__module__ == module):
+        result = super().find_class(module, name) if module in TRUSTED else None
+        if not (isinstance(result, type) and result.__module__ == module):
             raise pickle.UnpicklingError(f"{module}.{name} is no part of a model")
-        return found
+        return result

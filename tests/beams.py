@@ -43,16 +43,29 @@ def beam(frame: str = "mean", n: int = 2, **changes: Any) -> derive.PlanarBeam:
 
 @dataclass(frozen=True)
 class Made:
-    """A beam, or another body, through all stages."""
+    """A beam, or another body, through all stages, each of which runs when it is asked for."""
 
     spec: Any
-    model: derive.Model
-    files: tuple[derive.File, ...]
+
+    @cached_property
+    def _generated(self) -> tuple[derive.Model, tuple[derive.File, ...]]:
+        """Through the cache that the workers share."""
+        return generated(self.spec)
+
+    @property
+    def model(self) -> derive.Model:
+        return self._generated[0]
+
+    @property
+    def files(self) -> tuple[derive.File, ...]:
+        return self._generated[1]
 
     @cached_property
     def equations(self) -> Any:
-        """The equations in the form that the model was lowered from; many tests do not need them."""
-        return lowered_form(derive.derive(self.spec), self.model)
+        """The equations in the form that the model was lowered from; beams have straight-line code alone."""
+        derived = derive.derive(self.spec)
+        planar = isinstance(self.spec, derive.PlanarBeam)
+        return derived.expanded() if planar else lowered_form(derived, self.model)
 
 
 @cache
@@ -62,8 +75,8 @@ def made(frame: str = "mean", n: int = 2) -> Made:
 
 
 def build(spec: Any) -> Made:
-    """All stages of one specification, through the cache that the workers share."""
-    return Made(spec, *generated(spec))
+    """All stages of one specification."""
+    return Made(spec)
 
 
 @cache

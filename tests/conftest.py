@@ -27,15 +27,22 @@ os.environ.setdefault("MPLCONFIGDIR", str(_CACHES / "matplotlib"))  # matplotlib
 os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(_CACHES / "zig"))
 CACHE = None if "PYTEST_XDIST_WORKER" in os.environ else tempfile.TemporaryDirectory(prefix="tisserand-cache-")
 COMPILER = """#!/bin/sh
-case "$*" in *TISSERAND_WITHOUT_*) exec cc "$@" -O0 ;; esac
+case "$*" in
+*-Wall*) exec cc "$@" ;;
+*TISSERAND_WITHOUT_*) exec {quick} "$@" -O0 ;;
+*-O0*) exec {quick} "$@" ;;
+esac
 exec cc "$@"
 """
-"""Does not optimise what simulations run, for QUICK's reason; whoever loads a model chooses the flags."""
+"""Does not optimise what simulations run, for QUICK's reason; whoever loads a model chooses the flags.
+
+clang takes half the time of gcc for that. Those who ask for warnings get the compiler that they expect.
+"""
 if CACHE:  # that of the user is neither read nor written, nor by programs that tests run; workers share it
     os.environ["XDG_CACHE_HOME"] = CACHE.name
     if shutil.which("cc"):
         script = Path(CACHE.name) / "cc"
-        script.write_text(COMPILER)
+        script.write_text(COMPILER.format(quick="clang" if shutil.which("clang") else "cc"))
         script.chmod(0o700)
         os.environ.setdefault("CC", str(script))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -74,38 +75,41 @@ def scales(frame: str, n: int, name: str, arguments: dict[str, Any]) -> np.ndarr
     return np.array([m.value for m in kernel_of(frame, n, name, given, check=False, **options)])
 
 
-def equations_by_sympy(frame: str, n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> dict[str, np.ndarray]:
-    """M, h, energies, momenta, markers and the residual from the derivation, to 40 digits."""
+@cache
+def functions_by_sympy(frame: str, n: int) -> dict[str, Callable[..., list[Any]]]:
+    """M, h, energies, momenta, markers and the residual of the derivation as functions of q, v, a, p by mpmath."""
     eq = beams.made(frame, n).equations
     kernels = beams.made(frame, n).model
     symbols = [c.q for c in eq.coordinates] + [row.v for row in eq.rows] + [row.a for row in eq.rows]
     symbols += [p.symbol for p in eq.parameters]
-    values = [*q, *v, *a, *P]
-    known = {s: mpmath.mpf(float(x)) for s, x in zip(symbols, values, strict=True)}
+    defined = [(c.symbol, c.value) for c in eq.coefficients] + [(d.symbol, d.expr) for d in eq.definitions]
 
-    def evaluate(expressions: Iterable[sp.Expr]) -> list[Any]:
-        return list(sp.lambdify(list(known), list(expressions), "mpmath")(*known.values()))
+    def function(expressions: Iterable[sp.Expr], local: Iterable[Any] = ()) -> Callable[..., list[Any]]:
+        lines = defined + [(d.symbol, d.expr) for d in local]  # assigned before the results, in this order
+        made: Callable[..., list[Any]] = sp.lambdify(symbols, list(expressions), "mpmath", cse=lambda e: (lines, e))
+        return made
 
+    result = {
+        "mass": function(eq.mass[i, j] for i, j in kernels.pattern("mass", "M").entries),
+        "force": function(eq.force),
+        "energy": function([eq.kinetic_energy, eq.strain_energy]),
+        "momentum": function([*eq.linear_momentum, *eq.angular_momentum]),
+        "residual": function(eq.sum_of(row.name) for row in eq.rows),
+    }
+    for marker in eq.markers:
+        pattern = kernels.pattern(f"marker_{marker.name}", "jacobian")
+        jacobian = [marker.jacobian[i, j] for i, j in pattern.entries]
+        motion = [*marker.position, *marker.velocity, *jacobian]
+        result[f"marker_{marker.name}"] = function(motion, marker.definitions)
+    return result
+
+
+def equations_by_sympy(frame: str, n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> dict[str, np.ndarray]:
+    """The values of `functions_by_sympy` to 40 digits."""
     with mpmath.workdps(40):
-        known |= dict(zip([c.symbol for c in eq.coefficients], evaluate(c.value for c in eq.coefficients), strict=True))
-        for d in eq.definitions:
-            known[d.symbol] = evaluate([d.expr])[0]
-        rows = [eq.sum_of(row.name) for row in eq.rows]
-        found = {
-            "mass": evaluate(eq.mass[i, j] for i, j in kernels.pattern("mass", "M").entries),
-            "force": evaluate(eq.force),
-            "energy": evaluate([eq.kinetic_energy, eq.strain_energy]),
-            "momentum": evaluate([*eq.linear_momentum, *eq.angular_momentum]),
-            "residual": [mpmath.mpf(0)] * len(rows) + evaluate(rows),  # the test takes qdot = v
-        }
-        for marker in eq.markers:
-            outer = dict(known)
-            for d in marker.definitions:
-                known[d.symbol] = evaluate([d.expr])[0]
-            pattern = kernels.pattern(f"marker_{marker.name}", "jacobian")
-            jacobian = [marker.jacobian[i, j] for i, j in pattern.entries]
-            found[f"marker_{marker.name}"] = evaluate([*marker.position, *marker.velocity, *jacobian])
-            known = outer
+        values = [mpmath.mpf(float(x)) for x in (*q, *v, *a, *P)]
+        found = {name: function(*values) for name, function in functions_by_sympy(frame, n).items()}
+        found["residual"] = [mpmath.mpf(0)] * len(v) + found["residual"]  # the test takes qdot = v
     return {name: np.array(numbers, dtype=object) for name, numbers in found.items()}
 
 

@@ -37,7 +37,7 @@ def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     templates = {p.relative_to(ROOT / "templates").as_posix() for p in (ROOT / "templates").rglob("*.jinja")}
     assert {f"derive/templates/{name}" for name in templates} <= set(names)
-    assert "derive/py.typed" in names
+    assert {"derive/py.typed", "derive/__init__.pyi"} <= set(names)
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert all(name.startswith(("derive/", "tisserand-")) for name in names)
     (sdist,) = distributions.glob("*.tar.gz")

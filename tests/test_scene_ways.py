@@ -50,7 +50,7 @@ def ways() -> Ways:
     text = next(file.text for file in made.files if file.path.endswith(".py"))
     module = ModuleType("crank_slider_3")
     exec(compile(text, "crank_slider_3.py", "exec"), module.__dict__)
-    return Ways(made, load_scene(made.files), module)
+    return Ways(made, load_scene(made.files, QUICK), module)
 
 
 def arguments(native: NativeScene, seed: int) -> Mapping[str, Any]:

@@ -7,18 +7,8 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.backends.wrapping import Item, Prose, prefixed
-from derive.ir.model import (
-    JACOBIAN,
-    PARAMETER_JACOBIAN,
-    Argument,
-    Kernel,
-    Model,
-    Output,
-    OutputKind,
-    Section,
-    Variable,
-    Zero,
-)
+from derive.ir.kernel import Argument, Kernel, Output, OutputKind, Section
+from derive.ir.model import JACOBIAN, PARAMETER_JACOBIAN, Model, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
 from derive.ir.repeated_columns import repeated_columns
 from derive.ir.series import variable_series

@@ -64,7 +64,7 @@ def _merged_run(run: Sequence[Entry]) -> dict[str, object]:
 
 
 def _merged(values: Sequence[Any], first: int) -> object:
-    """One value for those of successive instances, the first of which has this index."""
+    """The value that describes those of successive instances; `first` is the index of the first instance."""
     head = values[0]
     if all(value == head for value in values):
         return head

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from derive.artifacts import File
-from derive.ir.model import Kernel, Model, ModelTerm, Section
+from derive.ir.kernel import Kernel, Section
+from derive.ir.model import Model, ModelTerm
 from derive.ir.statements import Statement
 
 

@@ -17,7 +17,8 @@ from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines

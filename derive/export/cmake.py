@@ -10,7 +10,7 @@ from derive.errors import Problem, SpecError
 from derive.export.c_parts import INTEGRATOR, c_numbers, integrator_files, sample_values
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
 

@@ -12,7 +12,7 @@ from derive.export.c_parts import INTEGRATOR, integrator_files, motion_file
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import reference_motion
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
 

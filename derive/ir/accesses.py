@@ -63,10 +63,10 @@ def iterations(node: Node) -> int:
 
 
 def met(own: set[Access], count: int, node: Node, accesses: set[Access]) -> dict[int, tuple[int, int]]:
-    """For iterations that have to stay on their side of a node: its first and last iteration that they meet.
+    """The first and the last iteration of a node that share elements with each iteration of a loop, by the latter.
 
     own, count: the accesses of the loop that they belong to, and the number of its iterations; accesses: those of the
-    node. Iterations stay behind a declaration of their arrays.
+    node. Other iterations may pass the node. Iterations stay behind a declaration of their arrays.
     """
     others = iterations(node)
     if isinstance(node, Local):

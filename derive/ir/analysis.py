@@ -6,8 +6,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Operation, ScalarRef, TableValue, walk
-from derive.ir.loop_nests import CHANGES, Alias, Assign, BlockProduct, For, Integer, Node, every, expressions_of, inner
-from derive.ir.statements import Let, Statement
+from derive.ir.loop_nests import (
+    CHANGES,
+    Alias,
+    Assign,
+    BlockProduct,
+    For,
+    Integer,
+    LoopKind,
+    Node,
+    every,
+    expressions_of,
+    inner,
+)
+from derive.ir.statements import Let, Require, ReturnCode, Statement
 
 
 def expressions(statement: Statement) -> tuple[Expr, ...]:
@@ -81,6 +93,22 @@ def _operations_of(node: Node, values: Mapping[str, int], constants: Mapping[str
         case _:
             own = sum(isinstance(p, Operation | TableValue) for e in expressions_of(node) for p in walk(e))
             return own + _operations(inner(node), values, constants)
+
+
+def codes_in_order(nodes: Iterable[Node]) -> tuple[ReturnCode, ...]:
+    """The codes of the requirements, if all with one code are checked before all with the next one; else nothing."""
+    runs = _runs_of_codes(nodes)
+    return tuple(runs) if len(runs) == len(set(runs)) else ()
+
+
+def _runs_of_codes(nodes: Iterable[Node]) -> list[ReturnCode]:
+    """The codes of the requirements in the order of their checks, once where a code follows itself."""
+    runs: list[ReturnCode] = []
+    for node in nodes:
+        own = [node.code] if isinstance(node, Require) else _runs_of_codes(inner(node))
+        repeats = isinstance(node, For) and node.kind is not LoopKind.STATES and node.count != 1
+        runs += own * 2 if repeats else own
+    return [code for k, code in enumerate(runs) if not k or runs[k - 1] is not code]
 
 
 def _varies(loop: For) -> bool:

@@ -17,6 +17,7 @@ from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped, walk
 from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
+from derive.ir.kernel import Argument, Kernel, View
 from derive.ir.library_calls import STATE, Line, has_calls, over_states, straight_lines
 from derive.ir.loop_nests import (
     START,
@@ -34,7 +35,6 @@ from derive.ir.loop_nests import (
     expressions_of,
     rewritten,
 )
-from derive.ir.model import Argument, Kernel, View
 from derive.ir.ordering import with_few_waiting
 from derive.ir.statements import Let, Require
 

@@ -159,7 +159,7 @@ def _sum(a: Expr, b: Expr) -> Expr:
 
 
 def _sums(loop: Accumulate) -> tuple[Node, ...]:
-    """Sums in four lanes."""
+    """The plain statements of sums over a loop, each accumulated in four lanes and then added up."""
     names = tuple(total.name for total in loop.sums)
     lanes = f"sums_{names[0]}"
     lane = (IndexTerm(1, "i", Of.LANE),)
@@ -277,7 +277,7 @@ def _sources(loop: Pack, parity: int) -> list[PackSource]:
 
 
 def _packed(loop: Pack, parity: int) -> For:
-    """Both entries of each pair i <= j (i < j) of the matrices of a parity."""
+    """The loop that packs both entries of each pair i <= j (or i < j) of the matrices of one parity."""
     packing, n = loop.packing, loop.packing.count
     body: list[Node] = []
     for source in _sources(loop, parity):

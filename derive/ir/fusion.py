@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from derive.ir.accesses import Accesses, is_ordered, iterations, met
-from derive.ir.analysis import names_read
+from derive.ir.analysis import codes_in_order, names_read
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, MatrixEntry, ScalarRef, walk
 from derive.ir.forwarding import forwarded, without_idle_stores, without_unread_arrays
 from derive.ir.indices import ElementIndex, IndexTerm, Of, constant
@@ -27,15 +27,20 @@ FEW = 2
 def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
     """Plain statements with iterations of independent loops in the bodies of ordered loops.
 
-    Nothing moves if indices need constant arrays, or if requirements have several codes, of which the first counts.
+    Nothing moves if indices need constant arrays. Of the codes of several requirements the first counts: where those
+    with one code are checked before those with the next, they stay so, and elsewhere nothing moves.
     """
     result = tuple(nodes)
     if not any(isinstance(node, For) and node.overlaps for node in result) or not are_plain(result):
         return result
-    known = Accesses()
+    known, codes = Accesses(), codes_in_order(result)
     moves = 0
-    while move := next(_moves(result, known), None):
-        result, moves = move.made(result), moves + 1
+    while True:
+        others = (move.made(result) for move in _moves(result, known))
+        moved = next((nodes for nodes in others if codes_in_order(nodes) == codes), None)
+        if moved is None:
+            break
+        result, moves = moved, moves + 1
     if not moves:
         return result
     result = tuple(
@@ -66,7 +71,7 @@ def are_plain(nodes: Sequence[Node]) -> bool:
         and not any(isinstance(item, For) for node in _loops(nodes) for item in node.body)
         and not any(isinstance(part, Ends | LaneSum | MatrixEntry) for part in parts)
         and all(term.of is Of.VALUE for term in terms)
-        and len({node.code for node in lines if isinstance(node, Require)}) < 2
+        and (bool(codes_in_order(nodes)) or not any(isinstance(node, Require) for node in lines))
     )
 
 

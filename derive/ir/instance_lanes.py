@@ -38,7 +38,7 @@ from derive.ir.loop_nests import (
     expressions_of,
     reindexed,
 )
-from derive.ir.statements import Let, Require, Requirement
+from derive.ir.statements import Let, Require
 
 IN_LANE = variable(LANE)
 """The index of the element of a lane in an array with an element for each."""
@@ -83,7 +83,6 @@ class _Block:
         return (
             (loop.count or 0) >= LEAST
             and all(isinstance(node, Let | Require | Assign) for node in lines)
-            and all(node.kind is Requirement.POSITIVE for node in lines if isinstance(node, Require))
             and all(node.operator in (None, Operator.NEG) for node in lines if isinstance(node, Assign))
             and all(_is_vector(part) for part in self._parts(lines))
             and not any(_is_circular(part) for part in self._parts(early))

@@ -23,6 +23,7 @@ from derive.ir.expressions import (
     TableValue,
 )
 from derive.ir.indices import LANES
+from derive.ir.kernel import Kernel
 from derive.ir.library_calls import COUNT, STATE
 from derive.ir.loop_nests import (
     Accumulator,
@@ -37,7 +38,6 @@ from derive.ir.loop_nests import (
     PartOf,
     Sines,
 )
-from derive.ir.model import Kernel
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
 

@@ -15,7 +15,7 @@ from fractions import Fraction
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import constant
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import Let, Require, Statement, Store
 
 FEWEST_OPERATIONS = 4
@@ -188,13 +188,13 @@ class _Forms:
             if not argument.scalar
             for k, name in argument.named_elements
         }
-        self.found: list[_Form] = []
+        self.forms: list[_Form] = []
 
     def of_statements(self) -> list[_Form]:
         """All forms that are worth a row, in the order of the statements."""
         for statement in self.kernel.statements:
             self.replaced(statement)
-        return self.found
+        return self.forms
 
     def replaced(self, statement: Statement) -> Statement:
         """A statement with its linear forms replaced; the names that it defines are known from then on."""
@@ -229,7 +229,7 @@ class _Forms:
             return expr
         if len(form.factors) < DENSE * form.window.count:
             return expr
-        self.found.append(form)
+        self.forms.append(form)
         for values in self.values:
             window = values.window
             inside = window.first <= form.window.first < window.first + window.count

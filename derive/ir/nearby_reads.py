@@ -18,7 +18,7 @@ from derive.ir.statements import Let
 Place = tuple[str, int]
 """An array, and the number of one of its elements."""
 Value = tuple[object, ...]
-"""A value, told from others by its origin: a number, or the line that computes it in an iteration."""
+"""The origin of a value, which identifies it: a number, or the line that computes it in an iteration."""
 
 
 def with_nearby_reads(nodes: Sequence[Node]) -> tuple[Node, ...]:
@@ -28,9 +28,9 @@ def with_nearby_reads(nodes: Sequence[Node]) -> tuple[Node, ...]:
     far = {array for array, spacing in local.items() if spacing} - cleared
     nodes = [with_early_loads(node, far) if isinstance(node, For) else node for node in nodes]
     near = {array for array, spacing in local.items() if not spacing}
-    found = _Values(nodes, near, far).found()
+    values = _Values(nodes, near, far).replacements()
     return tuple(
-        replace(node, body=tuple(_changed(line, found.get((number, k))) for k, line in enumerate(node.body)))
+        replace(node, body=tuple(_changed(line, values.get((number, k))) for k, line in enumerate(node.body)))
         if isinstance(node, For)
         else node
         for number, node in enumerate(nodes)
@@ -65,7 +65,7 @@ class _Values:
         self.values: dict[Place, Value] = {}
         self.holders: defaultdict[Value, set[Place]] = defaultdict(set)
 
-    def found(self) -> dict[tuple[int, int], Expr]:
+    def replacements(self) -> dict[tuple[int, int], Expr]:
         """The values to read in place of elements, by the numbers of the node and of the line in it."""
         options: dict[tuple[int, int], set[Expr]] = {}
         for number, node in enumerate(self.nodes):

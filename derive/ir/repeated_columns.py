@@ -32,7 +32,7 @@ class RepeatedColumns:
 
 
 def repeated_columns(pattern: Pattern) -> tuple[RepeatedColumns, ...]:
-    """The columns of a pattern in the fewest numbers that are soon found."""
+    """The columns of a pattern as runs of columns that repeat at a distance; a greedy search makes the runs long."""
     columns = [pattern.rowidx[a:b] for a, b in zip(pattern.colptr, pattern.colptr[1:], strict=False)]
     result: list[RepeatedColumns] = []
     first = 0

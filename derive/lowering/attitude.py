@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import reduce
 
 from derive.ir.expressions import Expr, Operation, Operator, ScalarRef
-from derive.ir.model import Kernel, Section
+from derive.ir.kernel import Kernel, Section
 from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.mechanics.equations import Equations
 from derive.roles import Role

@@ -11,7 +11,7 @@ from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
 from derive.mechanics.multibody.space.nodal_loads import nodal_resultants
 from derive.reduction.arithmetic import Array
 from derive.reduction.body import Prepared, prepare, second_order_fields
-from derive.spec.model.spatial_scene import FlexibleBody, NodeFrame
+from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 
 ON_A_LINE = 1e-8
 """Sets of nodes whose least moment of inertia is below this part of the largest lie on a line."""
@@ -52,7 +52,7 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
 
 
 def load_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
-    """The points at which the resultants of the loads of a body act, after `modal_frames` has found no faults."""
+    """The points at which the resultants of the loads of a body act, once `modal_frames` has checked it."""
     if not body.loads:
         return ()
     mean = _MeanPoints(body, prepare(body.body))

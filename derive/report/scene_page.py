@@ -36,7 +36,8 @@ from derive.report.sections.zeros import vanished_blocks
 from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
-from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from derive.ir.interpreter import RequirementError, interpret
-from derive.ir.model import Kernel, Model, Variable
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model, Variable
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ReturnCode
 from derive.roles import Role

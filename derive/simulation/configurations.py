@@ -107,8 +107,8 @@ def rate_matrix(native: Moving, q: Vector, k: Vector) -> Matrix:
 
 def origins(native: Configured) -> tuple[tuple[int, int], ...]:
     """The first coordinate and the first velocity of each origin of a body in space."""
-    found = [(i, j) for i, j, role in blocks(native) if role is Role.TRANSLATION]
-    return tuple(found[::COMPONENTS])
+    translations = [(i, j) for i, j, role in blocks(native) if role is Role.TRANSLATION]
+    return tuple(translations[::COMPONENTS])
 
 
 def attitudes(native: Configured) -> tuple[tuple[int, int], ...]:

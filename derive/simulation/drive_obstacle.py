@@ -35,7 +35,8 @@ from derive.simulation.observables.motion import drive_unit
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import BeamBody, Joint
-from derive.spec.model.spatial_scene import FlexibleBody, SpatialJoint
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialJoint
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import value_at
 

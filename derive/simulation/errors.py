@@ -139,7 +139,8 @@ class TooNearDeadCentre(SingularConfiguration):
 class DriveCannotBeFollowed(SingularConfiguration):
     """A drive has moved the mechanism to a dead centre that it cannot pass.
 
-    drives: the names of its multipliers. locked: whether no configuration was found that closes the joints later.
+    drives: the names of its multipliers. locked: whether no configuration closes the joints later,
+    as far as the search could see.
     """
 
     def __init__(

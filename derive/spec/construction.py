@@ -36,18 +36,15 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput
 from derive.spec.model.simulation import Simulation
-from derive.spec.model.spatial_scene import (
-    FrameMarker,
-    Gear,
-    SpatialBody,
+from derive.spec.model.spatial_bodies import FrameMarker, SpatialBody
+from derive.spec.model.spatial_forces import (
     SpatialForce,
-    SpatialJoint,
     SpatialJointForce,
     SpatialJointTorque,
-    SpatialScene,
     SpatialSpring,
     SpatialTorque,
 )
+from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.specification import Specification
 from derive.spec.parsing.names import element_name_problem
 

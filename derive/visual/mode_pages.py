@@ -16,12 +16,13 @@ from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.spatial_player_data import (
     BodyPath,
     DrawnBody,
+    Tie,
     bodies_data,
     bodies_motion_data,
     drawn_body,
     path_of,
 )
-from derive.simulation.observables.spatial_scene_player import drawn_bodies, ground_points
+from derive.simulation.observables.spatial_scene_player import drawn_bodies, ground_points, ties
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_scene import SpatialScene
@@ -74,6 +75,10 @@ def _ground(modes: Modes) -> list[tuple[str, Array]]:
     return ground_points(modes.spec) if isinstance(modes.spec, SpatialScene) else []
 
 
+def _ties(modes: Modes) -> list[Tie]:
+    return ties(modes.spec) if isinstance(modes.spec, SpatialScene) else []
+
+
 def _rest(modes: Modes) -> str:
     return "the undeformed body" if isinstance(modes.spec, NodalBody) else "the state itself"
 
@@ -118,7 +123,7 @@ def modes_page(modes: Modes, count: int) -> str:
         pages.append({**content, "name": label})
     if not drawn:
         return motions_page(title, pages)
-    return spatial_motions_page(title, bodies_data(drawn, _ground(modes)), pages)
+    return spatial_motions_page(title, bodies_data(drawn, _ground(modes), _ties(modes)), pages)
 
 
 def _paths(modes: Modes, mode: Mode, drawn: list[DrawnBody], phases: Array) -> list[BodyPath]:

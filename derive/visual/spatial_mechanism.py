@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 
 import numpy as np
 
 from derive.artifacts import MARK
 from derive.simulation.observables.motion import Array
-from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody, placed
+from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody, Tie, placed
 from derive.visual.mode_pages import VIEW
 
 WIDTH, MOST, EDGE = 640.0, 420.0, 46.0
@@ -24,11 +24,13 @@ STYLE = """\
     .face { stroke: #ffffff; stroke-width: 0.6; } .rigid { fill: #5c6975; fill-opacity: 0.55; }
     .flexible { fill: #1f7fab; } .shade { fill: #000000; stroke: none; }
     .link { stroke: #5c6975; stroke-width: 4; stroke-linecap: round; }
-    .edge { stroke: #1f7fab; stroke-width: 1.6; }
+    .edge { stroke: #1f7fab; stroke-width: 1.6; } .tie, .spring { stroke: #5c6975; stroke-width: 1.6; }
+    .spring { stroke-dasharray: 5 3; }
     .axis { stroke: #9aa6b2; stroke-width: 1.4; } .point { fill: #1c2733; }
     @media (prefers-color-scheme: dark) {
       text { fill: #e6edf3; stroke: #0d1117; } .face { stroke: #0d1117; } .rigid { fill: #8d9aa6; }
-      .flexible { fill: #58b4dc; } .link { stroke: #8d9aa6; } .edge { stroke: #58b4dc; } .point { fill: #e6edf3; }
+      .flexible { fill: #58b4dc; } .link { stroke: #8d9aa6; } .edge { stroke: #58b4dc; }
+      .tie, .spring { stroke: #8d9aa6; } .point { fill: #e6edf3; }
     }
   </style>"""
 
@@ -37,13 +39,17 @@ Shape = tuple[float, str]
 
 
 def spatial_picture(
-    name: str, bodies: list[DrawnBody], paths: list[BodyPath], ground: list[tuple[str, Array]], number: int = 0
+    name: str,
+    bodies: list[DrawnBody],
+    paths: list[BodyPath],
+    ground: list[tuple[str, Array]],
+    ties: Sequence[Tie] = (),
 ) -> str:
-    """The picture of bodies at the instant of a number.
+    """The picture of bodies at the first instant of their paths.
 
-    ground: names and places (3,), m, of the markers of the ground.
+    ground: names and places (3,), m, of the markers of the ground. ties: the lines between markers.
     """
-    shown = [placed(body, path)[number] @ _axes().T for body, path in zip(bodies, paths, strict=True)]
+    shown = [placed(body, path)[0] @ _axes().T for body, path in zip(bodies, paths, strict=True)]
     fixed = [(label, _axes() @ at) for label, at in ground]
     every = np.concatenate([*shown, *(at[None] for _, at in fixed), np.zeros((1, 3))])
     low, high = every[:, :2].min(axis=0), every[:, :2].max(axis=0)
@@ -57,6 +63,9 @@ def spatial_picture(
         return np.stack([x, y, points[:, 2] * scale], axis=1)
 
     shapes = [shape for body, points in zip(bodies, shown, strict=True) for shape in _shapes(body, pixels(points))]
+    ends = {(k, i): shown[k][node] for k, body in enumerate(bodies) for i, (_, node) in enumerate(body.markers)}
+    ends |= {(-1, i): at for i, (_, at) in enumerate(fixed)}
+    shapes += [_tie(tie, pixels(np.array([ends[end] for end in tie.ends]))) for tie in ties]
     tips = pixels(np.vstack([np.zeros(3), 0.35 * float(np.ptp(every, axis=0).max()) * _axes().T]))
     axes = [_line("axis", tips[0], tip) for tip in tips[1:]]
     labels = [
@@ -94,6 +103,10 @@ def _shapes(body: DrawnBody, points: Array) -> Iterator[Shape]:
         yield float(points[[i, j], 2].mean()), _line("edge", points[i], points[j])
     for i, j in body.links:
         yield float(points[[i, j], 2].mean()), _line("link", points[i], points[j])
+
+
+def _tie(tie: Tie, points: Array) -> Shape:
+    return float(points[:, 2].mean()), _line("spring" if tie.spring else "tie", points[0], points[1])
 
 
 def _line(kind: str, a: Array, b: Array) -> str:

@@ -60,7 +60,7 @@ def _drive(draft: Draft, joint: JointSketch) -> None:
     elif form == "speed":
         function_of_t = draws.chance(0.4)
         table["speed"] = (
-            speed_function(draft, speed) if function_of_t else draft.quantity(rounded(speed, 2), driven.speed_unit)
+            speed_function(draft, speed) if function_of_t else draft.quantity(rounded(speed, 2), f"{driven.unit}/s")
         )
         if at or draws.chance(0.2):
             table["offset"] = at

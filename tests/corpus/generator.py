@@ -31,7 +31,7 @@ from corpus.observations import observe
 from corpus.spatial_scenes import FIRST, spatial_scene
 from corpus.spelling import respell
 from derive.spec.tables.json_schema import schema_of
-from derive.spec.tables.spatial import spatial_specification_table
+from derive.spec.tables.spatial_scene import spatial_specification_table
 from derive.spec.tables.specification import specification_table
 
 

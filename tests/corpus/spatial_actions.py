@@ -10,8 +10,10 @@ from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SP
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.model.instances import identifier
-from derive.spec.model.keys import KeyType
-from derive.spec.model.spatial_scene import SpatialForce, SpatialScene
+from derive.spec.model.keys import Key, KeyType
+from derive.spec.model.spatial_forces import SpatialForce
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.tables.value_types import MAX_CURVES
 
 if TYPE_CHECKING:
     from corpus.spatial_scenes import SpatialDraft
@@ -201,30 +203,41 @@ def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
 def _outputs(draft: SpatialDraft, at: list[str]) -> None:
     """Outputs of any kind that is registered, each key from what its type declares."""
     draws = draft.draws
-    joints = draft.tables.get("joints", {})
     for kind in draws.some([*SPATIAL_OUTPUTS], 0.2):
         table: Table = {"kind": kind}
         for key in SPATIAL_OUTPUTS[kind].keys:
-            free = [name for name in joints if kind == "reaction" or _has_coordinate(joints[name])]  # type: ignore[index]
-            turning = [marker for marker in at if _turns(draft, marker) or not kind.startswith("angular_")]
-            sections = {
-                KeyType.DRIVE: ("drives",),
-                KeyType.SPRING: ("springs",),
-                KeyType.JOINT_LOAD: ("forces", "torques"),
-            }
-            named = [
-                name
-                for section in sections.get(key.type, ())
-                for name, of in draft.tables.get(section, {}).items()  # type: ignore[attr-defined]
-                if key.type is not KeyType.JOINT_LOAD or "joint" in of
-            ]
-            options = {KeyType.MARKER: turning, KeyType.JOINT: free, KeyType.MARKER_PAIR: at}.get(key.type, named)
-            if key.type is KeyType.MARKER_PAIR:
-                bodies = {marker.split(".")[0]: marker for marker in at}
-                options = [[*bodies.values()][:2]] if len(bodies) > 1 else []
-            table[key.name] = draws.choice(options) if options else None
+            options = _options(draft, at, kind, key)
+            if key.required:
+                table[key.name] = draws.choice(options) if options else None
+            elif options and draws.chance(0.4):
+                table[key.name] = draws.choice(options)
         if None not in table.values():
             draft.section("outputs")[draft.name("outputs")] = table
+
+
+def _options(draft: SpatialDraft, at: list[str], kind: str, key: Key) -> list[Any]:
+    """The values that a key of an output may have."""
+    turning = [marker for marker in at if _turns(draft, marker)]
+    match key.type:
+        case KeyType.MARKER if kind == "deflection":
+            return [marker for marker in at if "nodes" in draft.section("bodies")[marker.split(".")[0]]]
+        case KeyType.MARKER:
+            return turning if key.name == "frame" or "rotation" in kind or kind.startswith("angular_") else at
+        case KeyType.MARKER_PAIR:
+            bodies = {marker.split(".")[0]: marker for marker in at}
+            return [[*bodies.values()][:2]] if len(bodies) > 1 else []
+        case KeyType.JOINT:
+            joints = draft.tables.get("joints", {})
+            return [name for name in joints if kind == "reaction" or _has_coordinate(joints[name])]  # type: ignore[index]
+        case KeyType.CHOICE:
+            return [*key.choices]
+        case KeyType.JOINT_LOAD:
+            loads = {**draft.tables.get("forces", {}), **draft.tables.get("torques", {})}  # type: ignore[dict-item]
+            return [name for name, of in loads.items() if "joint" in of]
+        case KeyType.DRIVE | KeyType.SPRING:
+            return [*draft.tables.get({KeyType.DRIVE: "drives", KeyType.SPRING: "springs"}[key.type], {})]
+        case _:
+            raise AssertionError(f"no values are known for the key {key.name} of an output")
 
 
 def _has_coordinate(joint: Table) -> bool:
@@ -241,5 +254,6 @@ def _plot(draft: SpatialDraft) -> None:
         for label in SPATIAL_OUTPUTS[table["kind"]].labels
     ]
     if columns and draws.chance(0.5):
-        plot: Table = {"y": draws.choice(columns) if draws.chance(0.5) else draws.some(columns, 0.5) or columns[:1]}
+        y = draws.choice(columns) if draws.chance(0.5) else (draws.some(columns, 0.5) or columns)[:MAX_CURVES]
+        plot: Table = {"y": y}
         draft.section("plots")[draft.name("plots")] = plot

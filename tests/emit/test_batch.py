@@ -17,7 +17,7 @@ import derive
 from derive.backends.c import batch as c_batch
 from derive.backends.c.batch_block import StateBlock
 from derive.backends.c.source import CBackend
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, vector_flags
 from derive.runtime.native_call import ModelError
@@ -43,7 +43,10 @@ MODELS: dict[str, Callable[[], tuple[derive.File, ...]]] = {
     **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n).files for frame, n in BEAMS},
     **{f"{frame}_{n}_{way}": lambda n=n, frame=frame, way=way: body(n, frame, way) for n, frame, way in BODIES},
 }
-EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
+LARGE = "point_8"
+EVERY_MODEL = pytest.mark.parametrize(
+    "model", [pytest.param(name, marks=pytest.mark.long if name == LARGE else ()) for name in MODELS]
+)
 
 
 def body(n: int, frame: str, lowering: str) -> tuple[derive.File, ...]:
@@ -52,13 +55,14 @@ def body(n: int, frame: str, lowering: str) -> tuple[derive.File, ...]:
 
 @cache
 def compiled_models() -> dict[str, Future[Native]]:
-    """All of them: one is compiled while the next is derived."""
+    """All but the large one: one is compiled while the next is derived."""
     pool = ThreadPoolExecutor(2)
-    return {name: pool.submit(derive.load, make(), VECTORS) for name, make in MODELS.items()}
+    return {name: pool.submit(derive.load, make(), VECTORS) for name, make in MODELS.items() if name != LARGE}
 
 
+@cache
 def native(model: str) -> Native:
-    return compiled_models()[model].result()
+    return derive.load(MODELS[LARGE](), VECTORS) if model == LARGE else compiled_models()[model].result()
 
 
 def constants(model: Native) -> np.ndarray:

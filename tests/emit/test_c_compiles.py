@@ -33,8 +33,8 @@ The first one, which is small, is compiled at every level, and to an object as C
 """
 
 
-LARGE = ("mean_8", "point_off_centre_5", "tangent_5", "mean_20_loops")
-"""Models that are others with more shapes: point_8 and given_13_loops have as many."""
+LARGE = ("mean_5", "mean_8", "point_off_centre_5", "tangent_5", "given_3_loops", "mean_20_loops")
+"""Models that are others with more or fewer shapes: point_8 and given_13_loops have many, given_1_loops few."""
 
 
 @pytest.fixture(

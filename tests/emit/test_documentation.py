@@ -13,7 +13,7 @@ from toolchain import MODELS, text_of
 import beams
 from derive.backends.c.source import ABI
 from derive.backends.description import section_text
-from derive.ir.model import Kernel, Output, Section
+from derive.ir.kernel import Kernel, Output, Section
 from derive.roles import Source
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS)

@@ -13,7 +13,7 @@ from derive.backends.expression_text import PYTHON, C, Dialect, text
 from derive.backends.wrapping import PLUS, WIDTH, join, statement
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.interpreter import interpret
-from derive.ir.model import Argument, Kernel, Output, Section
+from derive.ir.kernel import Argument, Kernel, Output, Section
 from derive.ir.statements import Store
 
 VALUES = {"a": 1.7, "b": -0.3, "c": 0.9}

@@ -17,7 +17,7 @@ from toolchain import MODELS, run, text_of, written
 import beams
 import derive
 from conftest import QUICK
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import ModelError
 

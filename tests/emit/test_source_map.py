@@ -30,7 +30,8 @@ from derive.backends.source_map import (
     source_map,
     storing,
 )
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Store, StoreLocal
 from derive.registry import UnknownNameError
 

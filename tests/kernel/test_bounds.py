@@ -20,7 +20,7 @@ from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.runtime.compiled_model import Native
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import ModelError
-from derive.runtime.native_scene import NativeScene
+from derive.spec.toml.read import parse
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -71,17 +71,11 @@ BARS = 'name = "two_bars"\n[ground.markers]\na = [0, 0]\nb = [5, 0]\n' + "".join
 """Two pendulums that do not know of each other."""
 
 
-@cache
-def bars() -> NativeScene:
-    from derive.spec.toml.read import parse
-
-    spec = parse(BARS)
-    return load_scene(generated(spec)[1], QUICK)
-
-
-def test_every_result_of_a_scene_is_checked() -> None:
+@pytest.mark.parametrize("lowering", ["flat", "instances"])
+def test_every_result_of_a_scene_is_checked(lowering: str) -> None:
     """The first pendulum is at rest; what is not finite concerns the second alone."""
-    native = bars()
+    spec = parse(BARS.replace("[ground", f'scene.lowering = "{lowering}"\n[ground', 1))
+    native = load_scene(generated(spec)[1], QUICK)
     k, q = native.setup(), np.array([0.5, 0, 0, 5.5, 0, 0])
     calm, wild = np.zeros(6), np.array([0, 0, 0, 0, 0, 1e200])
     assert np.all(np.isfinite(np.hstack(native.solve(0.0, q, calm, k))))

@@ -15,7 +15,8 @@ from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
 from derive.ir.analysis import expressions, operations, reads
 from derive.ir.interpreter import interpret
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 from derive.ir.statements import ReturnCode
 from derive.runtime.native_call import ModelError
 

@@ -14,7 +14,7 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.model import Argument, Kernel, Output, Section, View
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
 from kernel.test_instance_lanes import looped
 

@@ -6,7 +6,7 @@ import pytest
 
 import beams
 from derive.ir.expressions import Operation, ScalarRef, walk
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 
 STRUCTURE = {
     ("point", 2): 15,

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from derive.ir.analysis import codes_in_order
 from derive.ir.batches import batch
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, Node, Sines, every
-from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.statements import ForEach, Let, Require, Requirement, ReturnCode, Statement, StoreElement, Work
 from kernel.test_instance_lanes import looped
 
@@ -110,11 +111,24 @@ MOVING = 30
 """A seed whose loops are all in one with the recurrence."""
 
 
-def test_nothing_moves_if_the_first_of_several_codes_counts() -> None:
-    statements = random_statements(MOVING)
-    assert len(loops_of_several(fused(plain(statements)))) == 1
-    check = Require(Requirement.FINITE, Element("x", constant(0)), ReturnCode.NOT_FINITE, "")
-    assert fused(plain((*statements, check))) == plain((*statements, check))
+def finite(place: ElementIndex) -> Require:
+    return Require(Requirement.FINITE, Element("x", place), ReturnCode.NOT_FINITE, "")
+
+
+def test_the_first_of_several_codes_stays_the_first() -> None:
+    """A check of results is behind all pivots: what has it does not move into the loop that computes these."""
+    (*others, last) = random_statements(MOVING)
+    assert isinstance(last, ForEach)
+    assert len(loops_of_several(fused(plain((*others, last))))) == 1
+    checked = plain((*others, replace(last, body=(*last.body, finite(variable("n"))))))
+    together = fused(checked)
+    assert [[*codes_in_order([loop])] for loop in loops_of_several(together)] == [
+        [ReturnCode.PIVOT],
+        [ReturnCode.NOT_FINITE],
+    ]
+    mixed = (*plain((finite(constant(0)),)), *checked)
+    assert not codes_in_order(mixed)
+    assert fused(mixed) == mixed
 
 
 def test_instances_stay_behind_the_numbers_that_they_read() -> None:

@@ -21,9 +21,10 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import constant, variable
 from derive.ir.interpreter import interpret, interpret_batch
+from derive.ir.kernel import Argument, ConstantArray, Kernel, Output, Section, View
 from derive.ir.lanes import in_lanes, section_in_lanes
 from derive.ir.loop_nests import Assign, For, LoopKind, Node, every
-from derive.ir.model import Argument, ConstantArray, Kernel, Model, Output, Section, View
+from derive.ir.model import Model
 from derive.ir.statements import Entry, ForEach, Let, Require, Requirement, ReturnCode, StoreElement, Work
 from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
@@ -83,7 +84,12 @@ def mechanism(graph: str) -> Mechanism:
 
 @cache
 def looped(graph: str) -> Model:
-    return lower_instances(mechanism(graph))
+    return lower_instances(mechanism(graph), explicit=True)
+
+
+@cache
+def straight(graph: str) -> Model:
+    return lower(mechanism(graph).expanded(), explicit=True)
 
 
 def arguments(kernel: Kernel) -> dict[str, Any]:
@@ -100,7 +106,7 @@ def nodes_in_lanes(kernel: Kernel) -> Iterator[Node]:
 @pytest.mark.parametrize("name", ["accel", "solve", "project_velocity"])
 def test_loops_are_the_straight_line(graph: str, name: str) -> None:
     """The elimination from both ends and that along tables solve the equations that straight-line code solves."""
-    kernel, flat = looped(graph).kernel(name), lower(mechanism(graph).expanded()).kernel(name)
+    kernel, flat = looped(graph).kernel(name), straight(graph).kernel(name)
     given = arguments(kernel)
     found = interpret(kernel, given)
     for output, expected in interpret(flat, {a.name: given[a.name] for a in flat.arguments}).items():

@@ -12,8 +12,8 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.interpreter import RequirementError, interpret
+from derive.ir.kernel import Argument, ConstantArray, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, Integer, Local
-from derive.ir.model import Argument, ConstantArray, Kernel, Output, Section, View
 from derive.ir.statements import (
     Clear,
     Entry,

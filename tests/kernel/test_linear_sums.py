@@ -16,8 +16,9 @@ from derive.backends.c.linear_sums import NO_SUMS, TOGETHER, LinearSums, linear_
 from derive.backends.c.source import CBackend
 from derive.derivation import lower
 from derive.ir.interpreter import interpret
+from derive.ir.kernel import Kernel
 from derive.ir.linear_forms import Row
-from derive.ir.model import Kernel, Model
+from derive.ir.model import Model
 from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
 

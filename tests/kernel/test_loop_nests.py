@@ -17,9 +17,10 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, Of, constant, triangle, variable
 from derive.ir.interpreter import RequirementError, interpret, interpret_batch
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.lanes import in_lanes, section_in_lanes
 from derive.ir.loop_nests import For, If, LoopKind, Node, PartOf, every
-from derive.ir.model import Argument, Kernel, Model, Output, Section, View
+from derive.ir.model import Model
 from derive.ir.statements import (
     Accumulate,
     Cholesky,

@@ -21,7 +21,7 @@ from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS
 from derive.runtime.native_call import ModelError
 
-SIZES = {"given": (1, 2, 5, 8), "mean": (0, 2, 3, 5, 13)}
+SIZES = {"given": (1, 2, 4, 5), "mean": (0, 2, 3, 9)}
 CASES = [(n, frame) for frame, of in SIZES.items() for n in of]
 GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]
 
@@ -34,7 +34,7 @@ def made(n: int, frame: str) -> beams.Made:
 
 @cache
 def native(n: int, frame: str) -> Native:
-    """Compiled in a moment; with five shapes as models are by default, vectorised."""
+    """Compiled in a moment; one of them as models are by default, vectorised."""
     return derive.load(made(n, frame).files, FLAGS if n == 5 else QUICK)
 
 
@@ -167,6 +167,7 @@ def test_an_acceleration_that_is_not_finite_is_reported(frame: str) -> None:
     assert failed.value.code == 2
 
 
+@cache
 def symbolic(n: int, frame: str) -> derive.Model:
     return derive.lower(derive.derive(derive.symbolic_body("loops", n, frame=frame, lowering="loops")))
 
@@ -191,7 +192,7 @@ def test_size_of_the_code_does_not_depend_on_the_shapes() -> None:
     def length(n: int) -> int:
         return sum(len(f.text) for f in beams.build(derive.symbolic_body("loops", n, lowering="loops")).files[:2])
 
-    assert length(96) < 1.05 * length(20)
+    assert length(60) < 1.05 * length(20)
 
 
 def test_loops_of_a_kernel_are_few_and_simple() -> None:

@@ -12,8 +12,8 @@ from derive.ir.batches import batch
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, LoopKind, Node, every
-from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.ordering import LONG, with_few_waiting
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
 from kernel.test_instance_lanes import looped

@@ -11,8 +11,8 @@ from derive.ir.batches import batch
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, Local, Node
-from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.nearby_reads import with_nearby_reads
 from derive.ir.shared_places import with_shared_places
 from derive.ir.statements import Let

@@ -10,7 +10,7 @@ import sympy as sp
 
 import derive
 from derive.ir.expressions import Expr, Operation, Operator, ScalarRef
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import Let
 from derive.lowering.flat.shared_sums import SharedSums
 from derive.mechanics.bodies.modal_body import ModalBody

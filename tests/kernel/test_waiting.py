@@ -8,7 +8,7 @@ import pytest
 
 import derive
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef, walk
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import Let, Require, Store
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph

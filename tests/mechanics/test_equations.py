@@ -14,7 +14,7 @@ from paper import brute_force
 from plain_symbols import plain
 
 XI = sp.Symbol("xi")
-CASES = [(frame, n) for frame in beams.FRAMES for n in (1, 2, 4)]
+CASES = [(frame, n) for frame in beams.FRAMES for n in (1, 2, 3)]
 
 
 def shapes_of(frame: str, n: int) -> list[sp.Expr]:
@@ -60,7 +60,7 @@ def test_markers_are_those_of_the_brute_force(frame: str, n: int) -> None:
                 assert same(frame, n, marker.jacobian[k, j].xreplace(local), gradient)
 
 
-@pytest.mark.parametrize(("frame", "n"), [(f, n) for f in beams.FRAMES for n in (1, 2, 5, 8)])
+@pytest.mark.parametrize(("frame", "n"), [(f, n) for f in beams.FRAMES for n in (1, 2, 5)])
 def test_every_zero_has_its_reason_and_no_other_entry_is_zero(frame: str, n: int) -> None:
     equations = beams.made(frame, n).equations
     zeros = {(i, j): str(reason) for i, j, reason in equations.mass_zeros}

@@ -7,11 +7,14 @@ integral: an error in those cannot be repeated here. Any number of shapes, each 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import sympy
-from sympy import Expr, Rational, Symbol, cos, sin
+from sympy import QQ, Expr, Symbol, cos, sin
+from sympy.polys.rings import PolyRing
 
 m, l, EI, xi = sympy.symbols("m l EI xi")  # noqa: E741 - the paper's letters
 c1, c2, phi = sympy.symbols("c1 c2 phi")
@@ -62,15 +65,17 @@ def expanded(expr: Expr) -> Expr:
 
 def integral(expr: Expr) -> Expr:
     """The integral of a polynomial in xi from -1 to 1: 2/(k + 1) for an even power k, 0 for an odd one."""
-    terms = []
-    for term in sympy.Add.make_args(sympy.expand(expr)):
-        factor, power = term.as_coeff_exponent(xi)
-        # Anything else would be taken for a constant, or for a power that the rule does not cover.
-        if factor.has(xi) or not (power.is_Integer and power >= 0):
-            raise ValueError(f"not a polynomial in xi: {expr}")
+    symbols = sorted(expr.free_symbols - {xi, phi}, key=str)
+    polynomials = PolyRing((xi, cos(phi), sin(phi), *symbols), QQ)
+    try:
+        terms = polynomials.from_expr(expr).terms()
+    except ValueError:
+        raise ValueError(f"not a polynomial in xi: {expr}") from None
+    of_even_powers: defaultdict[tuple[int, ...], Any] = defaultdict(lambda: QQ(0))
+    for (power, *others), factor in terms:
         if power % 2 == 0:
-            terms.append(factor * Rational(2, int(power) + 1))
-    return expanded(sympy.Add(*terms))
+            of_even_powers[0, *others] += QQ(2, power + 1) * factor
+    return expanded(polynomials.from_dict(of_even_powers).as_expr())
 
 
 def lateral_displacement(shapes: Sequence[Expr]) -> Expr:
@@ -110,8 +115,8 @@ def rows(shapes: Sequence[Expr]) -> dict[str, Expr]:
 def strain_energy(shapes: Sequence[Expr]) -> Expr:
     """1/2 EI times the integral of the squared curvature over the length, not taken from (22)."""
     per_length = 2 / l  # d xi / dx, as x = xi l / 2
-    curvature = sympy.diff(lateral_displacement(shapes), xi, 2) * per_length**2
-    return expanded(EI / 2 * integral(curvature**2) / per_length)
+    second = sympy.diff(lateral_displacement(shapes), xi, 2)  # the curvature is that times per_length^2
+    return expanded(EI / 2 * integral(second**2) * per_length**3)
 
 
 def kinetic_energy(shapes: Sequence[Expr]) -> Expr:

@@ -73,12 +73,20 @@ def derived_rows(n: int, mean: bool = False) -> dict[str, tuple[sp.Expr, ...]]:
     return vectors | {f"alpha{i}": (rows[f"alpha{i}"],) for i in range(1, n + 1)}
 
 
+@cache
+def expanded_once(expr: sp.Expr) -> sp.Expr:
+    return sp.expand(expr)
+
+
 def differing(terms: tuple[PrintedVector, ...], rows: dict[str, tuple[sp.Expr, ...]]) -> set[str]:
+    """The rows that are not the sums of their terms; monomials of what is expanded cancel without being expanded."""
     different = set()
     for row, found in rows.items():
-        printed = sum((t.expr for t in terms if t.row == row), sp.zeros(len(found), 1))
-        if any(sp.expand(a - b) != 0 for a, b in zip(printed, found, strict=True)):
-            different.add(row)
+        of_row = [t.expr for t in terms if t.row == row]
+        for k, expected in enumerate(found):
+            printed = (expanded_once(expr[k]) for expr in of_row)
+            if sp.Add(*printed, *sp.Add.make_args(-expanded_once(expected))) != 0:
+                different.add(row)
     return different
 
 

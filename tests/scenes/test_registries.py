@@ -149,7 +149,7 @@ class Speed(OutputType):
 
     def components(self, name, values, scene):
         velocity = scene.point(values["marker"]).velocity
-        return OutputComponents((OutputComponent("", "m/s", "speed", sp.sqrt(velocity.dot(velocity))),))
+        return OutputComponents((OutputComponent("", "m/s", sp.sqrt(velocity.dot(velocity))),))
 
 
 FORCES = {"cubic": CubicSpring(), "follower": Follower(), "viscous": Viscous()}

@@ -15,8 +15,11 @@ from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.artifacts import MARK
 from derive.cli.main import main
-from derive.simulation.observables.spatial_player_data import MAX_NODES, rigid_drawing, spatial_player_data
+from derive.simulation.observables.spatial_player_data import MAX_NODES, Tie, rigid_drawing, spatial_player_data
+from derive.simulation.observables.spatial_scene_player import ties
 from derive.simulation.trajectory import Trajectory
+from derive.spec.model.specification import SpatialScene
+from derive.spec.toml.read import parse
 from derive.visual.player import spatial_player_page
 
 START = derive.SpatialStart(
@@ -98,6 +101,26 @@ def test_a_rigid_body_is_the_box_of_its_inertia_and_lines_to_its_markers() -> No
     assert drawn.links == ((8, 9),) and drawn.markers == (("hook", 9),) and drawn.radius == 1
     lines = rigid_drawing("frame", 0.0, centre, np.zeros((3, 3)), [("a", np.zeros(3)), ("b", np.ones(3))])
     assert lines.links == ((0, 1),) and not lines.surface.faces
+
+
+HUNG = """
+name = "hung"
+scene = { gravity = [0, 0, -9.81] }
+ground.markers = { beam = [0, 0, 1], hook = [0, 1, 1] }
+bodies.lamp = { mass = 1, inertia = [1, 1, 1, 0, 0, 0], markers = { side = [1, 0, 0], eye = [0, 1, 0] } }
+joints.rope = { kind = "distance", between = ["lamp.eye", "ground.hook"], distance = 1 }
+joints.ball = { kind = "spherical", between = ["lamp.eye", "ground.hook"] }
+simulation = { duration = 1, output = 0.1 }
+[springs]
+cord = { kind = "linear", between = ["ground.beam", "lamp.side"], stiffness = 1 }
+wire = { kind = "rotational", between = ["ground.beam", "lamp.side"], stiffness = 1 }
+"""
+
+
+def test_springs_along_a_line_and_distances_are_lines_between_markers() -> None:
+    scene = parse(HUNG)
+    assert isinstance(scene, SpatialScene)
+    assert ties(scene) == [Tie(True, ((-1, 0), (0, 0))), Tie(False, ((0, 1), (-1, 1)))]
 
 
 def test_the_page_needs_nothing_from_outside(trajectory: Trajectory) -> None:

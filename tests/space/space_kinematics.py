@@ -295,6 +295,10 @@ class SpaceKinematics:
                 sign = 1 if joint["between"] == table["between"] else -1
                 if any(placing == name for _, placing in self.held):
                     return sign * self.coupled_motion(name, t, state, poses)[0]
+                if name in self.drives and coupled(joint) == "rz":
+                    (_, A1), (_, A2) = (self.frame(end, state, poses) for end in joint["between"])
+                    less = self.motion(name, t) - relative_angle(A1.T @ A2)
+                    return relative_angle(R) + sign * (less - without_turns(less, ONE))
                 if joint["kind"] == "screw":
                     (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in joint["between"])
                     turn = self.value(joint["pitch"]) / WHOLE_TURN

@@ -106,6 +106,25 @@ def test_beyond_half_a_turn_nothing_is_made_up() -> None:
         PreparedRun(parse(text), complete=False).trajectory()
 
 
+def test_a_start_beyond_half_a_turn_is_not_another_angle() -> None:
+    text = wheel(keep=True, start=5.0)
+    with pytest.raises(HalfTurn, match=r"springs.coil: at the start, by 5 rad, its markers turn by more than half a"):
+        PreparedRun(parse(text), complete=False).trajectory()
+
+
+@pytest.mark.parametrize(("between", "sign"), [(FORWARDS, 1), (BACKWARDS, -1)])
+def test_a_drive_counts_turns_of_bodies_that_keep_their_coordinates(between: str, sign: int) -> None:
+    """From the second to the fourth turn; the stiffness, the rest and the potential are those of all of them."""
+    drive = '[drives.motor]\njoint = "axle"\nmotion = "8 + 12*t"\n'
+    text = wheel(between=between, keep=True, REST="1.5").replace("start = { angle = 5.0, speed = 0 }", "")
+    text += f'[outputs.M]\nkind = "drive"\ndrive = "motor"\n{drive}'
+    run = PreparedRun(parse(text), complete=False).trajectory()
+    assert run.motion.native.nlambda == 6
+    turned = sign * (8 + 12 * run.t)
+    assert run["M"] == pytest.approx(sign * 2 * (turned - 1.5), rel=1e-9)
+    assert run["E_strain"] == pytest.approx((turned - 1.5) ** 2, rel=1e-9)
+
+
 def test_below_half_a_turn_and_across_zero_it_runs_in_coarse_rows() -> None:
     """Between two rows it turns by more than pi, from one side to the other, without passing pi; a note says so."""
     text = wheel(keep=True, start=2.9).replace("output = 0.05", "output = 1.5")
@@ -116,9 +135,11 @@ def test_below_half_a_turn_and_across_zero_it_runs_in_coarse_rows() -> None:
     assert "springs.coil" not in "".join(fine.notes)
 
 
-@pytest.mark.parametrize("kind", ["revolute", "cylindrical", "screw", "planar"])
+@pytest.mark.parametrize("kind", ["revolute", "cylindrical", "screw", "planar", "driven"])
 def test_kernels_agree_with_the_oracle(kind: str, tmp_path) -> None:  # type: ignore[no-untyped-def]
-    path = tmp_path / "scene.toml"
-    text = wheel(kind, BACKWARDS, keep=kind == "screw", DAMPING="0.3", REST="1").replace("start =", "#")
+    path, drive = tmp_path / "scene.toml", '[drives.motor]\njoint = "axle"\nmotion = "8 + 12*t"\n'
+    keep, driven = kind in ("screw", "driven"), kind == "driven"
+    text = wheel("revolute" if driven else kind, BACKWARDS, keep=keep, DAMPING="0.3", REST="1").replace("start =", "#")
+    text += drive if driven else ""
     path.write_text(text)
     assert disagreements(space_model(path, complete=False), 3) == []

@@ -15,7 +15,8 @@ from derive.backends.c.loop_text import declarations
 from derive.backends.c.signatures import names, parameters, signature
 from derive.ir.batches import state_arguments
 from derive.ir.indices import LANES
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 from derive.rendering import render
 
 KERNELS = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")

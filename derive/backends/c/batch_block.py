@@ -12,10 +12,10 @@ from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
 from derive.backends.c.signatures import parameters, signature
 from derive.backends.wrapping import prefixed
+from derive.ir.analysis import codes_in_order
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
+from derive.ir.kernel import Kernel
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
-from derive.ir.model import Kernel
-from derive.ir.statements import Require
 
 Lines = list[str]
 
@@ -83,10 +83,9 @@ class StateBlock:
         outputs = {o.name for o in self.kernel.outputs}
         arrays = outputs | {a.name for a in state_arguments(self.kernel)}
         counter = "ptrdiff_t" if self.repeats else "int"
-        codes = {node.code for node in every(self.batch.nodes) if isinstance(node, Require)}
+        codes = codes_in_order(self.batch.nodes) or (None,)
         helpers = f"{self.model}_block{self.width}"
-        one = self.repeats and len(codes) == 1
-        nests = CNests(outputs, arrays, helpers, self.repeats, one, counter=counter)
+        nests = CNests(outputs, arrays, helpers, self.repeats, codes[0], counter=counter)
         return [[line.text for line in nests.lines(part.nodes)] for part in self.parts]
 
     def _name(self, number: int) -> str:

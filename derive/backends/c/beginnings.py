@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 from derive.backends.c.signatures import names, parameters, signature
 from derive.backends.source_map import SourceLine, plain
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 
 
 def beginnings(model: Model) -> dict[str, str]:

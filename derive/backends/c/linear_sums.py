@@ -20,9 +20,10 @@ from derive.backends.wrapping import comment
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm, constant, variable
+from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.linear_forms import FormValues, LinearParts, Row, Window, linear_parts, linear_rows
 from derive.ir.loop_nests import START, Accumulator, Alias, Assign, For, Local, LoopKind, Node
-from derive.ir.model import ConstantArray, Kernel, Model
+from derive.ir.model import Model
 from derive.ir.statements import Let
 
 TOGETHER = 4 * LANES

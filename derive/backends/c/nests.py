@@ -36,6 +36,7 @@ from derive.ir.loop_nests import (
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
+CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -45,17 +46,18 @@ class CNests:
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
     of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
-    states of a batch have codes, which the first loop over states with requirements gives them otherwise; has_one_code:
-    whether all requirements have the same; starts: the elements from which on vectors are stored in local arrays, see
-    `vector_starts`; counter: the type of integers and of the variables of loops in order. Where these place elements,
-    ptrdiff_t spares an extension of each index.
+    states of a batch have codes from the beginning, which the first loop over states with requirements gives them
+    otherwise; first_code: that of the first requirements, behind which there are none but those with other ones;
+    starts: the elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of
+    integers and of the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each
+    index.
     """
 
     outputs: Collection[str] = ()
     arrays: Collection[str] = ()
     helpers: str = ""
     has_codes: bool = False
-    has_one_code: bool = False
+    first_code: ReturnCode | None = None
     starts: Mapping[str, int] = field(default_factory=dict)
     counter: str = "int"
     _known: set[str] = field(default_factory=set)
@@ -74,6 +76,8 @@ class CNests:
     """The arrays that have a number for each lane: angles, sines and cosines."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
+    _is_coded: bool = False
+    """Whether the states of a batch have got codes."""
     _names: Iterator[int] = field(default_factory=lambda: count(1))
     """The numbers of these names."""
 
@@ -271,9 +275,10 @@ class CNests:
         value = self.text(node.expr)
         holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
         if self._vectors is not None and self._differs(node.expr):
-            assert node.kind is Requirement.POSITIVE
             if self._checks is not None and self._lane == LANE:
-                return statement("    ", f"TISSERAND_CHECK({self._checks[node.code]}, ", value, f"); /* {node.text} */")
+                head = f"{CHECKS[node.kind]}({self._checks[node.code]}, "
+                return statement("    ", head, value, f"); /* {node.text} */")
+            assert node.kind is Requirement.POSITIVE  # results are those of bodies, not of joints
             holds = join("!TISSERAND_POSITIVE_ENDS(", value, ")")
         return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
 
@@ -281,10 +286,10 @@ class CNests:
         """The body of a loop over states. Both codes are computed before one is chosen, so that no branch is needed.
 
         The first requirement that fails gives the code, so it comes last; and what failed before keeps its own. Where
-        there is one code alone, requirements stay where their values are known.
+        states have codes from the beginning, requirements stay where their values are known.
         """
         checks = [item for item in node.body if isinstance(item, Require)]
-        if checks and self.has_codes and self.has_one_code:
+        if checks and self.has_codes:
             groups = ((self._checked(item) if isinstance(item, Require) else None, item) for item in node.body)
             lines = [line for code, item in groups for line in (self._lines(item) if code is None else plain(*code))]
             return [*plain("    double code = codes[b];"), *lines, *plain("    codes[b] = code;")]
@@ -292,19 +297,21 @@ class CNests:
         if not checks:
             return lines
         lines += plain("    double code = 0.0;", *(text for check in reversed(checks) for text in self._checked(check)))
-        lines += plain(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self.has_codes else ''}code;")
-        self.has_codes = True
+        lines += plain(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self._is_coded else ''}code;")
+        self._is_coded = True
         return lines
 
     def _checked(self, node: Require) -> list[str]:
         """The lines that keep the code of a state or choose that of a requirement."""
         value, end = self.text(node.expr), f" ? code : {int(node.code)}.0; /* {node.text} */"
+        keeps = self.has_codes and node.code is not self.first_code
+        head, kept = ("code = (", ") | (code > 0.0)") if keeps else ("code = ", "")
         match node.kind:
             case Requirement.POSITIVE:
-                return statement("    ", "code = ", join(value, " > 0.0"), end)
+                return statement("    ", head, join(value, f" > 0.0{kept}"), end)
             case Requirement.FINITE:  # a difference of what is not finite is a NaN
                 lines = statement("    ", "const double finite = ", value, ";")
-                return [*lines, f"    code = finite - finite == 0.0{end}"]
+                return [*lines, f"    {head}finite - finite == 0.0{kept}{end}"]
             case _:
                 assert_never(node.kind)
 

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from derive.backends.c.optional_parts import OptionalPart, optional_part
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 
 SETUP = "setup"
 

@@ -18,6 +18,7 @@ from derive.backends.description import section_text
 from derive.backends.source_map import SourceLine, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, ScalarRef, walk
+from derive.ir.kernel import Kernel, Section
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import (
     Accumulator,
@@ -32,7 +33,7 @@ from derive.ir.loop_nests import (
     every,
     expressions_of,
 )
-from derive.ir.model import Kernel, Model, Section
+from derive.ir.model import Model
 from derive.ir.statements import Let, Require, Statement
 
 LONG = 100

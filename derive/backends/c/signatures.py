@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 
 
 def signature(name: str, parameters: Sequence[str]) -> list[str]:

@@ -33,14 +33,17 @@ from derive.backends.source_map import SourceBuilder, SourceLine, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.ir.analysis import expressions, names_read
 from derive.ir.expressions import Operation, Operator, walk
+from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Node
-from derive.ir.model import ConstantArray, Kernel, Model, Variable
+from derive.ir.model import Model, Variable
 from derive.ir.statements import Statement
 from derive.rendering import render
 from derive.roles import Role
 
 ABI = 8
+SOLVING = frozenset(("setup", "accel", "solve", "project_velocity", "solve_kkt"))
+"""The functions that check what they compute: pivots, and that results are finite."""
 
 FORMS = {"index3": "", **REDUCED_FORMS}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
@@ -131,6 +134,7 @@ def _template_values(model: Model, fingerprint: str, sums: LinearSums) -> dict[s
         "forms": FORMS if model.bodies and not model.explicit else {},
         "reduced_forms": REDUCED_FORMS,
         "without": {part.name.lower(): part.value for part in OptionalPart},
+        "solving": enumerated([kernel.name for kernel in model.kernels if kernel.name in SOLVING]),
         "checked_forces": bool(model.bodies) and model.kernel("force").checked,
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.indices import LANES
+from derive.ir.kernel import Kernel
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Accumulator, For, Local, LoopKind, Node, every
-from derive.ir.model import Kernel
 from derive.ir.statements import Let, Statement
 
 DOUBLE = 8

@@ -13,7 +13,7 @@ from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, WIDTH, BreakableText, join, statement
 from derive.ir.expressions import Element, Ends, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.indices import LANES, ElementIndex, variable
-from derive.ir.model import Argument
+from derive.ir.kernel import Argument
 from derive.ir.statements import (
     Accumulate,
     Cholesky,

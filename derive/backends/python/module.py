@@ -24,7 +24,8 @@ from derive.backends.source_map import SourceBuilder, SourceLine, defining, plai
 from derive.backends.wrapping import WIDTH, broken, join, prefixed
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
-from derive.ir.model import Argument, ConstantArray, Kernel, MarkerClass, Model, Output, Variable
+from derive.ir.kernel import Argument, ConstantArray, Kernel, Output
+from derive.ir.model import MarkerClass, Model, Variable
 from derive.ir.series import variable_series
 from derive.ir.statements import (
     Clear,

@@ -25,7 +25,7 @@ from derive.version import VERSION
 
 DESCRIPTION = """\
 Tisserand compiles flexible multibody dynamics in the floating frame of reference: it derives the equations of motion
-of a flexible body or of a planar mechanism and generates C and Python code with explicit sparsity.
+of flexible bodies and of mechanisms, in the plane and in space, and generates C and Python code with explicit sparsity.
 """
 EPILOG = """\
 examples:

@@ -9,7 +9,7 @@ import casadi as ca
 import sympy as sp
 
 from derive.ir.expressions import ScalarRef
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.body_functions import VANISHING, pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols

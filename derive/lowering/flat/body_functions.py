@@ -7,7 +7,7 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols

@@ -12,7 +12,8 @@ import casadi as ca
 import numpy as np
 
 from derive.ir.expressions import Number
-from derive.ir.model import Kernel, Kkt
+from derive.ir.kernel import Kernel
+from derive.ir.model import Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule, coordinates_first, fill_in, work

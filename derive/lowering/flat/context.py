@@ -11,7 +11,7 @@ import casadi as ca
 import sympy as sp
 
 from derive.ir.expressions import Number, ScalarRef
-from derive.ir.model import Argument, Kernel, Output, Section
+from derive.ir.kernel import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule

@@ -150,7 +150,7 @@ class Graph:
         return self._are_of_one_source(node.args)
 
     def _sources_of(self, node: Node) -> frozenset[str]:
-        """Where the constants are on which a node depends: in setup, or in tables of instances."""
+        """The sources of the constants on which a node depends: setup, or tables of instances."""
         if isinstance(node.leaf, ScalarRef) and self.constants is not None:
             return IN_TABLES if node.leaf.name in self.constants.of_instances else IN_SETUP
         return frozenset().union(*(self._sources[a] for a in node.args))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from derive.ir.model import Kernel, Model, Variable, Zero
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model, Variable, Zero
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import accelerations, body_functions, constraints, dae, outputs

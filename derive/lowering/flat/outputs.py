@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, stores

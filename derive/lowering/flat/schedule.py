@@ -11,7 +11,7 @@ from itertools import count
 import casadi as ca
 
 from derive.ir.expressions import CONDITIONS, Expr, Number, Operation, Operator, ScalarRef, TableValue
-from derive.ir.model import Section
+from derive.ir.kernel import Section
 from derive.ir.statements import Let, Require, Requirement, ReturnCode, Statement, Store
 from derive.lowering.flat.casadi_instructions import read_expressions
 from derive.lowering.flat.casadi_symbols import Symbols

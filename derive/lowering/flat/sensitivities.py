@@ -16,7 +16,7 @@ from dataclasses import replace
 import casadi as ca
 import sympy as sp
 
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import acceleration_residual, by_factors, jacobian_entries

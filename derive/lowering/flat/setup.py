@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 import casadi as ca
 
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef, walk
-from derive.ir.model import Argument, Kernel, Output, Variable
+from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.model import Variable
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context

@@ -11,10 +11,11 @@ import sympy as sp
 
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant
-from derive.ir.model import Argument, Kernel
-from derive.ir.statements import Entry, ForEach, Statement, StoreElement, Work
+from derive.ir.kernel import Argument, Kernel
+from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
+from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.context import array_input, stores
-from derive.lowering.flat.schedule import Step, StepItem
+from derive.lowering.flat.schedule import RequiredValue, Step, StepItem
 from derive.lowering.instances.block_system import (
     COUPLING,
     DIAGONAL,
@@ -102,12 +103,22 @@ def _system(
             inputs.append((FORCE, _joint_place(context.blocks, of, h), names_of))
     after = of.loop(
         later,
-        [Step(of.name, "", "", stores(output, unknowns))],
+        [Step(of.name, "", "", (*stores(output, unknowns), *_finite(unknowns)))],
         inputs,
         {output: of.target(output, of.coordinate)},
         in_lanes,
     )
     return _Solution(before, work, after)
+
+
+def _finite(unknowns: list[ca.SX]) -> tuple[StepItem, ...]:
+    """The requirement that the unknowns of a body are finite, by their sum: it is not finite if one of them is not.
+
+    A reaction that is not finite makes those of its bodies so, since zero times it is a NaN.
+    """
+    if not unknowns:
+        return ()
+    return (RequiredValue(Requirement.FINITE, balanced(unknowns), ReturnCode.NOT_FINITE, "a result is not finite"),)
 
 
 def _block_items(
@@ -252,7 +263,7 @@ def _eliminated(context: InstanceContext, of: Blocks, has_known: bool) -> tuple[
 
 
 def by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, int, Place, Place]]:
-    """For joints with as many rows: these, the number of joints, their first rows and their places in the arrays."""
+    """Yield each number of rows of joints, how many joints have it, their first rows and their places in the arrays."""
     for rows in sorted(set(system.rows)):
         joints = [j for j, own in enumerate(system.rows) if own == rows]
         firsts = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])

@@ -11,7 +11,7 @@ import casadi as ca
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
 from derive.ir.indices import ElementIndex, IndexTerm
-from derive.ir.model import ConstantArray
+from derive.ir.kernel import ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols

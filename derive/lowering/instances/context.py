@@ -10,7 +10,7 @@ from itertools import accumulate
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
-from derive.ir.model import Argument, Kernel, Output, Section, View
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ForEach, Statement, Work
 from derive.ir.unused import without_shadows, without_unused
@@ -27,7 +27,7 @@ from derive.lowering.instances.group_code import GroupCode, JointCode, spread
 from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups
 from derive.lowering.instances.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
-from derive.lowering.instances.output_groups import names_of, output_groups, renamed
+from derive.lowering.instances.output_groups import output_groups
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
@@ -112,13 +112,10 @@ class InstanceContext:
         for group in self.outputs:
             for element in group.elements:
                 own = self.mechanism.outputs[element.number]
-                for k, (label, of) in enumerate(
-                    zip(own.type.labels, group.code.context.equations.outputs, strict=True)
-                ):
+                docs = own.type.descriptions(own.values, self.mechanism)
+                components = zip(own.type.labels, docs, group.code.context.equations.outputs, strict=True)
+                for k, (label, doc, of) in enumerate(components):
                     shown = joined(own.name, label)
-                    doc = renamed(
-                        of.doc, names_of(group.elements[0], self.mechanism), names_of(element, self.mechanism)
-                    )
                     named[element.first + k] = replace(of, name=identifier(shown), shown=shown, doc=doc)
         return tuple(named[k] for k in sorted(named))
 
@@ -137,7 +134,7 @@ class InstanceContext:
         return known
 
     def rows_of(self, of: ClassCode) -> list[Place]:
-        """For each handle of a class the place of the first constraint of its joint."""
+        """The place of the first constraint of the joint of each handle of a class."""
         return [
             of.place(f"row_{h}", [self.first_rows[m.handles[h].joint] for m in of.of.members])
             for h in range(len(of.rows))
@@ -249,7 +246,7 @@ def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], ope
 
 
 def state(of: ClassCode, *names: str) -> list[Loaded]:
-    """Where the coordinates and velocities of a body of a class are."""
+    """The places of the coordinates and velocities of a body of a class."""
     given = {"q": of.context.q, "v": of.context.v}
     return [(name, of.coordinate, given[name]) for name in names if name in given]
 
@@ -300,7 +297,7 @@ def applied_sums(context: InstanceContext) -> list[Statement]:
 
 
 def applied_forces(context: InstanceContext, of: ClassCode) -> tuple[Loaded, ...]:
-    """Where these sums are for a body of a class; empty if no such force acts on it."""
+    """The places of the sums of forces between bodies for a body of a class; none if no such force acts on it."""
     if not context.is_loaded(of):
         return ()
     symbols = (local(f"{APPLIED}_{name}") for name in of.context.rows)

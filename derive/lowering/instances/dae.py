@@ -8,7 +8,7 @@ import casadi as ca
 
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -44,7 +44,7 @@ class DaeLayout:
         self.size = 2 * self.coordinates + self.blocks * self.constraints
 
     def positions(self, of: ClassCode) -> list[list[int]]:
-        """For each member of a class the indices in y, and in F, of its own elements in the order of its context."""
+        """The indices in y, and in F, of the elements of each member of a class, in the order of its context."""
         n, result = len(of.context.rows), []
         for m in of.of.members:
             own = [m.coordinate + k for k in range(n)]
@@ -53,7 +53,7 @@ class DaeLayout:
         return result
 
     def parameter_rows(self, of: ClassCode) -> list[list[int]]:
-        """For each member of a class the rows of its derivatives with respect to the parameters.
+        """The rows of the derivatives of each member of a class with respect to the parameters.
 
         They are its equations of motion, and g, gdot and G vdot - gamma of its joints.
         """
@@ -76,15 +76,15 @@ class DaeLayout:
             yield array, of.place(f"{what}_{k}", [own[k] for own in positions]), array_input(array, (symbol,), "")
 
     def velocities(self, group: GroupCode) -> list[list[int]]:
-        """For each element of a group the indices in y of the velocities of its bodies."""
+        """The indices in y of the velocities of the bodies of each element of a group."""
         return [[self.coordinates + k for k in own] for own in group.coordinates]
 
     def joint_positions(self, group: JointCode) -> list[list[int]]:
-        """For each varying joint of a group the indices in y, and in F, of what its equations have."""
+        """The indices in y, and in F, of the elements in the equations of each varying joint of a group."""
         return self._of_joints(group, 2, self.coordinates * 2, self.blocks)
 
     def joint_parameter_rows(self, group: JointCode) -> list[list[int]]:
-        """For each varying joint of a group the rows of its derivatives with respect to the parameters."""
+        """The rows of the derivatives of each varying joint of a group with respect to the parameters."""
         return self._of_joints(group, 1, self.coordinates, 3)
 
     def _of_joints(self, group: JointCode, parts: int, first: int, blocks: int) -> list[list[int]]:
@@ -99,18 +99,18 @@ class DaeLayout:
         ]
 
     def joint_reads(self, group: JointCode, y: Input, ydot: Input) -> list[Loaded]:
-        """Where the elements of y and ydot are that the equations of varying joints have."""
+        """The places of the elements of y and ydot in the equations of the varying joints of a group."""
         positions = self.joint_positions(group)
         return [*loads(group.code, "y", y, positions), *loads(group.code, "ydot", ydot, positions)]
 
     def states(self, group: GroupCode) -> list[Loaded]:
-        """Where the coordinates and the velocities of the bodies of a group are."""
+        """The places of the coordinates and the velocities of the bodies of a group."""
         ctx, positions = group.code.context, zip(group.coordinates, self.velocities(group), strict=True)
         return loads(group.code, "y", array_input("y", ctx.state, ""), [[*q, *v] for q, v in positions])
 
     @property
     def arguments(self) -> dict[str, Argument]:
-        """y and ydot."""
+        """The arguments of a DAE function: y, ydot and the factor cj."""
         blocks = "[q; v; lambda; mu]" if self.form == "ggl" else "[q; v; lambda]"
         return {
             "y": whole("y", self.size, f"state {blocks}"),

@@ -105,7 +105,7 @@ def force_form(mechanism: Mechanism, force: ForceInstance) -> ForceForm:
 
 
 def differing_places(forces: Sequence[Sequence[ForceForm]]) -> tuple[tuple[Place, ...], ...]:
-    """For each force of the first of some elements the places of the numbers in which the elements differ."""
+    """The places of the numbers in which elements differ, for each force of the first of them."""
     return tuple(first.differing(others) for first, *others in zip(*forces, strict=True))
 
 

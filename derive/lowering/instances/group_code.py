@@ -21,17 +21,17 @@ class GroupCode:
 
     @property
     def coordinates(self) -> list[list[int]]:
-        """For each element the indices of the coordinates of its bodies."""
+        """The indices of the coordinates of the bodies of each element."""
         return [list(element.coordinates) for element in self.elements]
 
     def state(self, *names: str) -> list[Loaded]:
-        """Where the coordinates and velocities of the bodies of an element are, of those that `names` have."""
+        """The places of the coordinates and velocities of the bodies of an element; `names` selects among q and v."""
         ctx, at = self.code.context, self.coordinates
         given = {"q": ctx.q, "v": ctx.v}
         return [load for name in names if name in given for load in loads(self.code, name, given[name], at)]
 
     def reactions(self, first_rows: Sequence[int]) -> list[list[int]]:
-        """For each element the indices of the multipliers of the joints of its bodies."""
+        """The indices of the multipliers of the joints of the bodies of each element."""
         return [[k for j in e.joints for k in range(first_rows[j], first_rows[j + 1])] for e in self.elements]
 
 
@@ -51,7 +51,7 @@ class JointCode(GroupCode):
         return [element.number for element in self.elements]
 
     def own_rows(self, first_rows: Sequence[int]) -> list[list[int]]:
-        """For each joint the indices of its constraints."""
+        """The indices of the constraints of each joint."""
         return [[*range(first_rows[j], first_rows[j + 1])] for j in self.joints]
 
 

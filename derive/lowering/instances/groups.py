@@ -60,7 +60,7 @@ class GroupElement:
 
     @property
     def sharing(self) -> tuple[int, ...]:
-        """For each joint at its bodies the place of that joint among `joints`."""
+        """The number in `joints` of the joint at each handle of its bodies."""
         joints = self.joints
         return tuple(joints.index(handle.joint) for member in self.bodies for handle in member.handles)
 

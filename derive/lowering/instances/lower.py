@@ -7,7 +7,8 @@ from dataclasses import replace
 from itertools import chain
 
 from derive.ir.expressions import Expr, ScalarRef, walk
-from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
+from derive.ir.kernel import ConstantArray, Kernel
+from derive.ir.model import Model, Variable, Zero
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel

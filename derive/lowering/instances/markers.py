@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from derive.ir.indices import constant, variable
-from derive.ir.model import Argument, Kernel, MarkerClass, Variable
+from derive.ir.kernel import Argument, Kernel
+from derive.ir.model import MarkerClass, Variable
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Clear, ForEach, Statement
 from derive.lowering.flat.casadi_symbols import Symbols

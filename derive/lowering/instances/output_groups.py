@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import repeat
 from typing import Any
@@ -25,7 +25,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.kinds import ForceInstance
-from derive.mechanics.multibody.mechanism import Mechanism, damping_force
+from derive.mechanics.multibody.mechanism import damping_force
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import output_equations
@@ -130,19 +130,6 @@ def _referenced(bodies: Bodies, output: OutputInstance) -> tuple[tuple[str, ...]
 
     values = tuple((key, plain(value)) for key, value in output.values.items())
     return tuple(names), values
-
-
-def names_of(element: GroupElement, mechanism: Mechanism) -> tuple[str, ...]:
-    """The names in the text of an output: those of its values, of its bodies, and of the markers of its forces."""
-    values = mechanism.outputs[element.number].values.values()
-    markers = (marker for form in element.forces for marker in form.force.markers)
-    return (*map(str, values), *(member.instance.name for member in element.bodies), *map(str, markers))
-
-
-def renamed(text: str, old: Sequence[str], new: Sequence[str]) -> str:
-    """A text with other names, which are words of it."""
-    names = dict(zip(old, new, strict=True))
-    return " ".join(names.get(word, word) for word in text.split(" "))
 
 
 def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = False) -> Equations:

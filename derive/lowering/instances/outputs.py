@@ -6,7 +6,7 @@ from itertools import accumulate
 
 import casadi as ca
 
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Statement
 from derive.lowering.flat.context import Context, Input, stores
@@ -85,13 +85,13 @@ def _differentiated(ctx: Context) -> tuple[Input, ...]:
 
 
 def _components(group: GroupCode) -> list[list[int]]:
-    """For each element of a group the indices of the components of its output."""
+    """The indices of the components of the output of each element of a group."""
     count = len(group.code.context.equations.outputs)
     return [[element.first + k for k in range(count)] for element in group.elements]
 
 
 def _reads(context: InstanceContext, group: GroupCode) -> list[Loaded]:
-    """Where the state, the accelerations and the reactions of the bodies of an output are."""
+    """The places of the state, the accelerations and the reactions of the bodies of an output."""
     code, ctx, at = group.code, group.code.context, group.coordinates
     named = (("q", ctx.q), ("v", ctx.v), ("vdot", ctx.vdot))
     states = (entry for name, given in named for entry in loads(code, name, given, at))

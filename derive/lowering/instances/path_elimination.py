@@ -51,7 +51,7 @@ class _Path:
         self.kept = self.size**2 + self.size + self.has_factor
 
     def statements(self) -> tuple[InstanceStatement, ...]:
-        """All loops."""
+        """The statements of the elimination along the path: arrays, loops from both ends, and the way back."""
         carried = {UPDATE: self.of.packed, RIGHT_UPDATE: self.size}
         carried |= {SCALE: 1} if self.has_factor else {}
         works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]

@@ -1,4 +1,4 @@
-"""Where the numbers of an instance are: indices that count from a loop variable, or from a constant array."""
+"""Places of the numbers of an instance: indices that count from a loop variable, or from a constant array."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from derive.ir.indices import ElementIndex, IndexTerm, constant
-from derive.ir.model import ConstantArray
+from derive.ir.kernel import ConstantArray
 from derive.ir.statements import Entry
 
 

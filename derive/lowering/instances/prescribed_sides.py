@@ -6,7 +6,7 @@ import sympy as sp
 
 from derive.ir.expressions import Element
 from derive.ir.indices import constant
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.context import array_input
 from derive.lowering.instances.accelerations import by_joint, entries_of, solved

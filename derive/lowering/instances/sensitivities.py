@@ -14,7 +14,7 @@ import casadi as ca
 
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import constant
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -132,7 +132,7 @@ def _of_known(context: InstanceContext) -> Iterator[tuple[tuple[int, int], str]]
 
 
 def _reads(context: InstanceContext, form: DaeLayout, group: GroupCode) -> list[Loaded]:
-    """Where the state, the accelerations and the reactions of the bodies of an output are in y and ydot."""
+    """The places in y and ydot of the state, the accelerations and the reactions of the bodies of an output."""
     code, ctx, velocities = group.code, group.code.context, form.velocities(group)
     reactions = [[2 * form.coordinates + k for k in own] for own in group.reactions(context.first_rows)]
     positions = [[*a, *b, *c] for a, b, c in zip(group.coordinates, velocities, reactions, strict=True)]

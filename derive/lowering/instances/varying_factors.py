@@ -31,7 +31,7 @@ class VaryingFactors:
         self.spacing = spaced(len(joints))
 
     def works(self) -> Iterator[Work]:
-        """The arrays."""
+        """The declarations of the arrays of factors, one for each side of the joints that has any."""
         for side, array in enumerate(FACTORS):
             count = max((len(group.factors.get(side, ())) for group in self.context.joints), default=0)
             if count:
@@ -67,7 +67,7 @@ class VaryingFactors:
         return stores(KNOWN, [-symbols(constraints[k].bias) for k in rows]), target
 
     def reads(self, of: ClassCode) -> list[Loaded]:
-        """Where the factors of a body of a class are."""
+        """The places of the factors that a body of a class reads."""
         result = []
         for h, part in of.varying.items():
             handles = [m.handles[h] for m in of.of.members]

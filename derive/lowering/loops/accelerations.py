@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
-from derive.ir.model import Kernel, Section
+from derive.ir.kernel import Kernel, Section
 from derive.ir.patterns import pattern
 from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve
 from derive.lowering.elimination_orders import elimination_order

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from derive.ir.expressions import ScalarRef
-from derive.ir.model import Argument, Kernel, Model, Zero
+from derive.ir.kernel import Argument, Kernel
+from derive.ir.model import Model, Zero
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.attitude import with_attitude_check

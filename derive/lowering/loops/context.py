@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from derive.ir.expressions import Number, ScalarRef
-from derive.ir.model import Argument, Section, View
+from derive.ir.kernel import Argument, Section, View
 from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store

@@ -15,7 +15,8 @@ import sympy as sp
 
 from derive.ir.expressions import Element, Expr, Number, ScalarRef
 from derive.ir.indices import padded, variable
-from derive.ir.model import Argument, Kernel, Model, Output, Section, Variable, View, Zero
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
+from derive.ir.model import Model, Variable, Zero
 from derive.ir.statements import (
     Cholesky,
     Clear,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar

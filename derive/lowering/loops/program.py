@@ -14,7 +14,7 @@ import sympy as sp
 
 from derive.ir.analysis import reads
 from derive.ir.expressions import Expr, Leaf, Number, ScalarRef
-from derive.ir.model import Argument, Kernel, Output, Section
+from derive.ir.kernel import Argument, Kernel, Output, Section
 from derive.ir.statements import (
     Accumulate,
     Let,

@@ -20,7 +20,8 @@ from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
 from derive.spec.model.scene_functions import function_parameters, time_functions
-from derive.spec.model.spatial_scene import SpatialScene, SpatialSpring
+from derive.spec.model.spatial_forces import SpatialSpring
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 

@@ -33,8 +33,9 @@ def output_equations(
     constants: list[ModelConstant] = []
     for output in instances:
         made = output.type.components(output.name, output.values, parts)
-        for part in made.components:
+        docs = output.type.descriptions(output.values, parts)
+        for part, doc in zip(made.components, docs, strict=True):
             shown = joined(output.name, part.label)
-            equations.append(OutputEquation(identifier(shown), shown, part.unit, part.doc, part.expr))
+            equations.append(OutputEquation(identifier(shown), shown, part.unit, doc, part.expr))
         constants += made.constants
     return tuple(equations), tuple(constants)

@@ -54,7 +54,7 @@ def row_times_column(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
 
 
 def rate_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """alphadot c8 alphadot."""
+    """The symbol of the product alphadot c8 alphadot."""
     return rate_product_of(Name("c", below=("8",), above=above, style="tensor"))
 
 

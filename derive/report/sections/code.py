@@ -9,7 +9,8 @@ from pathlib import PurePosixPath
 import sympy as sp
 
 from derive.backends.source_map import FunctionLines, SourceMap
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.report.document.page import (

@@ -27,9 +27,9 @@ factors are at least as large (m, rad)."""
 def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
     """Raise an error if multipliers or accelerations of the consistent configuration q (nq,) at t (s) are not unique.
 
-    The multipliers need not be unique where the system is `proximal`; but a beam that is held along its axis twice
-    would be kept straight, since deflections change its length to second order. The errors are those of `dependence`,
-    for the same drives, and MasslessMotion: the constraints allow a motion that moves no mass.
+    The multipliers need not be unique where the system is `proximal`; but a beam whose ends are both
+    fixed along its axis would be kept straight, since deflections change its length to second order. The errors are
+    those of `dependence`, for the same drives, and MasslessMotion: the constraints allow a motion that moves no mass.
     """
     if independent(native, k, t, q):
         return  # it takes for granted that all motions have mass

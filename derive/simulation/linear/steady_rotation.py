@@ -42,16 +42,16 @@ def steady_rotation(native: NativeScene, k: Vector, q: Vector, field: RotatingFi
     k: the constants (nk,) of `native.setup`. size: of the scene, m. Raises NoSteadyMotion where Newton's method does
     not converge or goes far away, or where forces or joints depend on time or on directions that do not rotate along.
     """
-    found = _balanced(native, k, q, field, size)
-    turned = np.abs(np.where(velocities_with(native, Role.ROTATION), difference(native, q, found), 0.0))
+    balanced = _balanced(native, k, q, field, size)
+    turned = np.abs(np.where(velocities_with(native, Role.ROTATION), difference(native, q, balanced), 0.0))
     if turned.max(initial=0.0) > NEAR:
         name, angle = native.velocities[int(np.argmax(turned))], turned.max()
         raise NoSteadyMotion(
             f"the steady rotation that Newton's method finds is far from the initial state: a rotation along {name} by "
             f"{angle:.2g} rad; give bodies a start nearer to it"
         )
-    _check_steady(native, k, found, field)
-    return SteadyMotion(found, field.velocities(found), field.spin, field.axes, field.text(size), field.rotation)
+    _check_steady(native, k, balanced, field)
+    return SteadyMotion(balanced, field.velocities(balanced), field.spin, field.axes, field.text(size), field.rotation)
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,8 +38,11 @@ MANY_CURVES, SELECTED = 60, 12
 
 
 def default_plots(scene: AnyScene, model: Model) -> tuple[Plot, ...]:
-    """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates and,
-    of a body in space alone, of its angular velocity and energies."""
+    """The plots over the time that a simulation draws by default: one for each output that no plot shows.
+
+    A scene without outputs and plots has plots of its coordinates; a body in space alone also of its angular velocity
+    and its energies.
+    """
     if scene.outputs or scene.plots:
         return tuple(
             _plot(_free_name(output, scene), output_columns(output, _in_space(scene))) for output in _unplotted(scene)

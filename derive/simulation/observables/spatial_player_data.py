@@ -52,6 +52,17 @@ class DrawnBody:
     links: tuple[tuple[int, int], ...] = ()
 
 
+@dataclass(frozen=True)
+class Tie:
+    """A line between two markers: a spring, or a distance that a joint keeps.
+
+    ends: for each end the number of a body, -1 for the ground, and the number of a marker of it.
+    """
+
+    spring: bool
+    ends: tuple[tuple[int, int], tuple[int, int]]
+
+
 @dataclass(frozen=True, eq=False)
 class BodyPath:
     """The motion of the frame of a body: positions c (n, 3), m, unit quaternions (n, 4), and amplitudes (n, N), m."""
@@ -121,10 +132,12 @@ def spatial_player_data(body: NodalBody, t: Array, q: Array, curves: Sequence[Co
     }
 
 
-def bodies_data(bodies: Sequence[DrawnBody], ground: Sequence[tuple[str, Array]] = ()) -> Plain:
+def bodies_data(
+    bodies: Sequence[DrawnBody], ground: Sequence[tuple[str, Array]] = (), ties: Sequence[Tie] = ()
+) -> Plain:
     """The part of the content of a page that does not depend on the motion.
 
-    ground: names and places (3,), m, of the markers of the ground.
+    ground: names and places (3,), m, of the markers of the ground. ties: the lines between markers.
     """
     return {
         "bodies": [
@@ -140,6 +153,7 @@ def bodies_data(bodies: Sequence[DrawnBody], ground: Sequence[tuple[str, Array]]
             for body in bodies
         ],
         "ground": [{"name": name, "at": _rounded(at)} for name, at in ground],
+        "ties": [{"spring": tie.spring, "ends": tie.ends} for tie in ties],
         "radius": rounded(max(body.radius for body in bodies)),
     }
 

@@ -8,6 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from derive.mechanics.multibody.space.forces import spring_type
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.symbols import amplitude, owned
 from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of
@@ -17,14 +19,17 @@ from derive.simulation.observables.player_data import Plain, curves_data
 from derive.simulation.observables.spatial_player_data import (
     BodyPath,
     DrawnBody,
+    Tie,
     bodies_data,
     bodies_motion_data,
     drawn_body,
     rigid_drawing,
     shown_frames,
 )
+from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.spatial_scene import FlexibleBody, SpatialBody, SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_bodies import FlexibleBody, SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_scene import SpatialScene
 
 
 def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: Sequence[Column] = ()) -> Plain:
@@ -36,7 +41,7 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
     paths = body_paths(drawn, motion)
     content = bodies_motion_data(drawn, motion.t, paths)
     shown = curves_data(curves, shown_frames(motion.t, paths))
-    return {"name": scene.name, **bodies_data(drawn, ground), **content, "curves": shown}
+    return {"name": scene.name, **bodies_data(drawn, ground, ties(scene)), **content, "curves": shown}
 
 
 def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
@@ -47,6 +52,21 @@ def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
 def ground_points(scene: SpatialScene) -> list[tuple[str, Array]]:
     """The names and places (3,), m, of the markers of the ground."""
     return [(marker.name, _vector(marker.position)) for marker in scene.ground]
+
+
+def ties(scene: SpatialScene) -> list[Tie]:
+    """The lines between markers: springs that act along them, and distances that joints keep."""
+    numbers = {MarkerRef(GROUND, marker.name): (-1, i) for i, marker in enumerate(scene.ground)}
+    for k, body in enumerate(scene.bodies):
+        names = [marker.name for marker in body.markers]
+        numbers |= {MarkerRef(body.name, name): (k, i) for i, name in enumerate(names)}
+    springs = [spring for spring in scene.springs if spring_type(spring.kind).along_line]
+    joints = [joint for joint in scene.joints if SPATIAL_JOINTS[joint.kind].keeps_distance]
+    return [
+        Tie(spring, (numbers[tied.first], numbers[tied.second]))
+        for spring, every in ((True, springs), (False, joints))
+        for tied in every
+    ]
 
 
 def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath]:

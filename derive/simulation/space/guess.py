@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
+from derive.mechanics.multibody.space.rows import ROTATIONS
 from derive.mechanics.symbols import Family, amplitude, owned, quantity
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
@@ -16,7 +17,8 @@ from derive.simulation.observables.motion import si_value, simulated_drive
 from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND
-from derive.spec.model.spatial_scene import SpatialBody, SpatialJoint, SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_bodies import SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 Pose = tuple[Vector, Matrix]
 """The position (3,), m, and the rotation tensor (3, 3) of a body frame."""
@@ -147,8 +149,11 @@ def _matrix(quaternion: tuple[float, ...]) -> Matrix:
 def _laid(
     scene: SpatialScene, poses: dict[str, Pose], waiting: dict[str, SpatialBody], starts: Mapping[str, JointGuess]
 ) -> Iterator[tuple[str, Pose]]:
-    """The bodies that a joint lays next to a body with a pose; values of a start take precedence."""
-    for joint in scene.joints:
+    """The bodies that a joint lays next to a body with a pose; values of a start take precedence.
+
+    Joints that remove rotations come first. A body that hangs on others is not turned.
+    """
+    for joint in sorted(scene.joints, key=lambda joint: not _removes_rotations(joint)):
         for known, own in ((joint.first, joint.second), (joint.second, joint.first)):
             if known.body not in poses or own.body not in waiting:
                 continue
@@ -162,9 +167,17 @@ def _laid(
             else:
                 axes = frame.axes @ _about_z(-angle)
                 at_joint = frame.position - axes @ moved
-            rotation = axes @ mine.axes.T if start.rotation is None else _matrix(start.rotation)
+            if start.rotation is not None:
+                rotation = _matrix(start.rotation)
+            else:
+                rotation = axes @ mine.axes.T if _removes_rotations(joint) else np.eye(3)
             origin = at_joint - rotation @ mine.position if start.position is None else np.array(start.position)
             yield own.body, (origin, rotation)
+
+
+def _removes_rotations(joint: SpatialJoint) -> bool:
+    removed = SPATIAL_JOINTS[joint.kind].removed(joint)
+    return any(name in removed for name in ROTATIONS)
 
 
 def _about_z(angle: float) -> Matrix:

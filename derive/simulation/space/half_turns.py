@@ -15,7 +15,8 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.space.joint_targets import is_constraint
 from derive.simulation.space.marker_frames import frame_of
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.spatial_scene import SpatialScene, SpatialSpring
+from derive.spec.model.spatial_forces import SpatialSpring
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 SEEN = 1.5
@@ -27,15 +28,21 @@ DIFFERENCE = 1e-6
 
 
 class HalfTurn(SimulationError):
-    """A rotational spring whose markers have turned by more than half a turn at t (s), which nothing counts."""
+    """A rotational spring whose markers have turned by more than half a turn at t (s), which nothing counts.
 
-    def __init__(self, spring: str, t: float) -> None:
+    start: the initial angle (rad) of the joint of its markers, if it is that which is beyond half a turn.
+    """
+
+    def __init__(self, spring: str, t: float, start: float | None = None) -> None:
         self.spring, self.t = spring, t
+        when = f"by t = {t:.9g} s" if start is None else f"at the start, by {start:g} rad,"
+        effect = "jump" if start is None else "be another one"
+        instead = "end the simulation before" if start is None else "start it within half a turn, with another `rest`"
         super().__init__(
-            f"springs.{spring}: by t = {t:.9g} s its markers turn by more than half a turn, and rotations between them "
-            "are known from -pi to pi, so that its torque would jump. Turns are counted by a screw joint, and by a "
-            "joint to the ground or to a body with a prescribed motion where a rigid body keeps the coordinates of the "
-            "joint alone: put the spring between the two markers of such a joint, or end the simulation before."
+            f"springs.{spring}: {when} its markers turn by more than half a turn, and rotations between them "
+            f"are known from -pi to pi, so that its torque would {effect}. Turns are counted by a drive, by a screw "
+            "joint, and by a joint to the ground or to a body with a prescribed motion where a rigid body keeps the "
+            f"coordinates of the joint alone: put the spring between the two markers of such a joint, or {instead}."
         )
 
 
@@ -51,6 +58,10 @@ def half_turn_notes(
 
 def _notes(scene: SpatialScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix) -> Iterator[str]:
     for spring in uncounted(scene, native):
+        joint = scene.joint_between(spring.first, spring.second)
+        start = joint.start.angle if joint else None
+        if start is not None and abs(start) > math.pi:
+            raise HalfTurn(spring.name, float(t[0]), start)
         angles, rates = _rotations(scene, native, k, spring, t, q, v)
         told = True
         for i in range(1, len(t)):
@@ -77,7 +88,8 @@ def uncounted(scene: SpatialScene, native: NativeScene) -> Iterator[SpatialSprin
         if joint is not None:
             of = SPATIAL_JOINTS[joint.kind]
             axial = of.leaves(of.removed(joint), Freedom.ROTATION)
-            if axial and (of.is_screw or not is_constraint(joint, native)):
+            turned = of.driven is Freedom.ROTATION and any(drive.joint == joint.name for drive in scene.drives)
+            if axial and (of.is_screw or turned or not is_constraint(joint, native)):
                 continue
         yield spring
 

@@ -28,7 +28,8 @@ from derive.simulation.space.rotating_axes import rotating_axes_of
 from derive.simulation.space.targets import SpatialTarget, spatial_targets
 from derive.simulation.space.velocities import spatial_velocities
 from derive.spec.model.scene import EQUILIBRIUM, STEADY
-from derive.spec.model.spatial_scene import SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_bodies import SpatialRigidBody
+from derive.spec.model.spatial_scene import SpatialScene
 
 KEPT = 1e-8
 """Given values that are missed by more than this (rad; parts of the size of the scene or of the velocities) contradict

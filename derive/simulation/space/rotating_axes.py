@@ -22,7 +22,8 @@ from derive.simulation.linear.steady_rotation import balance
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.simulation.space.targets import SpatialTarget
-from derive.spec.model.spatial_scene import SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_bodies import SpatialRigidBody
+from derive.spec.model.spatial_scene import SpatialScene
 
 MET = 1e-8
 """The part of the largest velocity by which a rotation may miss the velocities that are given."""
@@ -45,7 +46,7 @@ def rotating_axes_of(
     given; about its angular momentum free bodies that spin precess. Raises NoSteadyMotion with what the best rotation
     misses.
     """
-    native, found, first = poses.native, [], None
+    native, fields, first = poses.native, [], None
     for spins, basis in _candidates(scene, poses, v):
         fit = _Fit(scene, poses, spins)
         field, missed, what = fit.field(basis, rates, v)
@@ -53,9 +54,9 @@ def rotating_axes_of(
         if missed <= MET * max(1.0, max_norm(field.velocities(poses.q))):
             if balance(native, poses.k, poses.q, field).rest <= STEADY:
                 return field
-            found.append(field)
-    if found:
-        return found[0]
+            fields.append(field)
+    if fields:
+        return fields[0]
     assert first is not None
     direction = " about the direction of gravity" if _gravity(scene) is not None else ""
     raise NoSteadyMotion(

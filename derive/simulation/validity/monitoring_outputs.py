@@ -59,10 +59,10 @@ def monitored_sections(scene: AnyScene) -> dict[tuple[str, Fraction, str], Scene
     every, turned = loaded_markers(scene), turned_markers(scene)
     for beam in beam_bodies(scene):
         loaded = sections(beam, every)
-        held = [marker for marker in sections(beam, turned) if abs(marker.at) == 1]
+        clamped = [marker for marker in sections(beam, turned) if abs(marker.at) == 1]
         within = [marker for marker in loaded if abs(marker.at) < 1]
         ends = [marker for marker in loaded if abs(marker.at) == 1]
-        for kind, markers in ((MOMENT_GAP, (*held, *within)), (SHEAR_GAP, ends)):
+        for kind, markers in ((MOMENT_GAP, (*clamped, *within)), (SHEAR_GAP, ends)):
             for marker in markers:
                 name = _name(identifier(kind, beam.name, marker.name), taken)
                 section = {"section": MarkerRef(beam.name, marker.name)}

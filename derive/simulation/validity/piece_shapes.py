@@ -37,7 +37,7 @@ class PieceShapes:
 
     @property
     def bending_stiffness(self) -> float:
-        """EI, N m^2."""
+        """The bending stiffness EI, N m^2."""
         return si_value(self.beam.beam.bending_stiffness)
 
     @property

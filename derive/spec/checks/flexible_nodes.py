@@ -10,7 +10,7 @@ from derive.mechanics.multibody.space.nodal_loads import load_points
 from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.tables.shared import TomlTable
-from derive.spec.tables.spatial import kind_of_spatial_body
+from derive.spec.tables.spatial_bodies import kind_of_spatial_body
 
 
 def flexible_nodes(

@@ -14,9 +14,10 @@ from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BEAM, BEAM_BODY, BEAM_KEYS
 from derive.spec.tables.body import NODAL, SYMBOLIC
 from derive.spec.tables.scene_bodies import RIGID
+from derive.spec.tables.sections import SCENE
 from derive.spec.tables.shared import Example, TomlTable
 from derive.spec.tables.simulation import SIMULATION
-from derive.spec.tables.specification import GROUND_TABLE, SCENE, SCENE_TABLE, specification_table
+from derive.spec.tables.specification import GROUND_TABLE, SCENE_TABLE, specification_table
 
 MAX_FAULTS = 100
 

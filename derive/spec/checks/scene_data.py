@@ -15,20 +15,20 @@ from derive.spec.model.keys import Key, KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import NAMED, Joint
-from derive.spec.model.spatial_scene import (
+from derive.spec.model.spatial_forces import (
     SpatialForce,
-    SpatialJoint,
     SpatialJointForce,
     SpatialJointTorque,
     SpatialSpring,
     SpatialTorque,
 )
+from derive.spec.model.spatial_scene import SpatialJoint
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.scene_elements import ELEMENTS
 from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
-from derive.spec.tables.spatial import kind_of_spatial_body
+from derive.spec.tables.spatial_bodies import kind_of_spatial_body
 
 Raw = Mapping[str, object]
 FUNCTIONS = (KeyType.FUNCTION, KeyType.FUNCTION_PAIR, KeyType.FUNCTION_TRIPLE)

@@ -125,7 +125,7 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
             yield SceneConstant(("joints", name, key), joint.get(key), f"{key} of the joint {name}", unit)
     for name, drive in view.tables["drives"].items():
         joint = view.tables["joints"].get(str(drive.get("joint")), {})
-        of_speed = speed_unit(str(joint.get("kind")))
+        of_speed = speed_unit(types.get(str(joint.get("kind"))))
         yield SceneConstant(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", of_speed)
     for name, gear in view.tables["gears"].items():
         for key in _units(declared_keys(Gear)):

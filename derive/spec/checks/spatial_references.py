@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, SpatialJointType
+from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults
 from derive.spec.checks.name_clashes import name_faults
-from derive.spec.checks.scene_data import Raw, SceneData
+from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
 from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -108,15 +109,29 @@ def _actions(view: SceneData) -> Iterator[Fault]:
         if alone and ref.marker.body == GROUND:
             text = f"a {NAMED[str(section)]} on the ground moves nothing; name a marker of a body"
             yield Fault(ref.path, text)
-        kind = str(view.tables["outputs"][name].get("kind")) if section == "outputs" else ""
-        if kind.startswith("angular_") and _is_node(view, ref.marker):
-            yield Fault(ref.path, _no_rotation(ref.marker, f"the output {kind} depends", "marker of another body"))
+        if section == "outputs":
+            yield from _marker_output(view, ref, str(view.tables["outputs"][name].get("kind")))
         if section == "torques" and _is_node(view, ref.marker):
             yield Fault(ref.path, _no_rotation(ref.marker, "a torque acts", "pair of forces"))
         if section == "springs" and _is_node(view, ref.marker):
             kind = str(view.tables["springs"][name].get("kind", "linear"))
             if kind != "linear":
                 yield Fault(ref.path, _no_rotation(ref.marker, f"a {kind} spring acts", "linear spring"))
+
+
+OF_ROTATION = ("rotation", "angular_velocity", "angular_acceleration")
+"""The kinds of outputs that depend on the rotation of their marker."""
+
+
+def _marker_output(view: SceneData, ref: WrittenRef, kind: str) -> Iterator[Fault]:
+    """Faults of an output of the rotation of a node, and of the deformation of what does not deform."""
+    turns = kind in OF_ROTATION or FRAME.name in ref.path[2:]
+    if turns and _is_node(view, ref.marker):
+        yield Fault(ref.path, _no_rotation(ref.marker, f"the output {kind} depends", "marker of another body"))
+    if kind == DEFLECTION and (ref.marker.body == GROUND or view.kind(ref.marker.body) == "rigid"):
+        of = "the ground" if ref.marker.body == GROUND else "a rigid body"
+        text = f"the marker {ref.marker} is on {of}, which does not deform; name a marker of a finite-element body"
+        yield Fault(ref.path, text)
 
 
 def _drives(view: SceneData) -> Iterator[Fault]:

@@ -32,9 +32,10 @@ from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.body import kind_of_body, nodal_body
 from derive.spec.tables.instance_tables import instance_tables
+from derive.spec.tables.sections import SCENE, plots
 from derive.spec.tables.shared import MAX_MARKERS, TomlTable
-from derive.spec.tables.spatial import spatial_scene, spatial_specification_table
-from derive.spec.tables.specification import SCENE, plots, scene, specification_table
+from derive.spec.tables.spatial_scene import spatial_scene, spatial_specification_table
+from derive.spec.tables.specification import scene, specification_table
 
 Curves = Mapping[str, Rows]
 

@@ -23,14 +23,32 @@ BETWEEN = key(
 """The markers of a joint, and of a spring."""
 
 
+def at_marker(example: str) -> Key:
+    """The key of the marker at which a force or a torque acts."""
+    return key(KeyType.MARKER, f"Marker at which it acts, such as {example}.", example=example)
+
+
+AGAINST = key(KeyType.MARKER, "Marker at which the reaction acts; by default there is no reaction.")
+"""The marker of the reaction of a torque."""
+
+
+class AtMarker:
+    """The base class of forces at one marker."""
+
+    at: MarkerRef
+
+    @property
+    def markers(self) -> tuple[MarkerRef]:
+        """The marker at which the force acts."""
+        return (self.at,)
+
+
 @dataclass(frozen=True)
-class Force:
+class Force(AtMarker):
     """A force at a marker."""
 
     name: str
-    at: Annotated[
-        MarkerRef, key(KeyType.MARKER, 'Marker at which it acts, such as "rod.right".', example='"rod.right"')
-    ]
+    at: Annotated[MarkerRef, at_marker('"rod.right"')]
     components: Annotated[
         tuple[TimeFunction, TimeFunction],
         key(
@@ -50,28 +68,18 @@ class Force:
     ] = "inertial"
     kind: ClassVar[str] = "force"
 
-    @property
-    def markers(self) -> tuple[MarkerRef]:
-        """The marker at which the force acts."""
-        return (self.at,)
-
 
 @dataclass(frozen=True)
 class Torque:
     """A torque at a marker."""
 
     name: str
-    at: Annotated[
-        MarkerRef, key(KeyType.MARKER, 'Marker at which it acts, such as "crank.hub".', example='"crank.hub"')
-    ]
+    at: Annotated[MarkerRef, at_marker('"crank.hub"')]
     value: Annotated[
         TimeFunction,
         key(KeyType.FUNCTION, "Torque, N m: a number, or a function of t.", "N m", example="1.5"),
     ]
-    against: Annotated[
-        MarkerRef | None,
-        key(KeyType.MARKER, "Marker at which the reaction acts; by default there is no reaction."),
-    ] = None
+    against: Annotated[MarkerRef | None, AGAINST] = None
     kind: ClassVar[str] = "torque"
 
     @property
@@ -80,7 +88,7 @@ class Torque:
         return (self.at,) if self.against is None else (self.at, self.against)
 
 
-class _BetweenMarkers:
+class BetweenMarkers:
     """The base class of elements that act between two markers."""
 
     first: MarkerRef
@@ -99,7 +107,7 @@ def _coefficient(power: int) -> Key:
 
 
 @dataclass(frozen=True)
-class Spring(_BetweenMarkers):
+class Spring(BetweenMarkers):
     """A spring with a damper between two markers."""
 
     # The units depend on the kind, a name of the registry of forces. With the extension x = length - rest its force is
@@ -146,7 +154,7 @@ def _of_bushing(of: KeyType, text: str, unit: str) -> Key:
 
 
 @dataclass(frozen=True)
-class Bushing(_BetweenMarkers):
+class Bushing(BetweenMarkers):
     """Linear springs with dampers between two markers: along both axes of the section at the first, and about e3.
 
     The forces are stiffness * (displacement - rest) + damping * (rate), where displacement and rate are those of the

@@ -56,7 +56,7 @@ def instance_parts(name: str) -> InstanceName:
 
 
 INSTANCE = re.compile(r"(\w+)\[(\d+)\](?:_(\w+))?")
-NUMBER = re.compile(r"(\d+)")
+NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:e[+-]\d+)?)")
 
 
 def skeleton(text: str) -> str:
@@ -65,7 +65,7 @@ def skeleton(text: str) -> str:
 
 
 def text_of_instances(texts: Sequence[str], first: int) -> str:
-    """One text for those of successive instances, which differ in numbers: `link[i+1].left` of link[1].left and so on.
+    """The text that describes those of successive instances, which differ in numbers: `link[i+1].left` of link[1].left.
 
     first: the index of the first instance. Numbers that the index does not give become dots.
     """
@@ -76,8 +76,8 @@ def text_of_instances(texts: Sequence[str], first: int) -> str:
 def _common(parts: Sequence[str], first: int) -> str:
     if all(part == parts[0] for part in parts):
         return parts[0]
-    distances = {int(part) - index for index, part in enumerate(parts, first)}
-    if len(distances) > 1:
+    distances = {int(part) - index for index, part in enumerate(parts, first) if part.isdigit()}
+    if len(distances) != 1 or not all(map(str.isdigit, parts)):  # also 1.1, 1.2 and 1.3, which are not 1.i
         return "..."
     (distance,) = distances
     return f"i{distance:+}" if distance else "i"

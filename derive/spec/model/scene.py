@@ -75,6 +75,7 @@ class JointInitialValues:
 
 
 NOT_NEEDED = "not needed if the motion is prescribed: energies, powers and reactions then count what is not given as 0."
+BODY_MASS = key(KeyType.POSITIVE_QUANTITY, f"Mass, kg; {NOT_NEEDED}", DEFAULT_MASS.unit)
 POINTS = key(
     KeyType.POINTS,
     "Named points and their coordinates [x, y], m, in the frame of the body or the inertial frame.",
@@ -89,9 +90,7 @@ class RigidBody:
     """A rigid body in the plane; it has none of the keys length, bending_stiffness, ansatz and frame."""
 
     name: str
-    mass: Annotated[Quantity | None, key(KeyType.POSITIVE_QUANTITY, f"Mass, kg; {NOT_NEEDED}", DEFAULT_MASS.unit)] = (
-        None
-    )
+    mass: Annotated[Quantity | None, BODY_MASS] = None
     inertia: Annotated[
         Quantity | None,
         key(

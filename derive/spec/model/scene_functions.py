@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody
-from derive.spec.model.spatial_scene import FlexibleBody
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import Spline, TimeFunction, break_times, parts
 

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from derive.spec.tables.shared import TomlTable
-from derive.spec.tables.spatial import spatial_specification_table
+from derive.spec.tables.spatial_scene import spatial_specification_table
 from derive.spec.tables.specification import specification_table
 
 

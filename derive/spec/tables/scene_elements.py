@@ -7,18 +7,20 @@ from dataclasses import replace
 from typing import Any
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, FORCES, kinds
+from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
-from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.joints import SpatialJointType
 from derive.spec.model.forces import Force, SceneForce, Spring, Torque
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, JointInitialValues, SceneInput
+from derive.spec.model.spatial_scene import SpatialJoint
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.declared_tables import DeclaredTable, declare
-from derive.spec.tables.registered_tables import registered_table
+from derive.spec.tables.registered_tables import Declares, registered_table
 
 ELEMENTS: dict[str, type] = {"forces": Force, "torques": Torque, "springs": Spring}
 """The frozen type whose markers and description the elements of a section have."""
@@ -42,21 +44,26 @@ declare(Drive, "DriveTable", make=_drive, keys=(*declared_keys(Drive), COUNT))
 declare(SceneInput, "InputTable", check=_check_input, keys=(*declared_keys(SceneInput), COUNT))
 
 
-def speed_unit(kind: str) -> str | None:
-    """The unit of the speed of a drive of a joint of some kind; None if there is no such drive."""
-    joint_type = JOINTS.get(kind)
-    if joint_type is None:
-        spatial = SPATIAL_JOINTS.get(kind)
-        return f"{spatial.driven.unit}/s" if spatial and spatial.driven else None
-    return joint_type.driven.speed_unit if joint_type.driven else None
+def speed_unit(joint_type: JointType | SpatialJointType | None) -> str | None:
+    """The unit of the speed of a drive of a joint of some type; None if there is no such drive."""
+    driven = joint_type.driven if joint_type else None
+    return f"{driven.unit}/s" if driven else None
 
 
-def with_speed_unit(drive: Drive, joints: tuple[Joint, ...]) -> Drive:
-    """The drive with the unit of its speed, where that is a parameter without a unit."""
-    if not isinstance(drive.speed, Parameter) or drive.speed.unit:
-        return drive
-    (kind,) = (joint.kind for joint in joints if joint.name == drive.joint)
-    return replace(drive, speed=replace(drive.speed, unit=speed_unit(kind) or ""))
+def with_speed_units(
+    drives: tuple[Drive, ...],
+    joints: tuple[Joint, ...] | tuple[SpatialJoint, ...],
+    types: Mapping[str, JointType] | Mapping[str, SpatialJointType],
+) -> tuple[Drive, ...]:
+    """The drives with the units of their speeds, where these are parameters without units."""
+    kinds = {joint.name: joint.kind for joint in joints}
+
+    def with_unit(drive: Drive) -> Drive:
+        if not isinstance(drive.speed, Parameter) or drive.speed.unit:
+            return drive
+        return replace(drive, speed=replace(drive.speed, unit=speed_unit(types[kinds[drive.joint]]) or ""))
+
+    return tuple(with_unit(drive) for drive in drives)
 
 
 OF_KIND = ("angle", "axis")
@@ -96,9 +103,9 @@ def _force(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneFor
     return force_type.element("", kind, markers, given)
 
 
-def output_table() -> DeclaredTable:
+def output_table(title: str = "OutputTable", types: Mapping[str, Declares] = OUTPUTS) -> DeclaredTable:
     """The table of an output, with the kinds and keys of all outputs that are registered now."""
-    return registered_table("OutputTable", SceneOutput.__doc__, "output", (*OUTPUTS.items(),), (COUNT,), _output)
+    return registered_table(title, SceneOutput.__doc__ or "", "output", (*types.items(),), (COUNT,), _output)
 
 
 def _output(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneOutput:

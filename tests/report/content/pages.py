@@ -53,8 +53,8 @@ def spec(name: str) -> Any:
             )
         case "rigid":
             return derive.symbolic_body("rigid", 0)
-        case "hundred":
-            return derive.symbolic_body("hundred", 100)
+        case "forty":
+            return derive.symbolic_body("forty", 40)
     raise KeyError(name)
 
 

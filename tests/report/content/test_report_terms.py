@@ -23,7 +23,7 @@ BODIES = (
     "flat",
     "loops_given",
     "rigid",
-    "hundred",
+    "forty",
 )
 
 
@@ -131,4 +131,4 @@ def test_terms_lead_to_the_entry_of_their_acceleration() -> None:
 def test_long_functions_are_shortened_and_keep_what_is_linked() -> None:
     shown = code("flat")
     assert len(shown) > 100
-    assert len(code("hundred")) == sum(len(listing.lines) for listing in pages.listings(pages.section("hundred", "c")))
+    assert len(code("forty")) == sum(len(listing.lines) for listing in pages.listings(pages.section("forty", "c")))

@@ -26,7 +26,7 @@ BODIES = (
     "flat",
     "loops_given",
     "rigid",
-    "hundred",
+    "forty",
 )
 
 

@@ -18,6 +18,8 @@ def test_rows_with_other_differences_stay() -> None:
     """Masses of a taper, indices that do not follow each other, single instances and bodies with names of their own."""
     for rows in (
         [[f"link[{i}]", f"{0.05 * 2**i} kg"] for i in range(3)],
+        [[f"link[{i}]", f"1.{i} kg"] for i in range(1, 4)],
+        [["link[0]", "1 kg"], ["link[1]", "1.1 kg"]],
         [["link[0]", "1 kg"], ["link[2]", "1 kg"]],
         [["link[0]", "1 kg"]],
         [["rod_1", "1 kg"], ["rod_2", "1 kg"]],

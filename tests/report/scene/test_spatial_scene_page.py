@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from derive.report.sections.files import SpecificationText
 from derive.report.writers.html import html
 from derive.report.writers.latex import latex
 from derive.simulation.observables.body_surface import Surface
-from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody
+from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody, Tie
 from derive.visual.spatial_mechanism import spatial_picture
 from svg_text import text_boxes
 
@@ -59,6 +60,11 @@ def test_near_faces_hide_far_ones_and_points_are_to_scale() -> None:
     moved = BodyPath(np.array([[0.0, 5.0, 0]]), np.array([[1.0, 0, 0, 0]]), np.zeros((1, 1)))
     near = DrawnBody("near", square, np.zeros((0, 4, 3)), Surface(((0, 1, 2, 3),), ()), 1.0, (("corner", 2),))
     far = DrawnBody("far", square, np.zeros((1, 4, 3)), Surface(((0, 1, 2, 3),), ()), 1.0)
-    drawn = spatial_picture("two squares", [near, far], [still, moved], [("origin", np.zeros(3))])
+    ties = [Tie(False, ((0, 0), (-1, 0)))]
+    drawn = spatial_picture("two squares", [near, far], [still, moved], [("origin", np.zeros(3))], ties)
     assert drawn.index('class="face flexible"') < drawn.index('class="face rigid"')
+    place = r'cx="(\S+)" cy="(\S+)" r="2.5"/>\n.*>'
+    corner, origin = (re.search(f"{place}{name}<", drawn) for name in ("corner", "origin"))
+    assert corner and origin
+    assert 'class="tie" d="M{} {}L{} {}"'.format(*corner.groups(), *origin.groups()) in drawn
     assert {"corner", "origin", "e1", "e2", "e3"} <= {box.text for box in text_boxes(drawn)}

@@ -17,7 +17,7 @@ from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import Joint, SceneBody
-from derive.spec.model.spatial_scene import SpatialBody
+from derive.spec.model.spatial_bodies import SpatialBody
 
 NO_ROTATION = sp.ImmutableMatrix(sp.eye(3))
 """The axes of a marker frame that is not rotated against its body."""

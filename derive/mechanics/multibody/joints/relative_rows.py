@@ -55,11 +55,6 @@ class RelativeRow:
         """The unit of the multiplier, whose product with the row is a work."""
         return FORCE_UNITS.get(self.unit, f"J/({self.unit})")
 
-    @property
-    def speed_unit(self) -> str:
-        """The unit of the time derivative of the row."""
-        return f"{self.unit}/s"
-
     def derivatives(self, joint: Joint, motion: tuple[Derivatives, ...]) -> Derivatives:
         """The row with two time derivatives; motion: displacement along the axes of the joint, and rotation."""
         g = sp.sympify(self.function(joint, MOTION[:2, :], MOTION[2]))

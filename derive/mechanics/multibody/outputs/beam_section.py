@@ -32,7 +32,7 @@ from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.scene import BeamBody, Scene
 
 
 class BeamSection:
@@ -42,7 +42,7 @@ class BeamSection:
         """component: the beam or the piece; at: the xi of the section on it; position: its inertial position."""
         self.name, self.scene, self.component, self.at, self.position = name, scene, component, at, position
         self._constants: dict[sp.Symbol, ModelConstant] = {}
-        self.rod, self.piece, self.places = piece_of_component(scene, component)
+        self.rod, self.piece, self.places = piece_of_component(scene.scene, component)
         beam = self.rod.beam
         self.instance: InstanceEquations = scene.instances[component]
         self.shapes = displacement_fields(beam)
@@ -217,9 +217,9 @@ class BeamSection:
         return symbol
 
 
-def piece_of_component(scene: SceneMechanics, component: str) -> tuple[BeamBody, int, dict[str, Fraction]]:
+def piece_of_component(scene: Scene, component: str) -> tuple[BeamBody, int, dict[str, Fraction]]:
     """The rod of a component, its number in the rod, from 0, and the positions xi of the markers on it."""
-    for body in scene.scene.bodies:
+    for body in scene.bodies:
         if not isinstance(body, BeamBody):
             continue
         n = body.pieces

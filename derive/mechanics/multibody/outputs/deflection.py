@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
-from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import length_of
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.spec.model.keys import KeyType, declared_keys
@@ -47,10 +47,14 @@ class ChordDeflection(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component: a length, or a ratio."""
-        marker, chord, divisor = values["marker"], values["chord"], values.get("divided_by")
-        points = (scene.point(at).position for at in (marker, *chord))
+        divisor = values.get("divided_by")
+        points = (scene.point(at).position for at in (values["marker"], *values["chord"]))
         distance = distance_from_line(points, lambda x, y: length_of(sp.Matrix([x, y])))
-        doc = deflection_doc(marker, chord, None if divisor is None else float(divisor))
         if divisor is None:
-            return OutputComponents((OutputComponent("", "m", doc, distance),))
-        return OutputComponents((OutputComponent("", "", doc, distance / divisor),))
+            return OutputComponents((OutputComponent("", "m", distance),))
+        return OutputComponents((OutputComponent("", "", distance / divisor),))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the description of the deflection."""
+        divisor = values.get("divided_by")
+        return (deflection_doc(values["marker"], values["chord"], None if divisor is None else float(divisor)),)

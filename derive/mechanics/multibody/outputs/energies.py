@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import Family, identity
 from derive.spec.model.keys import Key
@@ -28,12 +28,17 @@ class Energies(OutputType):
         strain += sp.Add(*(force.potential for force in scene.generalised))
         return OutputComponents(
             (
-                OutputComponent("kinetic", "J", "kinetic energy", kinetic),
-                OutputComponent("strain", "J", "strain energy, with that of springs", strain),
-                OutputComponent("gravity", "J", "potential of gravity", weight),
-                OutputComponent("total", "J", "kinetic energy and potentials", kinetic + strain + weight),
+                OutputComponent("kinetic", "J", kinetic),
+                OutputComponent("strain", "J", strain),
+                OutputComponent("gravity", "J", weight),
+                OutputComponent("total", "J", kinetic + strain + weight),
             )
         )
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the descriptions of the energies."""
+        strain = "strain energy, with that of springs"
+        return "kinetic energy", strain, "potential of gravity", "kinetic energy and potentials"
 
 
 class Powers(OutputType):
@@ -52,11 +57,16 @@ class Powers(OutputType):
         dissipated += sp.Add(*map(material_damping, scene.instances.values()))
         return OutputComponents(
             (
-                OutputComponent("loads", "W", "power of forces and torques at markers", sp.Add(*loads)),
-                OutputComponent("drives", "W", "power of the drives", sp.Add(*drives)),
-                OutputComponent("dissipated", "W", "power of dampers and of material damping", dissipated),
+                OutputComponent("loads", "W", sp.Add(*loads)),
+                OutputComponent("drives", "W", sp.Add(*drives)),
+                OutputComponent("dissipated", "W", dissipated),
             )
         )
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the descriptions of the powers."""
+        dissipated = "power of dampers and of material damping"
+        return "power of forces and torques at markers", "power of the drives", dissipated
 
 
 def material_damping(instance: InstanceEquations) -> sp.Expr:

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.time_functions import Atan2
@@ -38,13 +38,13 @@ class MarkerVector(OutputType):
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return the components along e1 and e2 of the frame."""
         vector = observed(scene, values["marker"], values.get("frame"))[self.order]
-        where = f"of {values['marker']} along e{{}} of {values.get('frame') or 'the inertial frame'}"
-        return OutputComponents(
-            tuple(
-                OutputComponent(str(k), self.unit, f"{_ORDERS[self.order]}position {where.format(k)}", vector[k - 1])
-                for k in (1, 2)
-            )
-        )
+        return OutputComponents(tuple(OutputComponent(str(k), self.unit, vector[k - 1]) for k in (1, 2)))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the marker, the order of the derivative, the axis and the frame of each component."""
+        motion = f"{_ORDERS[self.order]}position of {values['marker']}"
+        frame = values.get("frame") or "the inertial frame"
+        return f"{motion} along e1 of {frame}", f"{motion} along e2 of {frame}"
 
 
 class MarkerRotation(OutputType):
@@ -61,9 +61,12 @@ class MarkerRotation(OutputType):
         rotation = scene.point(values["marker"]).rotation_derivatives[self.order]
         if frame is not None:
             rotation -= scene.point(frame).rotation_derivatives[self.order]
-        against = frame or "the inertial frame"
-        doc = f"{_ORDERS[self.order]}rotation of the section at {values['marker']} against {against}"
-        return OutputComponents((OutputComponent("", self.unit, doc, sp.expand(rotation)),))
+        return OutputComponents((OutputComponent("", self.unit, sp.expand(rotation)),))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the marker, the order of the derivative and the frame."""
+        against = values.get("frame") or "the inertial frame"
+        return (f"{_ORDERS[self.order]}rotation of the section at {values['marker']} against {against}",)
 
 
 class Distance(OutputType):
@@ -76,8 +79,12 @@ class Distance(OutputType):
         """Return one component, the distance."""
         first, second = values["between"]
         displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement
-        doc = f"distance from {first} to {second}"
-        return OutputComponents((OutputComponent("", "m", doc, length_of(displacement)),))
+        return OutputComponents((OutputComponent("", "m", length_of(displacement)),))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return both markers."""
+        first, second = values["between"]
+        return (f"distance from {first} to {second}",)
 
 
 class Inclination(OutputType):
@@ -92,9 +99,14 @@ class Inclination(OutputType):
         ends = (observed(scene, marker, frame)[0] for marker in values["between"])
         first, second = map(sp.Matrix, ends)
         along = second - first
-        markers = " to ".join(map(str, values["between"]))
-        doc = f"angle of the line from {markers}, from e1 of {frame or 'the inertial frame'}"
-        return OutputComponents((OutputComponent("", "rad", doc, Atan2(along[1], along[0])),))
+        return OutputComponents((OutputComponent("", "rad", Atan2(along[1], along[0])),))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return both markers and the frame."""
+        first, second = values["between"]
+        return (
+            f"angle of the line from {first} to {second}, from e1 of {values.get('frame') or 'the inertial frame'}",
+        )
 
 
 def observed(scene: SceneMechanics, marker: MarkerRef, frame: MarkerRef | None) -> tuple[sp.Matrix, ...]:

@@ -5,26 +5,27 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import sympy as sp
 
+from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.keys import Key
+from derive.spec.model.scene import Scene
 
 
 @dataclass(frozen=True)
 class OutputComponent:
     """A number that an output consists of.
 
-    label: the suffix to the name of the output, empty if there is one component; unit: its SI unit; doc: a description;
-    expr: its value in the symbols of the mechanism, its accelerations and multipliers.
+    label: the suffix to the name of the output, empty if there is one component; unit: its SI unit; expr: its value in
+    the symbols of the mechanism, its accelerations and multipliers.
     """
 
     label: str
     unit: str
-    doc: str
     expr: sp.Expr
 
 
@@ -34,6 +35,18 @@ class OutputComponents:
 
     components: tuple[OutputComponent, ...]
     constants: tuple[ModelConstant, ...] = ()
+
+
+class NamedElements(Protocol):
+    """The elements of a mechanism that descriptions of outputs name: those of its specification, and its forces."""
+
+    @property
+    def scene(self) -> Scene:
+        """The specification."""
+
+    @property
+    def forces(self) -> tuple[ForceInstance, ...]:
+        """The forces, torques and springs, with the markers of instances that they act at."""
 
 
 class OutputType(ABC):
@@ -51,6 +64,13 @@ class OutputType(ABC):
     @abstractmethod
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return the components of the output `name` from the values of its keys."""
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return a description of each component, in the order of `labels`.
+
+        Outputs that loops compute with one code have the same components, and descriptions of their own.
+        """
+        return tuple(f"{self.doc}, {label}" if label else self.doc for label in self.labels)
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,12 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.joints.relative_rows import RelativeRow
+from derive.mechanics.multibody.kinds import ForceInstance
+from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import Resultant, SceneMechanics
 from derive.spec.model.keys import Key, KeyType
+from derive.spec.model.scene import Drive, Scene
 
 
 class Reaction(OutputType):
@@ -23,7 +26,11 @@ class Reaction(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return two force components in the inertial frame, and the torque about the second marker."""
-        return _resultant(scene.reaction(values["joint"]), f"of joint {values['joint']} on body 2")
+        return _resultant(scene.reaction(values["joint"]))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the joint, and the axis of each component."""
+        return _resultant_docs(f"of joint {values['joint']} on body 2")
 
 
 class DriveForce(OutputType):
@@ -35,11 +42,26 @@ class DriveForce(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component, whose virtual work is that of the drive on the relative coordinate of its joint."""
-        drive = next(d for d in scene.scene.drives if d.name == values["drive"])
-        driven = JOINTS[next(j.kind for j in scene.scene.joints if j.name == drive.joint)].driven
-        assert driven is not None
-        doc = f"{'torque' if driven.unit == 'rad' else 'force'} of drive {drive.name} on body 2"
-        return OutputComponents((OutputComponent("", driven.force_unit, doc, scene.drive_force(drive)),))
+        drive = _drive(scene.scene, values["drive"])
+        force = scene.drive_force(drive)
+        return OutputComponents((OutputComponent("", _driven(scene.scene, drive).force_unit, force),))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the drive, and whether it exerts a torque or a force."""
+        drive = _drive(mechanism.scene, values["drive"])
+        noun = "torque" if _driven(mechanism.scene, drive).unit == "rad" else "force"
+        return (f"{noun} of drive {drive.name} on body 2",)
+
+
+def _drive(scene: Scene, name: str) -> Drive:
+    return next(drive for drive in scene.drives if drive.name == name)
+
+
+def _driven(scene: Scene, drive: Drive) -> RelativeRow:
+    """The relative motion that a drive prescribes."""
+    driven = JOINTS[next(joint.kind for joint in scene.joints if joint.name == drive.joint)].driven
+    assert driven is not None
+    return driven
 
 
 class SpringForce(OutputType):
@@ -51,13 +73,26 @@ class SpringForce(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return two force components in the inertial frame, and the torque."""
-        spring = next(f for f in scene.forces if f.element.name == values["spring"])
+        spring = _spring(scene, values["spring"])
         second = spring.markers[-1]
-        on_second = scene.force_on(spring, lambda marker: marker == second, scene.position(second))
-        return _resultant(on_second, f"of spring {values['spring']} on {second}")
+        return _resultant(scene.force_on(spring, lambda marker: marker == second, scene.position(second)))
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the spring, its second marker, and the axis of each component."""
+        second = _spring(mechanism, values["spring"]).markers[-1]
+        return _resultant_docs(f"of spring {values['spring']} on {second}")
 
 
-def _resultant(of: Resultant, text: str) -> OutputComponents:
-    """The components of a force and a torque, with units and descriptions."""
-    forces = [OutputComponent(str(k), "N", f"force {text} along e{k}", sp.expand(of.force[k - 1])) for k in (1, 2)]
-    return OutputComponents((*forces, OutputComponent("torque", "N m", f"torque {text}", sp.expand(of.torque))))
+def _spring(mechanism: NamedElements, name: str) -> ForceInstance:
+    return next(force for force in mechanism.forces if force.element.name == name)
+
+
+def _resultant(of: Resultant) -> OutputComponents:
+    """The components of a force and a torque, with units."""
+    forces = [OutputComponent(str(k), "N", sp.expand(of.force[k - 1])) for k in (1, 2)]
+    return OutputComponents((*forces, OutputComponent("torque", "N m", sp.expand(of.torque))))
+
+
+def _resultant_docs(text: str) -> tuple[str, str, str]:
+    """The descriptions of these components; `text` follows the noun."""
+    return f"force {text} along e1", f"force {text} along e2", f"torque {text}"

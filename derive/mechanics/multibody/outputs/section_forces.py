@@ -13,7 +13,7 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
-from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import Key, KeyType
@@ -40,8 +40,11 @@ class SectionForce(OutputType):
         angle = scene.point(values["section"]).rotation
         axes = ((sp.cos(angle), sp.sin(angle)), (-sp.sin(angle), sp.cos(angle)))
         force = sp.Matrix(axes[self.axis]).dot(resultant.force)
-        doc = f"{self.doc} at {values['section']}, from equilibrium"
-        return OutputComponents((OutputComponent("", "N", doc, force),), section.constants)
+        return OutputComponents((OutputComponent("", "N", force),), section.constants)
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the force and the section."""
+        return (f"{self.doc} at {values['section']}, from equilibrium",)
 
 
 class BendingMoment(OutputType):
@@ -56,18 +59,26 @@ class BendingMoment(OutputType):
         section = _marked_section(name, scene, values["section"])
         moment = section.resultant().torque
         bending = section.bending_stiffness * section.curvature + section.damping_moment
-        where = f"at {values['section']}"
-        damped = " with the damping of the material" if section.rod.beam.damping else ""
-        return OutputComponents(
-            (
-                OutputComponent("", "N m", f"bending moment {where}, from equilibrium", moment),
-                OutputComponent("curvature", "N m", f"bending moment {where}, EI times the curvature{damped}", bending),
-            ),
-            section.constants,
-        )
+        components = OutputComponent("", "N m", moment), OutputComponent("curvature", "N m", bending)
+        return OutputComponents(components, section.constants)
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the section, and what each of the two moments follows from."""
+        moment = f"bending moment at {values['section']}"
+        rod, _, _ = piece_of_component(mechanism.scene, values["section"].body)
+        damped = " with the damping of the material" if rod.beam.damping else ""
+        return f"{moment}, from equilibrium", f"{moment}, EI times the curvature{damped}"
 
 
-class MomentGap(OutputType):
+class _Gap(OutputType):
+    """The base class of outputs that compare a section force from equilibrium with that of the shapes."""
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the gap and the section."""
+        return (f"{self.doc} at {values['section']}",)
+
+
+class MomentGap(_Gap):
     """The bending moment from equilibrium less that from the curvature: the error of the shapes at a section."""
 
     doc = "bending moment from equilibrium, less that from the curvature"
@@ -77,11 +88,10 @@ class MomentGap(OutputType):
         """Return one component, the gap."""
         moments = BendingMoment().components(name, values, scene)
         equilibrium, bending = (c.expr for c in moments.components)
-        doc = f"{self.doc} at {values['section']}"
-        return OutputComponents((OutputComponent("", "N m", doc, equilibrium - bending),), moments.constants)
+        return OutputComponents((OutputComponent("", "N m", equilibrium - bending),), moments.constants)
 
 
-class ShearGap(OutputType):
+class ShearGap(_Gap):
     """The derivative of the bending moment from the shear force in equilibrium, less that of the shapes.
 
     The shear force is across the deformed axis; at first order, which does not know how an axial force acts on slopes,
@@ -98,8 +108,7 @@ class ShearGap(OutputType):
         angle = section.instance.coordinates[2].q if first else scene.point(values["section"]).rotation
         shear = sp.Matrix([-sp.sin(angle), sp.cos(angle)]).dot(section.resultant().force)
         gap = -shear - section.bending_stiffness * section.curvature_slope - section.damping_moment_slope
-        doc = f"{self.doc} at {values['section']}"
-        return OutputComponents((OutputComponent("", "N", doc, gap),), section.constants)
+        return OutputComponents((OutputComponent("", "N", gap),), section.constants)
 
 
 class Curvature(OutputType):
@@ -112,8 +121,11 @@ class Curvature(OutputType):
         """Return one component, the curvature."""
         section = _marked_section(name, scene, values["section"])
         curvature = section.curvature
-        doc = f"curvature at {values['section']}"
-        return OutputComponents((OutputComponent("", "1/m", doc, curvature),), section.constants)
+        return OutputComponents((OutputComponent("", "1/m", curvature),), section.constants)
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the section."""
+        return (f"curvature at {values['section']}",)
 
 
 class Strain(OutputType):
@@ -126,8 +138,11 @@ class Strain(OutputType):
         """Return one component, the strain."""
         section = _marked_section(name, scene, values["section"])
         strain = section.axial_strain - values["height"] * section.curvature
-        doc = f"strain of a fibre at {values['section']}"
-        return OutputComponents((OutputComponent("", "", doc, strain),), section.constants)
+        return OutputComponents((OutputComponent("", "", strain),), section.constants)
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the section."""
+        return (f"strain of a fibre at {values['section']}",)
 
 
 class AxialLoad(OutputType):
@@ -162,11 +177,14 @@ class AxialLoad(OutputType):
             case _:
                 inertia = section.mass * section.length / 8
                 force = -section.constant("inertia", inertia, "m l/8", "kg m") * instance.rows[2].v ** 2
-        doc = f"{self.doc} {component}"
-        return OutputComponents((OutputComponent("", "N", doc, force),), section.constants)
+        return OutputComponents((OutputComponent("", "N", force),), section.constants)
+
+    def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
+        """Return the term and the component."""
+        return (f"{self.doc} {values['component']}",)
 
 
 def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> BeamSection:
     """The section of a beam at a marker."""
-    _, _, places = piece_of_component(scene, marker.body)
+    _, _, places = piece_of_component(scene.scene, marker.body)
     return BeamSection(name, scene, marker.body, places[marker.marker], scene.position(marker))

@@ -28,7 +28,8 @@ from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import element
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import FlexibleBody, Gear, SpatialJoint, SpatialScene
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 
 _PITCH = next(key for key in declared_keys(SpatialJoint) if key.name == "pitch")
 

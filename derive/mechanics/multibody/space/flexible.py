@@ -17,7 +17,7 @@ from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Con
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.space.frame_motion import FIXED_AXES
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.spatial_scene import FlexibleBody
+from derive.spec.model.spatial_bodies import FlexibleBody
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from derive.mechanics.time_functions import Atan2
 from derive.registry import Registry
 from derive.spec.model.keys import Key, KeyType, value_keys
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_scene import (
+from derive.spec.model.spatial_forces import (
     SpatialAction,
     SpatialForce,
     SpatialJointForce,
@@ -270,11 +270,15 @@ def _quadratic(matrix: sp.Matrix, x: Sequence[sp.Expr]) -> sp.Expr:
 
 @dataclass(frozen=True)
 class SpatialSpringType:
-    """A kind of spring in space: what distinguishes it, the keys of its table, and its loads."""
+    """A kind of spring in space: what distinguishes it, the keys of its table, and its loads.
+
+    along_line: whether it acts, and is drawn, along the line between its markers.
+    """
 
     doc: str
     keys: tuple[Key, ...]
     loads: Callable[[SpatialSpring, Frames, Values, CountedRotation | None], ActionLoads]
+    along_line: bool = False
 
 
 def _keys(force: str, length: str) -> tuple[Key, ...]:
@@ -298,7 +302,7 @@ _SIX = (
 SPATIAL_SPRINGS: Registry[SpatialSpringType] = Registry(
     "spring in space",
     {
-        "linear": SpatialSpringType("along the line between the markers", _keys("N", "m"), _linear),
+        "linear": SpatialSpringType("along the line between the markers", _keys("N", "m"), _linear, along_line=True),
         "rotational": SpatialSpringType(
             "about z of the first marker, between the markers of a joint that counts turns with all of them, else from "
             "-pi to pi",

@@ -50,8 +50,9 @@ class VirtualMotion:
 class FrameMotion:
     """The motion of a marker frame: columns of 3 in the inertial frame; `axes` has the axes of the frame as columns.
 
-    `lever` is the vector from the origin O of the body to the marker, `frame` the rotation tensor Q of the body, and
-    `tangent` turns the rate of the rotation vector of a flexible body at the marker into an angular velocity.
+    `lever` is the vector from the origin O of the body to the marker, `frame` the rotation tensor Q of the body,
+    `displacement` that of the marker by deformation, u, in the frame of the body, and `tangent` turns the rate of the
+    rotation vector of a flexible body at the marker into an angular velocity.
     `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
     """
 
@@ -65,6 +66,7 @@ class FrameMotion:
     lever: sp.ImmutableMatrix = STILL
     frame: sp.ImmutableMatrix = FIXED_AXES
     tangent: sp.ImmutableMatrix = FIXED_AXES
+    displacement: sp.ImmutableMatrix = STILL
     virtual: tuple[VirtualMotion, ...] = ()
 
     @property
@@ -120,7 +122,7 @@ class FrameMotion:
             }
             return VirtualMotion(row, **{name: changed(sp.ImmutableMatrix(total)) for name, total in sums.items()})
 
-        vectors = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
+        vectors = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration", "displacement")
         matrices = ("axes", "lever", "frame", "tangent")
         return replace(
             self,
@@ -178,7 +180,7 @@ def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
     c, cdot, cddot = (sp.Matrix([*of]) for of in _origin(motion))
     omega, omegadot = sp.Matrix(motion.frame.omega), sp.Matrix(motion.frame.omegadot)
     w = of_body(Family.INERTIAL_OMEGA, Q * omega, "angular velocity in the inertial frame")
-    r, rdot, rddot = _radius(motion, point, named)
+    u, r, rdot, rddot = _radius(motion, point, named)
     lever = named(Family.LEVER, Q * r, f"Q r at {point.name}")
     relative = named(Family.SECTION_VELOCITY, Q * rdot, f"Q rdot at {point.name}")
     sdot = named(Family.LEVER, cross(w, lever) + relative, f"time derivative of Q r at {point.name}", 1)
@@ -203,6 +205,7 @@ def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
         lever=sp.ImmutableMatrix(lever),
         frame=sp.ImmutableMatrix(Q),
         tangent=sp.ImmutableMatrix(turned.tangent),
+        displacement=sp.ImmutableMatrix(u),
         virtual=tuple(_virtual(motion, point, turned)),
     )
 
@@ -212,11 +215,11 @@ def _origin(motion: Motion) -> tuple[tuple[sp.Expr, ...], ...]:
     return tuple(c.q for c in motion.coordinates[:3]), tuple(row.v for row in rows), tuple(row.a for row in rows)
 
 
-def _radius(motion: Motion, point: MaterialPoint, named: _Definitions) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
-    """r, rdot and rddot of a point in the body frame; the first two with names where the body deforms."""
+def _radius(motion: Motion, point: MaterialPoint, named: _Definitions) -> tuple[sp.Matrix, ...]:
+    """u, r = X + u, rdot and rddot of a point in the body frame; r and rdot with names where the body deforms."""
     if not motion.alpha:
         vanishing = {c.symbol: sp.S.Zero for c in point.coefficients if c.zero}
-        return sp.Matrix(point.position.xreplace(vanishing)), sp.zeros(3, 1), sp.zeros(3, 1)
+        return sp.zeros(3, 1), sp.Matrix(point.position.xreplace(vanishing)), sp.zeros(3, 1), sp.zeros(3, 1)
     tangents = tangent_vectors(
         motion, point, lambda i, k: Symbol(Identity(Family.TANGENT, (i,), (k,), point=point.name))
     )
@@ -225,7 +228,7 @@ def _radius(motion: Motion, point: MaterialPoint, named: _Definitions) -> tuple[
     r = named(Family.RADIUS, at, f"r = X + u at {point.name}")
     rdot = named(Family.RADIUS, rate, f"time derivative of r at {point.name}", 1)
     rddot = sum((v * a for v, a in zip(tangents.vectors, motion.alphaddot, strict=True)), sp.zeros(3, 1))
-    return r, rdot, rddot + acceleration_of_rates(motion, point)
+    return at - sp.Matrix(point.position), r, rdot, rddot + acceleration_of_rates(motion, point)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJo
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, SCREW, TURN
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import EquationOfMotion
+from derive.mechanics.time_functions import Wrapped
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint
 
@@ -66,6 +67,10 @@ def counted_rotation(
     if isinstance(joint, SpatialEliminatedJoint):
         turned = motion(of.name).motion
         return CountedRotation(sign * turned.value, sign * turned.rate)
+    if joint.drive and joint.type.driven is Freedom.ROTATION:
+        values = row_values(of, at(of.first), at(of.second), None)
+        apart = joint.drive.motion[0] - TURN.g.xreplace(values)
+        return CountedRotation(sign * (apart - Wrapped(apart, sp.S.One)), None)
     if joint.type.is_screw:
         values, pitch = row_values(of, at(of.first), at(of.second), None), lead(of)
         apart, turned, within = (row.g.xreplace(values) for row in (DISPLACEMENTS["z"], TURN, SCREW))

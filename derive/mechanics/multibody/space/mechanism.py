@@ -21,7 +21,8 @@ from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
-from derive.mechanics.multibody.space.outputs import SpatialParts, spatial_output_equations
+from derive.mechanics.multibody.space.output_parts import SpatialParts
+from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
 from derive.mechanics.terms import (
     Constraint,
@@ -30,7 +31,8 @@ from derive.mechanics.terms import (
     SpatialPose,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import SpatialAction, SpatialScene, SpatialSpring
+from derive.spec.model.spatial_forces import SpatialAction, SpatialSpring
+from derive.spec.model.spatial_scene import SpatialScene
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_scene import FlexibleBody, NodalLoad, SpatialForce
+from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad
+from derive.spec.model.spatial_forces import SpatialForce
 from derive.spec.model.time_function import TimeFunction
 
 COMPONENTS = (1, 2, 3)

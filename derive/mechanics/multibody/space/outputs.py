@@ -1,177 +1,29 @@
-"""The outputs of a scene in space: what they are called, and their expressions."""
+"""The kinds of outputs of a scene in space: what they are called, and their expressions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.outputs.energies import material_damping
-from derive.mechanics.multibody.space.constraints import lead
-from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad, moved_to
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, dot
-from derive.mechanics.multibody.space.joint_motion import JointMotion
-from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint, SpatialJointInstance
+from derive.mechanics.multibody.space.joints import Freedom
+from derive.mechanics.multibody.space.marker_outputs import AXES, FRAME, LABELS, MARKER_OUTPUTS, along, observer
+from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
 from derive.mechanics.terms import OutputEquation
 from derive.registry import Registry
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.keys import Key, KeyType
-from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.spatial_scene import (
-    SpatialJoint,
-    SpatialJointLoad,
-    SpatialJointTorque,
-    SpatialScene,
-    SpatialSpring,
-)
+from derive.spec.model.spatial_forces import SpatialJointLoad, SpatialJointTorque, SpatialSpring
 
-AXES = (1, 2, 3)
-
-
-@dataclass(frozen=True)
-class SpatialParts:
-    """The sources of outputs: the scene, its frames and instances, and the loads of actions and joints.
-
-    joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
-    that has eliminated coordinates, the marker of the body that it supports. joints: all of them by their names.
-    drive_multipliers: of each drive that is a constraint, its multiplier. motion: that of a joint by its name.
-    gear_loads: those of all gears.
-    """
-
-    scene: SpatialScene
-    at: Callable[[MarkerRef], FrameMotion]
-    instances: Mapping[str, InstanceEquations]
-    actions: tuple[ActionLoads, ...]
-    joint_loads: Mapping[str, tuple[MarkerLoad, ...]]
-    supports: Mapping[str, MarkerRef]
-    joints: Mapping[str, SpatialJointInstance | SpatialEliminatedJoint]
-    drive_multipliers: Mapping[str, sp.Expr]
-    motion: Callable[[str], JointMotion]
-    gear_loads: tuple[MarkerLoad, ...]
-
-    def joint(self, name: str) -> SpatialJoint:
-        """A joint by its name, with its constants as expressions."""
-        joint: SpatialJoint = self.joints[name].joint
-        return joint
-
-    def drive(self, name: str) -> tuple[SpatialJointInstance | SpatialEliminatedJoint, PrescribedMotion, Freedom]:
-        """The joint of a drive, the motion that the drive prescribes, and which motion of the joint that is."""
-        (joint,) = (of for of in self.joints.values() if of.drive and of.drive.name == name)
-        assert joint.drive is not None and joint.type.driven is not None, "the specification refuses other drives"
-        return joint, joint.drive, joint.type.driven
-
-    def drive_force(self, name: str) -> sp.Expr:
-        """The torque, or the force, by which a drive prescribes the motion of its joint, on body 2.
-
-        Where the joint has eliminated coordinates it is the virtual work of the reaction on the motion that the drive
-        prescribes, since the joint itself does none: about z, along z, or on a thread both.
-        """
-        if name in self.drive_multipliers:
-            return self.drive_multipliers[name]
-        joint, _, driven = self.drive(name)
-        axis = self.at(joint.joint.first).axes[:, 2]
-        force, torque = self.reaction(joint.joint.name)
-        if driven is Freedom.DISPLACEMENT:
-            return dot(axis, force)
-        return dot(axis, torque) + lead(joint.joint) * dot(axis, force)
-
-    def power(self, loads: tuple[MarkerLoad, ...]) -> sp.Expr:
-        """The power (W) of loads: their virtual work on the velocities."""
-        frames = [(load, self.at(load.marker)) for load in loads]
-        return sp.Add(*(dot(of.force, f.velocity) + dot(of.torque, f.angular_velocity) for of, f in frames))
-
-    def reaction(self, name: str) -> tuple[sp.Matrix, sp.Matrix]:
-        """The force and the torque of a joint, with its drive, on body 2; the torque is about the second marker."""
-        joint = self.joint(name)
-        if name in self.joint_loads:
-            load = next(load for load in self.joint_loads[name] if load.marker == joint.second)
-            return load.force, load.torque
-        own = self.supports[name]
-        force, torque = self._support(own, name)
-        if own == joint.second:
-            return force, torque
-        old, new = (sp.Matrix(self.at(marker).position) for marker in (own, joint.second))
-        return moved_to(MarkerLoad(own, -force, -torque), old, new)
-
-    def _support(self, own: MarkerRef, name: str) -> tuple[sp.Matrix, sp.Matrix]:
-        """The load of an eliminated joint on the body it supports, about its marker there, which is the origin O.
-
-        It is what the equations of the free body lack besides all other loads.
-        """
-        instance, about = self.instances[own.body], sp.Matrix(self.at(own).position)
-        force = sp.Matrix(instance.free_residual[:3])
-        torque = sp.Matrix(self.at(own).frame) * sp.Matrix(instance.free_residual[3:6])
-        of_elements = (*(a.loads for a in self.actions), *self.joint_loads.values(), self.gear_loads)
-        every = [load for of in of_elements for load in of]
-        for other, marker in self.supports.items():
-            joint = self.joint(other)
-            known = joint.first if marker == joint.second else joint.second
-            if other != name and known.body == own.body:
-                f, m = self._support(marker, other)
-                every.append(MarkerLoad(known, *_about_other(MarkerLoad(marker, -f, -m), self.at, known)))
-        for load in every:
-            if load.marker.body == own.body:
-                f, m = moved_to(load, sp.Matrix(self.at(load.marker).position), about)
-                force, torque = force - f, torque - m
-        return force, torque
-
-
-def _about_other(
-    load: MarkerLoad, at: Callable[[MarkerRef], FrameMotion], new: MarkerRef
-) -> tuple[sp.Matrix, sp.Matrix]:
-    return moved_to(load, sp.Matrix(at(load.marker).position), sp.Matrix(at(new).position))
-
-
-@dataclass(frozen=True)
-class SpatialComponent:
-    """A number that an output consists of, see OutputComponent."""
-
-    label: str
-    unit: str
-    doc: str
-    expr: sp.Expr
-
-
-@dataclass(frozen=True)
-class SpatialOutputType:
-    """A kind of output in space: a description, the keys of its table, the labels, and the components.
-
-    of_motion: whether it shows the motion of a joint, which not all joints have. counts_inertia: whether it depends on
-    the inertia of bodies whose motion is prescribed.
-    """
-
-    doc: str
-    keys: tuple[Key, ...]
-    labels: tuple[str, ...]
-    components: Callable[[Mapping[str, Any], SpatialParts], tuple[SpatialComponent, ...]]
-    of_motion: bool = False
-    counts_inertia: bool = False
-
-
-MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
 JOINT = Key("joint", KeyType.JOINT, "", "Name of the joint.", required=True)
-BETWEEN_MARKERS = Key("between", KeyType.MARKER_PAIR, "", "Two markers.", required=True)
 DRIVE = Key("drive", KeyType.DRIVE, "", "Name of the drive.", required=True)
 SPRING = Key("spring", KeyType.SPRING, "", "Name of the spring.", required=True)
 LOAD = Key("load", KeyType.JOINT_LOAD, "", "Name of a force or a torque in a joint.", required=True)
-_LABELS = tuple(map(str, AXES))
-_OF_LOAD = (*_LABELS, *(f"torque{k}" for k in AXES))
+_OF_LOAD = (*LABELS, *(f"torque{k}" for k in AXES))
 """The labels of a force and a torque."""
-
-
-def _vector(name: str, unit: str, text: str) -> SpatialOutputType:
-    def components(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
-        vector = getattr(parts.at(values["marker"]), name)
-        return tuple(
-            SpatialComponent(str(k), unit, f"{text} of {values['marker']} along e{k}", vector[k - 1]) for k in AXES
-        )
-
-    return SpatialOutputType(f"{text} of a marker in the inertial frame", (MARKER,), _LABELS, components)
 
 
 def _joint_coordinate(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
@@ -188,13 +40,6 @@ def _joint_speed(values: Mapping[str, Any], parts: SpatialParts) -> tuple[Spatia
     return (SpatialComponent("", f"{of.freedom.unit}/s", doc, of.motion.rate),)
 
 
-def _distance(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
-    first, second = (parts.at(marker) for marker in values["between"])
-    d = second.position - first.position
-    text = f"distance between {values['between'][0]} and {values['between'][1]}"
-    return (SpatialComponent("", "m", text, sp.sqrt(dot(d, d))),)
-
-
 def _energy(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
     kinetic, strain, weight = (sp.Add(*(i.energies[k] for i in parts.instances.values())) for k in range(3))
     strain += sp.Add(*(action.potential for action in parts.actions))
@@ -207,14 +52,19 @@ def _energy(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComp
 
 
 def _reaction(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
-    return _force_and_torque(*parts.reaction(values["joint"]), f"of joint {values['joint']} on body 2 along e")
+    return _force_and_torque(*parts.reaction(values["joint"]), f"of joint {values['joint']} on body 2", values, parts)
 
 
-def _force_and_torque(force: sp.Matrix, torque: sp.Matrix, text: str) -> tuple[SpatialComponent, ...]:
-    """The inertial components of a force and a torque; `text` is what follows their noun in descriptions."""
+def _force_and_torque(
+    force: sp.Matrix, torque: sp.Matrix, text: str, values: Mapping[str, Any], parts: SpatialParts
+) -> tuple[SpatialComponent, ...]:
+    """The components of a force and a torque in the frame; `text` is what follows their noun in descriptions."""
+    frame, name = observer(values, parts)
+    force, torque = along(frame, force), along(frame, torque)
+    axes = "along e{0} of " + name if FRAME.name in values else "along e{0}"
     return (
-        *(SpatialComponent(str(k), "N", f"force {text}{k}", force[k - 1]) for k in AXES),
-        *(SpatialComponent(f"torque{k}", "N m", f"torque {text}{k}", torque[k - 1]) for k in AXES),
+        *(SpatialComponent(str(k), "N", f"force {text} {axes.format(k)}", force[k - 1]) for k in AXES),
+        *(SpatialComponent(f"torque{k}", "N m", f"torque {text} {axes.format(k)}", torque[k - 1]) for k in AXES),
     )
 
 
@@ -229,7 +79,7 @@ def _spring(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComp
     spring = next(s for s in parts.scene.springs if s.name == values["spring"])
     (action,) = (action for action in parts.actions if action.element == spring)
     load = next(load for load in action.loads if load.marker == spring.second)
-    return _force_and_torque(load.force, load.torque, f"of spring {spring.name} on {spring.second} along e")
+    return _force_and_torque(load.force, load.torque, f"of spring {spring.name} on {spring.second}", values, parts)
 
 
 def _joint_load(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
@@ -260,11 +110,7 @@ def _power(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialCompo
 SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
     "output in space",
     {
-        "position": _vector("position", "m", "position"),
-        "velocity": _vector("velocity", "m/s", "velocity"),
-        "acceleration": _vector("acceleration", "m/s^2", "acceleration"),
-        "angular_velocity": _vector("angular_velocity", "rad/s", "angular velocity"),
-        "angular_acceleration": _vector("angular_acceleration", "rad/s^2", "angular acceleration"),
+        **MARKER_OUTPUTS,
         "joint": SpatialOutputType(
             "rotation about z of a joint with parallel z axes, or displacement of a prismatic one",
             (JOINT,),
@@ -273,7 +119,6 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
             of_motion=True,
         ),
         "joint_speed": SpatialOutputType("rate of that motion", (JOINT,), ("",), _joint_speed, of_motion=True),
-        "distance": SpatialOutputType("distance of two markers", (BETWEEN_MARKERS,), ("",), _distance),
         "energy": SpatialOutputType(
             "kinetic, strain (with springs), gravitational and total energy",
             (),
@@ -283,7 +128,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
         ),
         "reaction": SpatialOutputType(
             "what a joint exerts on body 2, with its drive, the torque about the second marker",
-            (JOINT,),
+            (JOINT, FRAME),
             _OF_LOAD,
             _reaction,
             counts_inertia=True,
@@ -291,7 +136,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
         "drive": SpatialOutputType("the torque or the force of a drive", (DRIVE,), ("",), _drive, counts_inertia=True),
         "spring": SpatialOutputType(
             "what a spring with its damper exerts on its second marker, the torque about this marker",
-            (SPRING,),
+            (SPRING, FRAME),
             _OF_LOAD,
             _spring,
         ),

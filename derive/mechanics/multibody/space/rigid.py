@@ -14,7 +14,7 @@ from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Con
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.spatial_scene import FrameMarker, SpatialRigidBody
+from derive.spec.model.spatial_bodies import FrameMarker, SpatialRigidBody
 
 NO_INERTIA: tuple[Quantity, ...] = (Fraction(0),) * 6
 TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))

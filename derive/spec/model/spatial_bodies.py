@@ -1,0 +1,233 @@
+"""Bodies of a scene in space as frozen data: rigid and finite-element ones, their markers, loads, initial values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated, ClassVar, Literal
+
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT
+from derive.spec.model.body import NodalBody
+from derive.spec.model.forces import ForceFrame
+from derive.spec.model.keys import KeyType, key
+from derive.spec.model.quantity import Quantity
+from derive.spec.model.scene import BODY_MASS, NOT_NEEDED
+from derive.spec.model.simulation import GUESS
+from derive.spec.model.time_function import TimeFunction
+
+Triple = tuple[float, float, float]
+UnitQuaternion = tuple[float, float, float, float]
+NO_ROTATION: UnitQuaternion = (1.0, 0.0, 0.0, 0.0)
+
+ROTATION_FORMS = (
+    "a unit quaternion, scalar first; { axis = [..], angle = a }; two axes of the frame { x = [..], y = [..] }; or "
+    '{ angles = [a, b, c], sequence = "xyz" } about the axes of the turning frame'
+)
+"""The notations of a rotation, for descriptions."""
+
+
+@dataclass(frozen=True)
+class FrameMarker:
+    """A named marker of a rigid body or of the ground: a point, and the rotation of its frame, in those of the body."""
+
+    name: str
+    position: Annotated[
+        tuple[Quantity, Quantity, Quantity],
+        key(
+            KeyType.COORDINATE_TRIPLE,
+            "Coordinates of the point, m, in the frame of the body or the inertial frame.",
+            DEFAULT_LENGTH.unit,
+            name="at",
+            example="[0.1, 0, 0]",
+        ),
+    ]
+    rotation: Annotated[
+        UnitQuaternion,
+        key(
+            KeyType.ROTATION,
+            f"Rotation of the frame of the marker: {ROTATION_FORMS}.",
+            shown=(1, 0, 0, 0),
+        ),
+    ] = NO_ROTATION
+
+
+@dataclass(frozen=True)
+class SpatialInitialValues:
+    """Initial values of a body in space. The initial state keeps what is given; values not given adapt to it."""
+
+    position: Annotated[
+        Triple | None, key(KeyType.TRIPLE, "Position of the origin of the body frame in the inertial frame, m.")
+    ] = None
+    rotation: Annotated[
+        UnitQuaternion | None, key(KeyType.ROTATION, f"Rotation of the body frame: {ROTATION_FORMS}.")
+    ] = None
+    velocity: Annotated[Triple | None, key(KeyType.TRIPLE, "Velocity of the origin in the inertial frame, m/s.")] = None
+    angular_velocity: Annotated[
+        Triple | None, key(KeyType.TRIPLE, "Angular velocity in the frame of the body, rad/s.")
+    ] = None
+    amplitudes: Annotated[
+        tuple[float, ...] | None,
+        key(KeyType.AMPLITUDES, "Amplitudes of the first modes of a flexible body, m; the others are zero."),
+    ] = None
+    amplitude_rates: Annotated[
+        tuple[float, ...] | None,
+        key(KeyType.AMPLITUDES, "Rates of the amplitudes of the first modes, m/s; the others are zero."),
+    ] = None
+    guess: Annotated[bool, GUESS] = False
+
+
+SPATIAL_START = key(
+    SpatialInitialValues, "Initial values; those that are not given adapt to the others and to the joints."
+)
+
+
+NOT_GIVEN_IN_SPACE = SpatialInitialValues()
+FRAMES = key(
+    KeyType.FRAMES,
+    "Named markers: coordinates [x, y, z], m, or { at = [x, y, z], rotation = ... } of a frame that is rotated.",
+    default=(),
+)
+
+
+@dataclass(frozen=True)
+class SpatialRigidBody:
+    """A rigid body in space."""
+
+    name: str
+    mass: Annotated[Quantity | None, BODY_MASS] = None
+    inertia: Annotated[
+        tuple[Quantity, ...] | None,
+        key(
+            KeyType.INERTIA_TENSOR,
+            "Tensor of inertia about the centre of mass along the axes of the body, kg m^2: the entries "
+            f"[Jxx, Jyy, Jzz, Jxy, Jxz, Jyz], Jxy = - int x y dm; {NOT_NEEDED}",
+            INERTIA_UNIT,
+            example="[0.01, 0.02, 0.02, 0, 0, 0]",
+        ),
+    ] = None
+    centre: Annotated[
+        tuple[Quantity, Quantity, Quantity],
+        key(
+            KeyType.COORDINATE_TRIPLE,
+            "Position of the centre of mass in the frame of the body, m.",
+            DEFAULT_LENGTH.unit,
+        ),
+    ] = (Fraction(0), Fraction(0), Fraction(0))
+    markers: Annotated[tuple[FrameMarker, ...], FRAMES] = ()
+    start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    keep_coordinates: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether the body keeps position and quaternion even if a joint or a drive could eliminate some; the "
+            "multipliers are then the constraint reactions.",
+        ),
+    ] = False
+    kind: ClassVar[str] = "rigid"
+
+
+NodeMotion = Literal["mean", "rigid"]
+
+
+@dataclass(frozen=True)
+class NodeFrame:
+    """A named marker of a finite-element body: a node, or a set of nodes."""
+
+    name: str
+    nodes: Annotated[
+        tuple[int, ...],
+        key(
+            KeyType.COUNTS,
+            "Nodes whose weighted mean displacement and rotation are those of the marker.",
+            default=(),
+        ),
+        key(KeyType.COUNT, "A node, counted from 0; its marker has no rotation of its own.", name="node"),
+    ]
+    weights: Annotated[tuple[Fraction, ...], key(KeyType.WEIGHTS, "Weights of the nodes; equal by default.")] = ()
+    motion: Annotated[
+        NodeMotion,
+        key(
+            KeyType.CHOICE,
+            "How the nodes move: mean, freely (their weighted mean is the marker, as RBE3), or rigid, as a rigid body "
+            "(as RBE2): computed modes then have this constraint, modes that are given must meet it.",
+            choice_of="the motion of nodes",
+        ),
+    ] = "mean"
+    rotation: Annotated[
+        UnitQuaternion,
+        key(
+            KeyType.ROTATION,
+            f"Rotation of the marker against the undeformed body: {ROTATION_FORMS}.",
+            shown=(1, 0, 0, 0),
+        ),
+    ] = NO_ROTATION
+
+    @property
+    def has_rotation(self) -> bool:
+        """Whether the marker has a rotation by deformation."""
+        return len(self.nodes) > 1
+
+
+@dataclass(frozen=True)
+class NodalLoad:
+    """Forces at nodes of a finite-element body, times a function of t."""
+
+    name: str
+    nodes: Annotated[
+        tuple[int, ...],
+        key(KeyType.LOADED_NODES, "The nodes, counted from 0.", default=(), example="[3, 4]"),
+        key(
+            KeyType.TEXT,
+            "CSV file with the columns node, x, y, z in place of nodes and forces, relative to the specification: the "
+            "number of a node, and the components of the force there, N.",
+            name="file",
+            example='"pressure.csv"',
+        ),
+    ]
+    forces: Annotated[
+        tuple[tuple[Fraction, Fraction, Fraction], ...],
+        key(
+            KeyType.NODAL_FORCES,
+            "The force at each node, N: three components; a single force is that of all nodes.",
+            default=(),
+            example="[[0, 0, -5], [0, 0, -10]]",
+        ),
+    ]
+    time: Annotated[
+        TimeFunction,
+        key(
+            KeyType.FUNCTION,
+            "Factor of the load: a number, a function of t, or an input.",
+            default=TimeFunction("number", value=Fraction(1)),
+            shown=1,
+        ),
+    ]
+    frame: Annotated[
+        ForceFrame,
+        key(KeyType.CHOICE, "The frame of the components: inertial, or body, the floating frame of the body."),
+    ] = "inertial"
+
+
+@dataclass(frozen=True)
+class FlexibleBody:
+    """A finite-element body in a scene in space; `body` are its data, without gravity, markers and initial values."""
+
+    name: str
+    body: NodalBody
+    markers: Annotated[
+        tuple[NodeFrame, ...],
+        key(
+            KeyType.NODE_FRAMES,
+            "Named markers: the number of a node, or { nodes = [..] } for the weighted mean motion of a set of nodes.",
+            default=(),
+        ),
+    ] = ()
+    start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    loads: Annotated[
+        tuple[NodalLoad, ...], key(NodalLoad, "Loads on nodes by name.", example="[bodies.rod.loads.pressure]")
+    ] = ()
+    keep_coordinates: ClassVar[bool] = True
+    kind: ClassVar[str] = "flexible"
+
+
+SpatialBody = SpatialRigidBody | FlexibleBody

@@ -1,0 +1,162 @@
+"""The tables of bodies of a scene in space: their markers, initial values and loads, rigid and finite-element ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from derive.spec.model.body import NodalBody, NodeData
+from derive.spec.model.instances import COUNT
+from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.quantity import Parameter
+from derive.spec.model.simulation import AT_REST
+from derive.spec.model.spatial_bodies import (
+    FlexibleBody,
+    FrameMarker,
+    NodalLoad,
+    NodeFrame,
+    SpatialInitialValues,
+    SpatialRigidBody,
+)
+from derive.spec.parsing.values import WrongValueError
+from derive.spec.tables.body import NODAL_KEYS, nodal_keys
+from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
+from derive.spec.tables.shared import ElementName, by_name, one_of
+from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
+
+declare(SpatialInitialValues, "SpatialInitialValuesTable")
+FRAME = declare(
+    FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
+)
+
+
+def _frame(name: str, at: Any) -> FrameMarker:
+    return replace(at, name=name) if isinstance(at, FrameMarker) else FrameMarker(name, at)
+
+
+VALUE_TYPES[KeyType.FRAMES] = markers_type(FRAME.value, "coordinates", _frame)
+
+
+def _check_inertia(body: SpatialRigidBody) -> None:
+    """Refuse a tensor of inertia that no distribution of mass has, if its entries are numbers."""
+    if body.inertia is None or any(isinstance(entry, Parameter) for entry in body.inertia):
+        return
+    xx, yy, zz, xy, xz, yz = (float(entry) for entry in body.inertia if not isinstance(entry, Parameter))
+    a, b, c = principal_moments(xx, yy, zz, xy, xz, yz)
+    text = f"no body has this tensor of inertia: its principal moments are {a:.6g}, {b:.6g}, {c:.6g} kg m^2"
+    size = max(abs(a), abs(b), abs(c))
+    if a < -ROUNDING * size or size == 0.0:
+        raise WrongValueError(f"{text}, and they are positive")
+    if c > (a + b) * (1 + ROUNDING):
+        raise WrongValueError(f"{text}, and the largest is at most the sum of the other two")
+
+
+ROUNDING = 1e-9
+"""The part of the principal moments by which they may violate an inequality, since entries are rounded."""
+
+
+def principal_moments(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> tuple[float, float, float]:
+    """The eigenvalues of a symmetric tensor, from the least to the largest, by Jacobi rotations."""
+    import numpy as np  # not for specifications that have no tensors
+
+    moments = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    return float(moments[0]), float(moments[1]), float(moments[2])
+
+
+def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
+    """A marker of a finite-element body. Raises WrongValueError for what does not go together."""
+    if (node is None) == (not nodes):
+        raise WrongValueError("a marker is at a node, node = 17, or at a set of nodes, nodes = [17, 18, 30, 31]")
+    if given.get("motion", "mean") == "rigid" and node is not None:
+        raise WrongValueError('a single node has no rotation; a rigid set, motion = "rigid", needs nodes = [..]')
+    own = (node,) if node is not None else tuple(nodes)
+    if len(set(own)) < len(own):
+        raise WrongValueError("a node is named twice in `nodes`; name each once, with a weight of its own")
+    if given.get("weights") and len(given["weights"]) != len(own):
+        raise WrongValueError(f"there are {len(own)} nodes and {len(given['weights'])} weights; give a weight for each")
+    if node is None and len(own) < LEAST_NODES:
+        raise WrongValueError("a set of nodes needs three, not on a line, to have a rotation; or write node = 17")
+    return NodeFrame("", own, **given)
+
+
+LEAST_NODES = 3
+NODE_FRAME = declare(
+    NodeFrame,
+    "NodeFrameTable",
+    make=lambda **given: _node_frame(**{key: value for key, value in given.items() if key != "name"}),
+    plain=VALUE_TYPES[KeyType.COUNT],
+    doc="A marker at a node or at a set of nodes.",
+)
+
+
+def _named_node_frame(name: str, at: Any) -> NodeFrame:
+    return replace(at, name=name) if isinstance(at, NodeFrame) else NodeFrame(name, (at,))
+
+
+VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
+
+
+OR_A_FILE = 'or file = "forces.csv" with the columns node, x, y, z in place of both'
+
+
+def _nodal_load(**given: Any) -> NodalLoad:
+    """A load on nodes. Raises WrongValueError for what does not go together."""
+    nodes, forces = given["nodes"], given["forces"]
+    if not nodes:
+        raise WrongValueError(f"a load acts on nodes; write their numbers, such as nodes = [3, 4], {OR_A_FILE}")
+    if not forces:
+        raise WrongValueError(f"a load has forces at its nodes; write forces = [[0, 0, -5]], {OR_A_FILE}")
+    if len(set(nodes)) < len(nodes):
+        raise WrongValueError("a node is named twice in `nodes`; name each once, with the sum of its forces")
+    if len(forces) not in (1, len(nodes)):
+        text = "give a force for each node, or a single one for all of them"
+        raise WrongValueError(f"there are {len(nodes)} nodes and {len(forces)} forces; {text}")
+    if not any(component for force in forces for component in force):
+        raise WrongValueError("all forces of the load are zero; leave it out")
+    return NodalLoad("", **{**given, "forces": tuple(forces) * (len(nodes) // len(forces))})
+
+
+declare(
+    NodalLoad,
+    "NodalLoadTable",
+    make=lambda **given: _nodal_load(**{key: value for key, value in given.items() if key != "name"}),
+)
+NOT_IN_SCENES = ("gravity", "markers", "start", "lowering")
+"""The keys of a body of nodes alone that a body in a scene does not have."""
+_OF_NODES = tuple(key for key in NODAL_KEYS if key.name not in NOT_IN_SCENES)
+FLEXIBLE_MODEL = keyed_model(
+    "FlexibleTable",
+    "A finite-element body in a scene in space.",
+    (*_OF_NODES, *declared_keys(FlexibleBody), COUNT),
+    tables=TABLES,
+)
+
+
+def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
+    """The finite-element body that a table describes, with its data."""
+    given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
+    own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
+    rigid = tuple(marker.nodes for marker in table.markers if marker.motion == "rigid")
+    return FlexibleBody(
+        name, NodalBody(name=name, data=data, rigid_sets=rigid, **own), table.markers, table.start, table.loads
+    )
+
+
+SPATIAL_RIGID = declare(
+    SpatialRigidBody, "SpatialRigidTable", keys=(*declared_keys(SpatialRigidBody), COUNT), check=_check_inertia
+)
+
+
+def bodies_in_space() -> Any:
+    """The type of the bodies of a scene in space by their names."""
+    body = one_of(kind_of_spatial_body, rigid=SPATIAL_RIGID.value, flexible=FLEXIBLE_MODEL)
+    bodies = by_name(body, "bodies", "[bodies.rod]", ElementName, minProperties=1)
+    return Annotated[bodies, Field(description="Bodies of a scene in space by name: rigid, or finite elements.")]
+
+
+def kind_of_spatial_body(value: Any) -> str:
+    """The kind of body that a table describes: a discriminator."""
+    return "flexible" if isinstance(value, Mapping) and ("nodes" in value or "modes" in value) else "rigid"

@@ -1,0 +1,241 @@
+"""Outputs of markers in space in moving frames, from positions and axes of material frames alone, in 60 digits.
+
+A state is moved along its velocities and accelerations; what an observer in a frame measures are differences of
+A0^T (x - x0) and of A0^T A, which know nothing of Coriolis.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from decimal_vectors import STEP, Array, about, array, floats, number, precise
+from space_kernels import SpaceModel, random_state, space_model
+from space_kinematics import SpaceState
+
+from derive.errors import SpecError
+from derive.spec.toml.read import parse
+
+SCENE = """
+name = "observed"
+[scene]
+gravity = [1, 2, -9]
+[ground.markers]
+base = { at = [0.1, -0.2, 0.3], rotation = { axis = [1, 2, 3], angle = 0.7 } }
+[bodies.block]
+nodes = "block.npz"
+units = "SI"
+frame = "given"
+orthonormal = false
+markers = { face = { nodes = [0, 1, 2, 3], rotation = { axis = [1, 0, 1], angle = 0.4 } }, corner = 5 }
+[bodies.bob]
+mass = 2
+centre = [0.1, -0.1, 0.3]
+inertia = [0.3, 0.4, 0.5, 0.05, -0.02, 0.01]
+markers.top = { at = [0.2, 0, -0.3], rotation = { axis = [2, -1, 1], angle = 1.1 } }
+markers.end = [0.5, 0.4, 0.1]
+[joints.hinge]
+kind = "revolute"
+between = ["ground.base", "bob.top"]
+[springs.strut]
+between = ["bob.end", "block.corner"]
+stiffness = 30
+rest = 0.1
+"""
+FRAMES = (None, "bob.top", "block.face", "ground.base")
+VECTORS = ("position", "velocity", "acceleration", "rotation", "angular_velocity", "angular_acceleration")
+
+
+def observed() -> str:
+    """All outputs in all frames."""
+    lines = [SCENE]
+    for i, frame in enumerate(FRAMES):
+        given = f'frame = "{frame}"\n' if frame else ""
+        for kind in VECTORS:
+            lines.append(f'[outputs.{kind}{i}]\nkind = "{kind}"\nmarker = "block.face"\n{given}')
+        for axis in "xyz":
+            ends = f'between = ["bob.end", "block.corner"]\naxis = "{axis}"\n{given}'
+            lines.append(f'[outputs.angle{axis}{i}]\nkind = "angle"\n{ends}')
+        lines.append(f'[outputs.pull{i}]\nkind = "spring"\nspring = "strut"\n{given}')
+        lines.append(f'[outputs.bearing{i}]\nkind = "reaction"\njoint = "hinge"\n{given}')
+    lines.append('[outputs.bent]\nkind = "deflection"\nmarker = "block.corner"\n')
+    return "".join(lines)
+
+
+@cache
+def model(folder: Path) -> SpaceModel:
+    rng = np.random.default_rng(4)
+    half = rng.uniform(-1, 1, (2, 2))
+    nodes = {"positions": rng.uniform(-1, 1, (6, 3)), "mass": rng.uniform(0.1, 0.5, 6)}
+    modes = {"modes": rng.uniform(-0.5, 0.5, (2, 6, 3)), "modal_stiffness": half @ half.T * 20 + np.eye(2)}
+    np.savez(folder / "block.npz", **nodes, **modes)
+    path = folder / "observed.toml"
+    path.write_text(observed())
+    return space_model(path, complete=False)
+
+
+@pytest.fixture(scope="module")
+def observed_model(tmp_path_factory: pytest.TempPathFactory) -> SpaceModel:
+    return model(tmp_path_factory.getbasetemp())
+
+
+class Observer:
+    """Markers along a motion through a state, and derivatives of what a frame sees of them."""
+
+    def __init__(self, of: SpaceModel, t: float, q: Array, v: Array, a: Array) -> None:
+        self.oracle, self.t = of.oracle, number(t)
+        self.start, self.v, self.a = of.oracle.columns.state(q), array(v), array(a)
+
+    def frame(self, marker: str | None, s: Decimal) -> tuple[Array, Array]:
+        """Position and axes of a marker at a time s later."""
+        if marker is None:
+            return array([0, 0, 0]), array(np.eye(3).ravel()).reshape(3, 3)
+        state: SpaceState = self.oracle.columns.moved(self.start, self.v + s / 2 * self.a, s)
+        return self.oracle.frame(marker, state, self.oracle.poses(self.t + s, state))
+
+    def seen(self, marker: str, frame: str | None, s: Decimal = Decimal(0)) -> tuple[Array, Array]:
+        """The position and the axes of a marker along the axes of a frame."""
+        (x, A), (x0, A0) = self.frame(marker, s), self.frame(frame, s)
+        return A0.T @ (x - x0), A0.T @ A
+
+    def derivatives(self, marker: str, frame: str | None) -> dict[str, Array]:
+        """The motion of the marker as the frame measures it."""
+        (s, R), (ahead, Ra), (behind, Rb) = (self.seen(marker, frame, x) for x in (Decimal(0), STEP, -STEP))
+        Rdot, Rddot = (Ra - Rb) / (2 * STEP), (Ra - 2 * R + Rb) / STEP**2
+        spin, rate = Rdot @ R.T, Rddot @ R.T + Rdot @ Rdot.T
+        axial = ((2, 1), (0, 2), (1, 0))
+        return {
+            "position": s,
+            "velocity": (ahead - behind) / (2 * STEP),
+            "acceleration": (ahead - 2 * s + behind) / STEP**2,
+            "angular_velocity": np.array([spin[i] for i in axial], dtype=object),
+            "angular_acceleration": np.array([rate[i] for i in axial], dtype=object),
+        }
+
+
+def evaluated(of: SpaceModel, t: float, q: Array, v: Array, a: Array) -> dict[str, float]:
+    native = of.native
+    values = native.evaluate_outputs(t, q, v, a, np.arange(1.0, native.nlambda + 1), native.setup())
+    return dict(zip(native.outputs, values, strict=True))
+
+
+def column(values: dict[str, float], name: str, prefix: str = "") -> np.ndarray:
+    return np.array([values[f"{name}_{prefix}{k}"] for k in (1, 2, 3)])
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_frames_see(observed_model: SpaceModel, seed: int) -> None:
+    t, q, v = random_state(observed_model.native, seed)
+    a = np.random.default_rng(seed + 50).uniform(-3, 3, len(v))
+    values = evaluated(observed_model, t, q, v, a)
+    with precise():
+        observer = Observer(observed_model, t, q, v, a)
+        for i, frame in enumerate(FRAMES):
+            for kind, expected in observer.derivatives("block.face", frame).items():
+                assert column(values, f"{kind}{i}") == pytest.approx(floats(expected), abs=1e-12), (kind, frame)
+            theta = column(values, f"rotation{i}")
+            _, R = observer.seen("block.face", frame)
+            assert floats(about(array(theta))) == pytest.approx(floats(R), abs=1e-14), frame
+            assert np.linalg.norm(theta) <= np.pi
+            (near, _), (far, _) = (observer.seen(marker, frame) for marker in ("bob.end", "block.corner"))
+            line = floats(far - near)
+            for k, axis in enumerate("xyz"):
+                assert values[f"angle{axis}{i}"] == pytest.approx(np.arccos(line[k] / np.linalg.norm(line)), abs=1e-14)
+            _, A = observer.frame(frame, Decimal(0))
+            for name, prefixes in ((f"pull{i}", ("", "torque")), (f"bearing{i}", ("", "torque"))):
+                for prefix in prefixes:
+                    inertial = column(values, f"{name[:-1]}0", prefix)
+                    assert floats(A) @ column(values, name, prefix) == pytest.approx(inertial, abs=1e-11)
+        assert np.abs(column(values, "bearing0", "torque")).max() > 0.1 and np.abs(column(values, "pull0")).max() > 0.1
+
+
+def test_a_deflection_is_the_displacement_from_the_undeformed_body(observed_model: SpaceModel) -> None:
+    t, q, v = random_state(observed_model.native, 3)
+    q *= np.array([1e-6 if "alpha" in name else 1 for name in observed_model.native.coordinates])
+    values = evaluated(observed_model, t, q, v, np.zeros(len(v)))
+    with precise():
+        state = observed_model.oracle.columns.state(q)
+        _, marker = observed_model.oracle.marker("block.corner")
+        moved = marker.at(observed_model.oracle.amplitudes("block", state)) - marker.position
+    found = column(values, "bent")
+    assert np.abs(found).max() > 1e-9
+    assert found == pytest.approx(floats(moved), rel=1e-13)  # no digits are lost to the position itself
+
+
+SWUNG = """
+name = "swung"
+[ground.markers]
+o = [0, 0, 0]
+[bodies.bob]
+mass = 1
+inertia = [1, 2, 3, 0, 0, 0]
+markers = { m = [0, 0, 0], n = [2, 0, 0] }
+[outputs.r]
+kind = "rotation"
+marker = "bob.m"
+[outputs.a]
+kind = "angle"
+between = ["bob.m", "bob.n"]
+"""
+
+
+@cache
+def swung(folder: Path) -> SpaceModel:
+    path = folder / "swung.toml"
+    path.write_text(SWUNG)
+    return space_model(path)
+
+
+STEPS = 1e-6 * np.array([0, 0, 0, 0.3, -0.5, 0.7, 0.2])
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1.0, np.pi - 1e-9, np.pi, np.pi + 1e-3, 6.0])
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 0, 1), (0.6, 0, -0.8), (-1 / 3, 2 / 3, 2 / 3)])
+def test_no_rotation_is_singular(
+    tmp_path_factory: pytest.TempPathFactory, angle: float, axis: tuple[float, ...]
+) -> None:
+    """Also none, and half a turn, where the vector changes its sign; derivatives are numbers everywhere."""
+    of = swung(tmp_path_factory.getbasetemp())
+    native, n = of.native, np.array(axis)
+    q = np.concatenate([[0, 0, 0, np.cos(angle / 2)], np.sin(angle / 2) * n])
+    values = evaluated(of, 0.0, q, np.zeros(6), np.zeros(6))
+    expected = angle * n if angle <= np.pi else (angle - 2 * np.pi) * n
+    found = column(values, "r")
+    if angle == np.pi:
+        found *= np.sign(found @ expected)
+    assert found == pytest.approx(expected, abs=1e-15 + 4e-16 * np.pi)
+    x = 1 - (1 - np.cos(angle)) * (1 - n[0] ** 2)  # x of the body along x
+    assert np.cos(values["a"]) == pytest.approx(x, abs=1e-14)
+    rest = (np.zeros(6), np.zeros(6), np.zeros(0), native.setup())
+    jacobian = native.outputs_pattern.dense(native.outputs_jacobian(0.0, q, *rest))
+    assert np.all(np.isfinite(jacobian))
+    if abs(angle - np.pi) > 1e-5:
+        step = STEPS - (STEPS @ q) * q  # of unit quaternions
+        ends = [native.evaluate_outputs(0.0, q + s * step, *rest)[:3] for s in (1, -1)]
+        assert jacobian[:3, :7] @ step == pytest.approx((ends[0] - ends[1]) / 2, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ('kind = "rotation"\nmarker = "block.corner"', "outputs.x.marker: the marker block.corner is a node"),
+        (
+            'kind = "position"\nmarker = "bob.end"\nframe = "block.corner"',
+            "outputs.x.frame: the marker block.corner is a node",
+        ),
+        ('kind = "deflection"\nmarker = "bob.end"', "outputs.x.marker: the marker bob.end is on a rigid body"),
+        ('kind = "deflection"\nmarker = "ground.base"', "outputs.x.marker: the marker ground.base is on the ground"),
+        ('kind = "velocity"\nmarker = "bob.end"\nframe = "bob.ent"', "outputs.x.frame: "),
+        ('kind = "angle"\nbetween = ["bob.end", "bob.top"]\naxis = "w"', "outputs.x.axis: "),
+        ('kind = "energy"\nframe = "bob.end"', "outputs.x"),
+    ],
+)
+def test_outputs_without_a_meaning(output: str, message: str) -> None:
+    text = SCENE.replace("block.npz", str(Path(__file__).parents[2] / "scenes" / "block.npz"))
+    text = text.replace('frame = "given"\northonormal = false', "modes = 1")
+    with pytest.raises(SpecError) as error:
+        parse(f"{text}[outputs.x]\n{output}\n")
+    assert message in str(error.value)
