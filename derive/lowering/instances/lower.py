@@ -24,6 +24,7 @@ from derive.lowering.instances.functions import (
 from derive.lowering.instances.functions.markers import Markers
 from derive.lowering.instances.functions.sensitivities import parameter_jacobian
 from derive.lowering.instances.loop_code.context import InstanceContext, idle_rows
+from derive.lowering.instances.zeros_of_kinds import vanished_of_kinds, zeros_of_kinds
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
@@ -90,8 +91,8 @@ def lower_instances(
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
         markers=(),
-        zeros=(),
-        vanished=(),
+        zeros=zeros_of_kinds(context.classes),
+        vanished=vanished_of_kinds(context.classes),
         lowering="instances",
         proximal=context.proximal,
         choice=choice,
