@@ -32,17 +32,21 @@ def reads(statement: Statement) -> Iterator[str]:
     return names_read(expand(statement))
 
 
+_OF_INTEGERS, _OF_ARRAYS = (Alias, Integer), (Element, Ends, LaneSum)
+"""Tuples, since a union is made anew at each test."""
+
+
 def names_read(nodes: Iterable[Node]) -> Iterator[str]:
     """The names that plain statements read: scalars and arrays."""
     for node in every(nodes):
-        if isinstance(node, Alias | Integer):
+        if isinstance(node, _OF_INTEGERS):
             yield node.array
         elif isinstance(node, BlockProduct):
             yield node.matrix
         for part in (part for expr in expressions_of(node) for part in walk(expr)):
             if isinstance(part, ScalarRef):
                 yield part.name
-            elif isinstance(part, Element | Ends | LaneSum):
+            elif isinstance(part, _OF_ARRAYS):
                 yield part.array
 
 

@@ -144,7 +144,7 @@ class Kernel:
         """All statements, in order."""
         return tuple(statement for section in self.sections for statement in section.body)
 
-    @property
+    @cached_property
     def operations(self) -> int:
         """Arithmetic operations of one evaluation; a sine or a cosine counts as one, padding does not count."""
         integers: dict[str, Sequence[int]] = {a.name: list(map(int, a.values)) for a in self.constants if a.integers}

@@ -151,8 +151,8 @@ def touched(node: Node) -> set[str]:
 
 
 def test_bodies_of_a_chain_are_computed_by_the_elimination() -> None:
-    """Of a chain of ten, no loop over bodies alone is left, and what the next joint alone reads is not stored."""
-    loops = loops_of_several(batch(looped("chain_10").kernel("accel")).nodes)
+    """Of a pinned chain, no loop over bodies alone is left, and what the next joint alone reads is not stored."""
+    loops = loops_of_several(batch(looped("pinned").kernel("accel")).nodes)
     assert len(loops) == 4
     forward, backward = loops[:2], loops[2:]
     assert all({"update", "coupling"} < touched(loop) for loop in forward)

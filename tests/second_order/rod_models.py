@@ -118,9 +118,9 @@ class RodModel:
     def at_rest(self, load: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The state at rest under a load across the rod, as `ExactRod.at_rest` returns it."""
         scene = replace(self.scene, start=EQUILIBRIUM)
-        k = self.native.setup([load])
-        q = initial_state(scene, compiled_scene(scene), k).q[None]
-        left, middle, right = self._points(q, 0 * q, k)
+        native = compiled_scene(scene)
+        q = initial_state(scene, native, native.setup([load])).q[None]
+        left, middle, right = self._points(q, 0 * q, self.native.setup([load]))
         return left[0], middle[0], right[0]
 
     def _points(self, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> list[np.ndarray]:

@@ -17,6 +17,7 @@ def text(*monitors: dict[str, Any]) -> list[str]:
         **dict.fromkeys(("coordinates", "constraints", "steps", "evaluations", "cpu_seconds"), 1),
         **dict.fromkeys(("drift", "drift_of_rates"), 0.0),
         "pieces": {of["beam"]: 1 for of in monitors},
+        "finite_elements": (),
         "notes": (),
         "validity": monitors,
         "warnings": [f"{of['beam']} {of['quantity']} {of['error']}" for of in monitors if of["passed"]],

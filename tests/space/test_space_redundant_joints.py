@@ -145,7 +145,7 @@ def test_a_door_on_two_hinges_turns_as_on_one(kind: str) -> None:
     assert "other_x is implied by joints that eliminate coordinates" in note
 
 
-DOOR = """
+DRIVEN_DOOR = """
 name = "door"
 [ground.markers]
 a = { at = [0.1, -0.2, 0.3], rotation = { axis = [1, 2, 3], angle = 0.7 } }
@@ -189,14 +189,16 @@ MOTIONS = (
 
 def test_a_drive_that_was_beyond_all_numbers_long_before() -> None:
     """Its joint is met in every state; what is sought is a time at which it is not, and e^1000 is none."""
-    run = PreparedRun(parse(f"{DOOR.replace('ASKEW', '0').replace('MOTION', MOTIONS[0])}{HANGING}"), complete=False)
+    run = PreparedRun(
+        parse(f"{DRIVEN_DOOR.replace('ASKEW', '0').replace('MOTION', MOTIONS[0])}{HANGING}"), complete=False
+    )
     assert np.isfinite(run.trajectory()["bob_e0"]).all()
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_a_joint_that_a_driven_one_implies(motion: str) -> None:
     """By any function of time; a joint about another axis is met by none."""
-    door = DOOR.replace("MOTION", motion)
+    door = DRIVEN_DOOR.replace("MOTION", motion)
     assert derive.lower(derive.derive(parse(door.replace("ASKEW", "0"))), explicit=True).kernels
     with pytest.raises(derive.SpecError, match="no coordinate can meet it"):
         derive.lower(derive.derive(parse(door.replace("ASKEW", "0.1"))), explicit=True)

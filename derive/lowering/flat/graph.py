@@ -126,13 +126,13 @@ class Graph:
 
     def _intern(self, node: Node) -> int:
         """The number of a node, which is added if it is new."""
-        if node not in self._index:
-            self._index[node] = len(self.nodes)
+        number = self._index.setdefault(node, len(self.nodes))  # hashes the node once
+        if number == len(self.nodes):
             self.nodes.append(node)
             self._sources.append(self._sources_of(node))
             self._constant.append(self._depends_on_constants(node))
             self._size.append(1 + sum(self._size[a] for a in node.args))
-        return self._index[node]
+        return number
 
     def is_constant(self, node: int) -> bool:
         """Whether a node depends on numbers and model constants alone."""
