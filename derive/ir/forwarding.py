@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from derive.ir.accesses import accesses_of, are_apart, is_ordered, iterations
+from derive.ir.analysis import names_read
 from derive.ir.expressions import Element, ScalarRef, mapped, walk
 from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of
 from derive.ir.statements import Let, Require
@@ -86,3 +87,18 @@ def without_unread_arrays(nodes: Sequence[Node]) -> tuple[Node, ...]:
 
     result = (replace(n, body=tuple(filter(kept, n.body))) if isinstance(n, For) else n for n in nodes)
     return tuple(n for n in result if kept(n) and not (isinstance(n, Local) and n.array in idle))
+
+
+def without_unread_values(nodes: Sequence[Node]) -> tuple[Node, ...]:
+    """Plain statements without the values of ordered loops that nothing reads, since their stores are gone."""
+
+    def kept(loop: For) -> For:
+        read: set[str] = set()
+        body: list[Node] = []
+        for line in reversed(loop.body):
+            if not isinstance(line, Let) or line.name in read:
+                read.update(names_read([line]))
+                body.insert(0, line)
+        return replace(loop, body=tuple(body))
+
+    return tuple(kept(node) if isinstance(node, For) and is_ordered(node) else node for node in nodes)

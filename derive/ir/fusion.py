@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from derive.ir.accesses import Accesses, is_ordered, iterations, met
 from derive.ir.analysis import codes_in_order, names_read
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, MatrixEntry, ScalarRef, walk
-from derive.ir.forwarding import forwarded, without_idle_stores, without_unread_arrays
+from derive.ir.forwarding import forwarded, without_idle_stores, without_unread_arrays, without_unread_values
 from derive.ir.indices import ElementIndex, IndexTerm, Of, constant
 from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of, reindexed, rewritten
 from derive.ir.nearby_reads import with_nearby_reads
@@ -46,7 +46,8 @@ def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
     result = tuple(
         forwarded(_at_place(node)) if isinstance(node, For) and is_ordered(node) else node for node in result
     )
-    return with_shared_places(without_unread_arrays(without_idle_stores(with_nearby_reads(result))))
+    stored = without_unread_arrays(without_idle_stores(with_nearby_reads(result)))
+    return with_shared_places(without_unread_values(stored))
 
 
 def _at_place(loop: For) -> For:
