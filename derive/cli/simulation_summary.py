@@ -152,7 +152,7 @@ def pieces_text(pieces: Pieces) -> list[str]:
     """The beams with the numbers of their pieces; of many beams, how many there are of each number."""
     if len(pieces) <= NAMED_BEAMS:
         return [f"{name} in {beam_count(n)}" for name, n in pieces]
-    return [f"{bodies} bodies in {beam_count(n)}" for n, bodies in Counter(n for _, n in pieces).items()]
+    return [f"{bodies} bodies of {beam_count(n)} each" for n, bodies in Counter(n for _, n in pieces).items()]
 
 
 def _extremes(plot: Plain) -> Iterator[str]:

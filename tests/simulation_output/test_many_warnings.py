@@ -47,4 +47,4 @@ def test_other_quantities_have_warnings_of_their_own() -> None:
 
 def test_the_line_of_a_run_names_few_beams() -> None:
     assert pieces_text((("rod", 2), ("arm", 1))) == ["rod in 2 beams", "arm in 1 beam"]
-    assert pieces_text(tuple((f"link[{i}]", 1) for i in range(9))) == ["9 bodies in 1 beam"]
+    assert pieces_text(tuple((f"link[{i}]", 1) for i in range(9))) == ["9 bodies of 1 beam each"]
