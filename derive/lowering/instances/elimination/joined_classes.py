@@ -29,7 +29,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 
 BODY = 20
 """The work of a body without joints, in entries of the blocks of the joints."""
-GUESTS = 4
+MOST = 4
 """The most classes that may join another one, of which all selections are compared."""
 
 
@@ -40,27 +40,29 @@ def joined_classes(mechanism: Mechanism, classes: Sequence[BodyClass], system: B
         return result
     if any(len(elements) > FEW for elements in system.left().values()):
         return result  # arrays begin as zeros, which bodies must not overwrite
-    for host in classes:
-        if any(of is host for of in result):
-            result = _with_guests(mechanism, result, host, system)
+    for larger in classes:
+        if any(of is larger for of in result):
+            result = _with_smaller(mechanism, result, larger, system)
     return result
 
 
-def _with_guests(
-    mechanism: Mechanism, classes: tuple[BodyClass, ...], host: BodyClass, system: Blocks
+def _with_smaller(
+    mechanism: Mechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks
 ) -> tuple[BodyClass, ...]:
     """The classes after some have joined one of them, if this takes less."""
-    guests = [
-        (of, members) for of in classes if of is not host and (members := _as_members(mechanism, of, host)) is not None
-    ][:GUESTS]
+    smaller = [
+        (of, members)
+        for of in classes
+        if of is not larger and (members := _as_members(mechanism, of, larger)) is not None
+    ][:MOST]
     best, least = classes, _work(mechanism, classes)
-    for number in range(1, len(guests) + 1):
-        for chosen in combinations(guests, number):
-            joined = _joined(host, [members for _, members in chosen])
+    for number in range(1, len(smaller) + 1):
+        for chosen in combinations(smaller, number):
+            joined = _joined(larger, [members for _, members in chosen])
             gone = [of for of, _ in chosen]
-            others = tuple(joined if of is host else of for of in classes if all(of is not other for other in gone))
+            others = tuple(joined if of is larger else of for of in classes if all(of is not other for other in gone))
             work = _work(mechanism, others)
-            if work < least and _is_spaced(joined, host, system):
+            if work < least and _is_spaced(joined, larger, system):
                 best, least = others, work
     return best
 
@@ -74,9 +76,9 @@ def _work(mechanism: Mechanism, classes: Iterable[BodyClass]) -> int:
     return total
 
 
-def _as_members(mechanism: Mechanism, guest: BodyClass, host: BodyClass) -> tuple[Member, ...] | None:
+def _as_members(mechanism: Mechanism, smaller: BodyClass, larger: BodyClass) -> tuple[Member, ...] | None:
     """The bodies of a class as members of another one; None if they have what the bodies of that one have not."""
-    first, own = host.first, guest.first
+    first, own = larger.first, smaller.first
     if force_keys(first) != force_keys(own) or body_key(first) != body_key(own) or first.instance.coordinates.reason:
         return None
     numbers: list[int] = []
@@ -86,14 +88,14 @@ def _as_members(mechanism: Mechanism, guest: BodyClass, host: BodyClass) -> tupl
         if number is None:
             return None
         numbers.append(number)
-    return tuple(_member(member, first.handles, numbers) for member in guest.members)
+    return tuple(_member(member, first.handles, numbers) for member in smaller.members)
 
 
-def _fits(mechanism: Mechanism, handle: Handle, host: Handle) -> bool:
+def _fits(mechanism: Mechanism, handle: Handle, larger: Handle) -> bool:
     """Whether the rows of a joint are the first ones of another, at the same marker of a body."""
-    here, there = mechanism.joints[handle.joint], mechanism.joints[host.joint]
+    here, there = mechanism.joints[handle.joint], mechanism.joints[larger.joint]
     return (
-        (handle.is_first, handle.marker) == (host.is_first, host.marker)
+        (handle.is_first, handle.marker) == (larger.is_first, larger.marker)
         and here.type.axes is there.type.axes
         and _rows(here) == _rows(there)[: here.multipliers]
     )
@@ -112,17 +114,17 @@ def _member(member: Member, handles: Sequence[Handle], numbers: Sequence[int]) -
     return replace(member, handles=tuple(own.get(number, handle) for number, handle in enumerate(absent)))
 
 
-def _joined(host: BodyClass, guests: Iterable[Sequence[Member]]) -> BodyClass:
+def _joined(larger: BodyClass, smaller: Iterable[Sequence[Member]]) -> BodyClass:
     """A class with the members of others, in the order of the mechanism."""
-    every = (*host.members, *(member for of in guests for member in of))
+    every = (*larger.members, *(member for of in smaller for member in of))
     members = with_forces(sorted(every, key=lambda member: member.number))
-    leading = next(k for k, member in enumerate(members) if member.number == host.first.number)
+    leading = next(k for k, member in enumerate(members) if member.number == larger.first.number)
     return BodyClass(members, leading, True)
 
 
-def _is_spaced(joined: BodyClass, host: BodyClass, system: Blocks) -> bool:
-    """Whether the places of the bodies are equally spaced, besides those that are not in the class without guests."""
-    both = zip(_places(host, system), _places(joined, system), strict=True)
+def _is_spaced(joined: BodyClass, larger: BodyClass, system: Blocks) -> bool:
+    """Whether the places of the bodies are equally spaced, besides those that are not in the class by itself."""
+    both = zip(_places(larger, system), _places(joined, system), strict=True)
     return all(_equally(after) or not _equally(before) for before, after in both)
 
 
