@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from derive.lowering.instances.block_system import blocks
-
 from derive.ir.analysis import operations
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.elimination_orders import elimination_order, graph_of, rounds_of_least_degree, work
+from derive.lowering.instances.elimination.block_system import blocks
 from kernel.test_instance_lanes import looped
 
 RING = 64
