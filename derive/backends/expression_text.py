@@ -127,9 +127,12 @@ def index_text(index: ElementIndex, offset_first: bool = True) -> str:
         quantities = [(term.of, QUANTITIES[term.of].format(term.variable)) for term in group]
         total = " + ".join(quantity for _, quantity in quantities)
         single = len(quantities) == 1 and quantities[0][0] is Of.VALUE
-        factor = total if single or abs(stride) == 1 else f"({total})"
+        factor = total if single or stride == 1 else f"({total})"
         product = factor if abs(stride) == 1 else f"{abs(stride)} * {factor}"
-        parts.append(f"{'-' if stride < 0 else '+'} {product}" if parts else product)
+        if parts:
+            parts.append(f"{'-' if stride < 0 else '+'} {product}")
+        else:
+            parts.append(f"-{product}" if stride < 0 else product)
     if not first and index.offset:
         parts.append(f"{'-' if index.offset < 0 else '+'} {abs(index.offset)}")
     return " ".join(parts)

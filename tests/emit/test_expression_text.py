@@ -9,9 +9,10 @@ from fractions import Fraction
 
 import pytest
 
-from derive.backends.expression_text import PYTHON, C, Dialect, text
+from derive.backends.expression_text import PYTHON, C, Dialect, index_text, text
 from derive.backends.wrapping import PLUS, WIDTH, join, statement
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
+from derive.ir.indices import ElementIndex, IndexTerm, Of
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Argument, Kernel, Output, Section
 from derive.ir.statements import Store
@@ -121,3 +122,16 @@ def test_long_statements_break_before_a_sign() -> None:
     assert all(len(line) <= WIDTH for line in (first, *others))
     assert all(line.startswith("        + ") for line in others)
     assert " ".join(line.strip() for line in (first, *others)) == f"const double x = {terms};"
+
+
+@pytest.mark.parametrize("offset_first", [True, False])
+def test_text_of_an_index_is_its_number(offset_first: bool) -> None:
+    """Whatever the signs of its strides, and however many variables have the same one."""
+    rng = random.Random(0)
+    values = {"instance": 4, "l": 3, "n": 6}
+    for _ in range(300):
+        kinds = [Of.VALUE, Of.VALUE, Of.BLOCK, Of.LANE, Of.PAIRS]
+        terms = (IndexTerm(rng.choice([-2, -1, 1, 3]), rng.choice([*values]), rng.choice(kinds)) for _ in range(3))
+        index = ElementIndex(rng.choice([-5, 0, 7]), tuple(terms)[: rng.randrange(4)])
+        written = index_text(index, offset_first)
+        assert eval(written.replace("/", "//"), {}, values) == index.at(values), written

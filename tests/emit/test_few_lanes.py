@@ -38,6 +38,8 @@ BODIES = {
     "two beside": {f"rod_{k}": ROD for k in range(2)},
     "three in a row": {f"rod_{k}": ROD for k in range(3)},
     "three beside": {f"rod_{k}": ROD for k in range(3)},
+    # joints in pieces come after those between beams, so that places in the system count downwards
+    "three in pieces": {f"rod_{k}": {**ROD, "pieces": 2} for k in range(3)},
     # a rigid body between them: integers place their elements, which are copied
     "three apart": {
         "rod_0": ROD,
@@ -48,6 +50,7 @@ BODIES = {
 }
 JOINTS = {
     "three in a row": in_a_row(3),
+    "three in pieces": in_a_row(3),
     **{
         name: {f"pin_{body}": ("ground.hook", f"{body}.left") for body in BODIES[name]}
         for name in ("two beside", "three beside", "three apart")
@@ -113,4 +116,4 @@ def test_the_lanes_that_are_left_are_filled(name: str) -> None:
     count = 2 if name == "two beside" else 3
     assert f"tisserand_sines(TISSERAND_FILLED({count}), angle_1, sine_1, cosine_1);" in function
     assert "TISSERAND_LOAD(copies_" not in function
-    assert ("TISSERAND_GATHER_FEW(copies_" in function) == (name == "three apart")
+    assert ("TISSERAND_GATHER_FEW(copies_" in function) == (name in ("three apart", "three in pieces"))
