@@ -41,7 +41,7 @@ LONG = 30.0
 MARGIN = 0.9
 """The ratio of the predicted times below which loops are chosen."""
 TWO = 2
-"""The number of bodies that stay in straight-line code, whose text explains each entry: joined they save a tenth."""
+"""The number of bodies that stay in straight-line code, which explains each entry: loops save a seventh at most."""
 IN_CACHE, TWICE = 350.0, 650.0
 """The times (ns) up to which straight-line code is in the instruction cache, and from which on it takes twice that."""
 LOOPS_IN_CACHE, LOOPS_TWICE = 300.0, 550.0
