@@ -5,9 +5,10 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt
+# Bytecode of modules that are never imported would take half of the time of an installation.
+PIP := $(BIN)/python -m pip install --no-compile --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test test-long test-hosts clean
+.PHONY: run test checks tests test-long test-hosts clean
 
 # Bytecode of the tests and of the package is kept: without it, each of the many processes of a run compiles them again.
 export PYTHONDONTWRITEBYTECODE =
@@ -17,11 +18,16 @@ run: $(VENV)/installed
 	$(BIN)/tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
 
 test: $(VENV)/installed-test
+	@$(MAKE) --no-print-directory --jobs 2 checks tests
+
+checks: $(VENV)/installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/tisserand check
+
+tests: $(VENV)/installed-test
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
 
 test-long: $(VENV)/installed-test
