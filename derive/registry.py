@@ -9,17 +9,22 @@ from typing import Generic, TypeVar
 from derive.errors import TisserandError, quoted
 
 T = TypeVar("T")
+MOST_LISTED = 30
+"""The largest number of known names that a message lists."""
 
 
 class UnknownNameError(TisserandError, KeyError):
     """A name that is not in an open set.
 
-    name: as it was given; known: the names of the set, in its order. The text lists these, or the nearest one.
+    name: as it was given; known: the names of the set, in its order. The text lists these, or as many of them as
+    someone reads, and the nearest one.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.name, self.known = name, tuple(known)
-        names = ", ".join(self.known) or "none"
+        names = ", ".join(self.known[:MOST_LISTED]) or "none"
+        if len(self.known) > MOST_LISTED:
+            names += f" and {len(self.known) - MOST_LISTED} more"
         near = difflib.get_close_matches(name[:40], self.known, n=1)
         hint = f"did you mean {quoted(near[0])}? " if near else ""
         self.message = f"there is no {kind} {quoted(name)}; {hint}known: {names}"

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from derive.enumerations import enumeration
+
 Matrix = NDArray[np.float64]
 
 INDEPENDENT = 1e-6
@@ -71,8 +73,3 @@ def redundancy_text(redundant: Sequence[Dependence]) -> str:
             "[scene] computes the reactions of least norm.",
         ]
     )
-
-
-def enumeration(names: Sequence[str]) -> str:
-    """Names in a sentence: "a, b and c"."""
-    return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)

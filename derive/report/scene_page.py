@@ -20,7 +20,7 @@ from derive.report.sections.alike_joints import constraints_once
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.initial_state import initial_state_blocks
-from derive.report.sections.instance_rows import enumeration
+from derive.report.sections.instance_rows import enumeration_of_instances
 from derive.report.sections.instance_values import value_blocks
 from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.mass_matrix import SMALL as NAMED
@@ -114,7 +114,7 @@ def _law(alike: Mapping[str, tuple[str, ...]]) -> tuple[Block, ...]:
             " Of bodies whose equations differ in names and constants alone, the first is shown; the damping between "
             "the pieces of a rod does not count."
         )
-    rows: list[list[Content]] = [[name, enumeration(others)] for name, others in alike.items()]
+    rows: list[list[Content]] = [[name, enumeration_of_instances(others)] for name, others in alike.items()]
     same = (table("Bodies with the same equations", ("shown", "alike"), rows),) if alike else ()
     return (Heading("Equations of motion", "motion"), Paragraph((text,)), *same)
 

@@ -14,7 +14,7 @@ from itertools import islice, pairwise
 
 import numpy as np
 
-from derive.lowering.redundancy import enumeration
+from derive.enumerations import enumeration
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.prescribed_motion import drive_motion

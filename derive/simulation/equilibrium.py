@@ -9,8 +9,8 @@ from typing import Protocol, assert_never
 import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
+from derive.enumerations import enumeration
 from derive.ir.patterns import Pattern
-from derive.lowering.redundancy import enumeration
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import (

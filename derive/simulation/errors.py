@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from derive.enumerations import enumeration
 from derive.errors import TisserandError
-from derive.lowering.redundancy import Dependence, enumeration, redundancy_text
+from derive.lowering.redundancy import Dependence, redundancy_text
 
 AT_DEAD_CENTRE = (
     "Start next to this state instead of in it, drive another joint, or change lengths so that the mechanism "

@@ -22,7 +22,7 @@ from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_unit, simulated_drive
 from derive.simulation.observables.outputs import port_values
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs
-from derive.simulation.validity.monitors import Monitor
+from derive.simulation.validity.monitors import Monitor, warnings
 from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.specification import AnyScene
@@ -104,7 +104,7 @@ class Trajectory(Mapping[str, Vector]):
     @property
     def warnings(self) -> tuple[str, ...]:
         """The beams whose models are not valid in this motion, with the cause, the implied error and the remedy."""
-        return tuple(monitor.warning for monitor in self.validity if monitor.passed)
+        return warnings(self.validity)
 
     @property
     def name(self) -> str:

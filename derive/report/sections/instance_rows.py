@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
+from derive.enumerations import enumeration
 from derive.spec.model.instances import InstanceName, instance_name, instance_parts, skeleton, text_of_instances
 
 Row = Sequence[str]
@@ -23,13 +24,13 @@ def merged_rows(rows: Sequence[Row]) -> list[list[str]]:
     return result
 
 
-def enumeration(names: Sequence[str]) -> str:
+def enumeration_of_instances(names: Sequence[str]) -> str:
     """Names as in a sentence, with one text for successive instances: link[1] to link[99] and last."""
     parts: list[str] = []
     for (table, _), group in groupby(enumerate(map(instance_parts, names)), key=_run):
         run = [names[k] for k, _ in group]
         parts += [f"{run[0]} to {run[-1]}"] if table and len(run) > 2 else run
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
+    return enumeration(parts)
 
 
 def _run(numbered: tuple[int, InstanceName]) -> tuple[str, int]:

@@ -11,7 +11,7 @@ from derive.report.document.page import Block, Content, Math, Paragraph, folded,
 from derive.report.notation.expressions import Notation
 from derive.report.notation.integral_formulas import unit
 from derive.report.sections.alike_bodies import EquationsShownOnce
-from derive.report.sections.instance_rows import enumeration
+from derive.report.sections.instance_rows import enumeration_of_instances
 
 FEW = 6
 """The most bodies whose values are columns; those of more bodies are rows."""
@@ -32,7 +32,7 @@ def _of(shown: str, others: Sequence[str], once: EquationsShownOnce, notation: N
     differing = [owner for owner in others if any(owner in once.values[symbol] for symbol in symbols)]
     same = [owner for owner in others if owner not in differing]
     if same:
-        yield Paragraph((f"The values of {enumeration(same)} are those of {shown}.",))
+        yield Paragraph((f"The values of {enumeration_of_instances(same)} are those of {shown}.",))
     if not differing:
         return
     owners = [shown, *differing]
@@ -43,7 +43,7 @@ def _of(shown: str, others: Sequence[str], once: EquationsShownOnce, notation: N
     ]
     names = [Math(notation.formula(owned(symbol, ""))) for symbol in symbols]
     units = [unit(constants[symbol].unit) for symbol in symbols]
-    caption = f"Values of {enumeration(owners)}, which differ"
+    caption = f"Values of {enumeration_of_instances(owners)}, which differ"
     rows: list[list[Content]]
     if len(owners) <= FEW:
         rows = [[name, *each, of] for name, each, of in zip(names, values, units, strict=True)]

@@ -26,7 +26,7 @@ from derive.report.document.page import (
 )
 from derive.report.notation.expressions import Notation
 from derive.report.sections.alike_joints import ConstraintsShownOnce
-from derive.report.sections.instance_rows import enumeration, merged_rows
+from derive.report.sections.instance_rows import enumeration_of_instances, merged_rows
 from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.instances import instance_name, joined
@@ -76,7 +76,7 @@ SPATIAL_LEGEND = (
 
 def mechanism_blocks(spec: AnyScene, drawing: str = "") -> tuple[Block, ...]:
     """The drawing of the mechanism, to scale; `drawing` is that of a scene in space as SVG, if it has been made."""
-    names = enumeration([body.name for body in spec.bodies])
+    names = enumeration_of_instances([body.name for body in spec.bodies])
     if isinstance(spec, SpatialScene):
         title, caption = f"The mechanism at t = 0 with its bodies {names}", f"The mechanism at t = 0. {SPATIAL_LEGEND}"
         return (Heading("Mechanism", "mechanism"), Picture(drawing, title, caption)) if drawing else ()
@@ -261,7 +261,7 @@ def constraint_blocks(once: ConstraintsShownOnce, written: Notation, spatial: bo
     if once.alike:
         text += " Of joints whose constraints differ in names and constants alone, the first is shown."
     blocks: list[Block] = [Heading("Constraints", "constraints"), Paragraph((text,)), EquationBlock(lines[:MANY])]
-    rows: list[list[Content]] = [[name, enumeration(others)] for name, others in once.alike.items()]
+    rows: list[list[Content]] = [[name, enumeration_of_instances(others)] for name, others in once.alike.items()]
     if len(lines) > MANY:
         blocks.append(Details(f"The other {len(lines) - MANY} constraints", (EquationBlock(lines[MANY:]),)))
     return (*blocks, *((table("Joints with the same constraints", ("shown", "alike"), rows),) if rows else ()))

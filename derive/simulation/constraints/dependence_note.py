@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from derive.enumerations import enumeration
 from derive.ir.model import Variable
-from derive.lowering.redundancy import enumeration
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.certificates import independent

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
-from derive.lowering.redundancy import enumeration
 from derive.simulation.initial.targets import Target
 
 ROUNDING = 1e-12
 """Values below this part of what they differ from are rounding errors of zero."""
 SHARE = 0.01
 """Demands that are missed by less than this part of the largest miss have no part in a contradiction."""
-MOST_NAMED = 8
-"""The largest number of joints, and of drives, that a message names."""
+MOST_NAMED = 4
+"""The largest number of joints, of drives, and of other given values that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +63,7 @@ class Conflict:
         groups = []
         for noun in dict.fromkeys(noun for noun, _, _ in self.parts):
             named = [f"{name} (off by {missed})" for of, name, missed in self.parts if of == noun]
-            more = [f"{len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
-            groups.append(f"the {noun}{'s' if len(named) > 1 else ''} {enumeration([*named[:MOST_NAMED], *more])}")
+            groups.append(f"the {noun}{'s' if len(named) > 1 else ''} {enumeration(named, MOST_NAMED)}")
         return " and ".join(groups)
 
 
@@ -82,7 +81,7 @@ def contradiction(misfits: Sequence[Misfit], what: str, conflict: Conflict) -> S
         target, value = misfit.target, without_rounding(misfit.value, misfit.target.value)
         others = [path for path in paths if path != target.path]
         constraints = conflict.text or ("" if others and conflict.targets else "the joints and drives")
-        against = ", and ".join(filter(None, (constraints, enumeration(others))))
+        against = ", and ".join(filter(None, (constraints, enumeration(others, MOST_NAMED))))
         kept = abs(misfit.relative) <= SHARE * largest
         nearest = "" if kept else f"; the nearest {what} have {value:.6g} {target.unit}"
         problems.append(

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
 from derive.generated_models import generated
-from derive.lowering.redundancy import enumeration
 from derive.roles import Role
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load, load_scene

@@ -5,15 +5,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from math import inf, isnan
 from typing import assert_never
 
+from derive.enumerations import enumeration
 from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 
 ERROR_LIMIT = 0.05
 """A run warns of all that implies a larger error: root mean square over the run, of the peak of the deflection."""
+
+
+MOST_NAMED = 4
+"""The largest number of further beams that a warning names."""
 
 
 class Cause(Enum):
@@ -69,16 +76,25 @@ class Monitor:
     @property
     def warning(self) -> str:
         """The value, the implied error, the limit and the remedy, in one line."""
+        return self.warning_with(())
+
+    def warning_with(self, others: Sequence[Monitor]) -> str:
+        """The warning, and the errors of other beams in which the same causes smaller ones."""
         name = f"{self.beam} in {self.pieces} beam{'s' if self.pieces > 1 else ''}"
-        error = percent(self.error) if self.error < 1 else "100 % or more"
+        of_others = enumeration([f"{other._error} in {other.beam}" for other in others], MOST_NAMED)
         return (
             f"{name}: {_WHAT[self.cause].format(percent(self.value))} at t = {self.t:.6g} s; this implies an error of "
-            f"{error} in its deflection (rms over the run, of the peak), where {percent(ERROR_LIMIT)} is the limit; "
-            f"{self._remedy}"
+            f"{self._error} in its deflection (rms over the run, of the peak), where {percent(ERROR_LIMIT)} is the "
+            f"limit{', and likewise ' * bool(others)}{of_others}; {self.remedy}"
         )
 
     @property
-    def _remedy(self) -> str:
+    def _error(self) -> str:
+        return percent(self.error) if self.error < 1 else "100 % or more"
+
+    @property
+    def remedy(self) -> str:
+        """The change of the model that lets it meet the limit."""
         match self.cause:
             case Cause.DEFLECTION:
                 return "divide the beam into more pieces" + (" of order = 2" if self._first else "")
@@ -101,3 +117,17 @@ _WHAT = {
     Cause.BENDING_MOMENT: "its shapes miss the bending moment by {} of the largest one",
     Cause.MASS_MATRIX: "deflections take away {} of the kinetic energy of a velocity",
 }
+
+
+def warnings(monitors: Sequence[Monitor]) -> tuple[str, ...]:
+    """One line for all beams that pass a limit by the same cause and need the same remedy: the worst comes first."""
+    alike: dict[tuple[Cause, int, str], list[Monitor]] = {}
+    for monitor in monitors:
+        if monitor.passed:
+            alike.setdefault((monitor.cause, monitor.pieces, monitor.remedy), []).append(monitor)
+    ordered = (sorted(group, key=_severity, reverse=True) for group in alike.values())
+    return tuple(worst.warning_with(others) for worst, *others in ordered)
+
+
+def _severity(monitor: Monitor) -> float:
+    return inf if isnan(monitor.error) else monitor.error  # a motion that is not a number is the worst

@@ -51,15 +51,16 @@ def _plot_table(title: str, quantity: type, shared: tuple[str, ...], further: tu
 
 
 SHARED = ("cut", "pieces", "reference")
+OF_DEFLECTIONS = {key.name for key in declared_keys(Deflection)} | {"over"}
+"""The keys that plots of columns do not have."""
 MARKER_PLOT = _plot_table("PlotTable", Deflection, SHARED, ("over",))
 COLUMN_PLOT = _plot_table("ColumnPlotTable", ColumnCurves, SHARED)
 
 
 def kind_of_plot(value: Any) -> str:
-    """The kind of plot that a table describes: a discriminator."""
-    if isinstance(value, Mapping) and ("y" in value or "x" in value):
-        return "columns"
-    return "deflection"
+    """The kind of plot that a table describes: a discriminator. One with no key of either kind is of columns."""
+    of_columns = not isinstance(value, Mapping) or "y" in value or "x" in value
+    return "columns" if of_columns or OF_DEFLECTIONS.isdisjoint(value) else "deflection"
 
 
 PLOT = DeclaredTable(TomlTable, one_of(kind_of_plot, deflection=MARKER_PLOT.value, columns=COLUMN_PLOT.value))

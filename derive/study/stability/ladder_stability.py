@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from derive.lowering.redundancy import enumeration
+from derive.enumerations import enumeration
 from derive.simulation.errors import SimulationError
 from derive.study.accuracy.models import LadderModel, refinements
 from derive.study.stability.model_path import ModelPath, model_path

@@ -25,6 +25,7 @@ from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import column_values
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitors import warnings
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.scene_functions import breaks
 from derive.spec.model.specification import AnyScene
@@ -154,7 +155,7 @@ def _warnings(chunk: Chunk, sample: Sample) -> tuple[str, ...]:
     start = _computed_start(code, case, values)
     solution = _solution(code, native, integrator, start, k, watched=True)
     motion = SceneMotion(start.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
-    return tuple(monitor.warning for monitor in validity(motion, solution.watched) if monitor.passed)
+    return warnings(validity(motion, solution.watched))
 
 
 def failed(outputs: Sequence[SweepOutput], sample: Sample, text: str) -> Outcome:

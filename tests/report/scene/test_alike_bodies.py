@@ -15,7 +15,7 @@ from derive.report.document.page import TableBlock
 from derive.report.notation.expressions import notation
 from derive.report.sections.alike_bodies import EquationsShownOnce, shown_once
 from derive.report.sections.alike_joints import ConstraintsShownOnce, constraints_once
-from derive.report.sections.instance_rows import enumeration
+from derive.report.sections.instance_rows import enumeration_of_instances
 from derive.report.sections.instance_values import value_blocks
 from derive.spec.model.beam_parts import BeamDamping
 from derive.spec.toml.read import parse
@@ -128,5 +128,5 @@ def test_a_joint_with_its_bodies_reversed_is_shown() -> None:
 
 def test_names_of_successive_instances_are_one_text() -> None:
     names = [*(f"link[{i}]" for i in range(1, 5)), "rod", "link[7]", "link[8]", "arm[0]"]
-    assert enumeration(names) == "link[1] to link[4], rod, link[7], link[8] and arm[0]"
-    assert enumeration(["rod"]) == "rod" and enumeration([]) == ""
+    assert enumeration_of_instances(names) == "link[1] to link[4], rod, link[7], link[8] and arm[0]"
+    assert enumeration_of_instances(["rod"]) == "rod" and enumeration_of_instances([]) == ""
