@@ -14,7 +14,7 @@ Numbers = dict[Hashable, int]
 """The number of each value: the same for equal operations on equal operands, whatever their names."""
 
 
-class Body:
+class BodyValues:
     """The statements of the body of a loop, with the numbers of their values."""
 
     def __init__(self, nodes: Sequence[Node], numbers: Numbers) -> None:
@@ -101,7 +101,7 @@ class Scope:
         self.taken.add(result)
         return result
 
-    def written(self, body: Body, chosen: Collection[int], targets: Mapping[int, Sequence[Node]]) -> list[Node]:
+    def written(self, body: BodyValues, chosen: Collection[int], targets: Mapping[int, Sequence[Node]]) -> list[Node]:
         """Some assignments of a body, with the values that they need and that have no name yet.
 
         chosen: the places of the assignments; targets: for some of them the statements in their place, whose last one
@@ -124,7 +124,7 @@ class Scope:
                     renamed[node.name] = self.names[number]
         return result
 
-    def _needed(self, body: Body, chosen: Collection[int], targets: Mapping[int, Sequence[Node]]) -> set[str]:
+    def _needed(self, body: BodyValues, chosen: Collection[int], targets: Mapping[int, Sequence[Node]]) -> set[str]:
         """The names in a body that some assignments and the values that these need read."""
         names: set[str] = set()
         for n, node in reversed([*enumerate(body.nodes)]):

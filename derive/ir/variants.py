@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
-from derive.ir.body_values import Body, Numbers, Scope, matched
+from derive.ir.body_values import BodyValues, Numbers, Scope, matched
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, ScalarRef, TableValue, walk
 from derive.ir.indices import ElementIndex, IndexTerm, Of
@@ -114,11 +114,13 @@ class _Merging:
     def loop(self, loops: Sequence[For]) -> For:
         """One loop for those of all kernels."""
         numbers: Numbers = {}
-        bodies = [Body(loop.body, numbers) for loop in loops]
+        bodies = [BodyValues(loop.body, numbers) for loop in loops]
         scope = Scope({*self.taken.taken, loops[0].variable})
         return replace(loops[0], body=tuple(self._parts(loops[0], bodies, [b.assignments for b in bodies], scope)))
 
-    def _parts(self, loop: For, bodies: Sequence[Body], left: Sequence[dict[int, Assign]], scope: Scope) -> list[Node]:
+    def _parts(
+        self, loop: For, bodies: Sequence[BodyValues], left: Sequence[dict[int, Assign]], scope: Scope
+    ) -> list[Node]:
         """The rest of the bodies: what they have in common, and a test between the rest of the last one and others."""
         if len(bodies) == 1:
             return scope.written(bodies[0], left[0], {})
@@ -139,7 +141,7 @@ class _Merging:
         return result
 
     def _by_columns(
-        self, number: int, loop: For, body: Body, left: dict[int, Assign]
+        self, number: int, loop: For, body: BodyValues, left: dict[int, Assign]
     ) -> dict[Hashable, list[tuple[int, Hashable]]]:
         """The rest of a body, by the column of a matrix in the first iteration: the places and what they assign."""
         result: dict[Hashable, list[tuple[int, Hashable]]] = defaultdict(list)
@@ -153,7 +155,7 @@ class _Merging:
             result[node.target.array, column].append((n, (node.operator, body.number(node.expr))))
         return result
 
-    def positions(self, loop: For, body: Body, index: ElementIndex) -> list[int]:
+    def positions(self, loop: For, body: BodyValues, index: ElementIndex) -> list[int]:
         """An index in all iterations of a loop."""
         named = {node.name: node for node in body.nodes if isinstance(node, Integer)}
 
@@ -171,7 +173,7 @@ class _Merging:
 class _Placing:
     """The assignments that bodies have in common, at the places of the selected kernel."""
 
-    def __init__(self, merging: _Merging, loop: For, bodies: Sequence[Body], scope: Scope) -> None:
+    def __init__(self, merging: _Merging, loop: For, bodies: Sequence[BodyValues], scope: Scope) -> None:
         self.merging, self.loop, self.bodies, self.scope = merging, loop, bodies, scope
         self._moves: dict[Hashable, tuple[IndexTerm, ...]] = {}
         self._steps: dict[tuple[int, ...], str] = {}
