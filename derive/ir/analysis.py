@@ -79,7 +79,7 @@ def _operations(nodes: Iterable[Node], values: Mapping[str, int], constants: Map
     known, total = dict(values), 0
     for node in nodes:
         if isinstance(node, Integer):
-            known[node.name] = constants[node.array][node.index.at(known)]
+            known[node.name] = constants[node.array][node.index.at(known)] * node.factor(known)
         total += _operations_of(node, known, constants)
     return total
 

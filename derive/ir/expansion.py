@@ -90,7 +90,8 @@ def expand(statement: Statement) -> tuple[Node, ...]:
         case Pack():
             return tuple(_packed(statement, parity) for parity in (1, -1) if _sources(statement, parity))
         case Clear():
-            return (ordered_loop("i", statement.count, [Assign(Element(statement.output, ROW), ZERO)]),)
+            element = Element(statement.output, ROW.plus(statement.first))
+            return (ordered_loop("i", statement.count, [Assign(element, ZERO)]),)
         case RequireFinite(argument, count, code, text):
             return (ordered_loop("i", count, [Require(Requirement.FINITE, Element(argument, ROW), code, text)]),)
         case Work():

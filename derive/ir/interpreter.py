@@ -168,7 +168,8 @@ class _Run:
                 self.arrays[node.name] = array, first + node.index.at(self.variables)
             case Integer():
                 array, first = self.arrays[node.array]
-                self.variables[node.name] = array[first + node.index.at(self.variables)]
+                value = array[first + node.index.at(self.variables)]
+                self.variables[node.name] = value * node.factor(self.variables)
             case For():
                 for step in node.values(self.variables):
                     self.variables[node.variable] = step

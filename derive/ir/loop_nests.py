@@ -49,11 +49,19 @@ class Alias:
 
 @dataclass(frozen=True)
 class Integer:
-    """Name an element of a constant array of integers, which indices and bounds of loops count from."""
+    """Name an element of a constant array of integers, which indices and bounds of loops count from.
+
+    times: the variable of a loop by which it is multiplied, if there is one.
+    """
 
     name: str
     array: str
     index: ElementIndex
+    times: str = ""
+
+    def factor(self, variables: Mapping[str, int]) -> int:
+        """The number by which the element is multiplied, for values of the variables."""
+        return variables[self.times] if self.times else 1
 
 
 @dataclass(frozen=True)

@@ -252,10 +252,11 @@ class Pack:
 
 @dataclass(frozen=True)
 class Clear:
-    """Set all elements of an output to zero."""
+    """Set all elements of an output to zero, or `count` of them from the element `first` on."""
 
     output: str
     count: int
+    first: int = 0
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,8 @@ class CNests:
                 kind = "double" if node.array in self.outputs else "const double"
                 return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};")
             case Integer():
-                return plain(f"    const {self.counter} {node.name} = {node.array}[{index_text(node.index)}];")
+                value = f"{node.array}[{index_text(node.index)}]{f' * {node.times}' if node.times else ''}"
+                return plain(f"    const {self.counter} {node.name} = {value};")
             case Accumulator():
                 return self._accumulator(node)
             case For():

@@ -11,6 +11,7 @@ from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.beginnings import beginnings, calling, shared_signature, without_last
 from derive.backends.c.composed_names import ComposedNames, composed_names
+from derive.backends.c.forms import form_call, form_signature, shared_forms
 from derive.backends.c.linear_sums import KernelSums, LinearSums, linear_sums
 from derive.backends.c.loop_text import vector_starts
 from derive.backends.c.nests import CNests
@@ -38,6 +39,7 @@ from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Node
 from derive.ir.model import Model, Variable
 from derive.ir.statements import Statement
+from derive.ir.variants import Variants
 from derive.rendering import render
 from derive.roles import Role
 
@@ -71,6 +73,7 @@ class CBackend:
             builder.text("".join(f"{line.text}\n" for line in [*section.function(), *plain("")]))
         for table in sums.tables:
             builder.text("".join(f"{line.text}\n" for line in table.function()))
+        forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
@@ -80,6 +83,10 @@ class CBackend:
                     builder.function(kernel, calling(model, kernel, whole))
                 elif kernel in shared.values():
                     builder.text("".join(f"{line.text}\n" for line in calling(model, kernel, kernel)))
+                elif of := forms.get(kernel.name):
+                    if kernel is of.kernels[0]:
+                        builder.text("".join(f"{line.text}\n" for line in _of_forms(model, of)))
+                    builder.function(kernel, _of_form(model, kernel, of))
                 else:
                     head, own = _signature_of(model, kernel), sums.kernels.get(kernel.name)
                     builder.function(kernel, _function(kernel, head, sections, sums=own))
@@ -208,7 +215,7 @@ def _function(
     Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from
     0, or long before its use, goes to the stack in between.
     """
-    named = _arguments(kernel)
+    named = _arguments(kernel, kernel.used)
     lines = [*plain(*head, "{", *named), *(sums.lines if sums else ())]
     statements = sums.parts.sections if sums else (tuple(enumerate(section.body)) for section in kernel.sections)
     sections = [_in_lanes(body) for body in statements]
@@ -224,6 +231,27 @@ def _function(
         call = shared.get(section.body)
         lines += [line.of(k, 0) for line in call.call()] if call else _section(body, k, nests, loads)
     return [*lines, *plain("    return 0;", "}")]
+
+
+def _of_forms(model: Model, of: Variants) -> list[SourceLine]:
+    """The static function that the functions of some forms call, behind its tables."""
+    kernel = of.kernels[0]
+    used = frozenset(name for k in of.kernels for name in k.used)
+    named = [*_arguments(kernel, used), *([] if of.differ else [f"    (void) {of.selector};"])]
+    lines = plain(*form_signature(model, of), "{", *named, "")
+    nests = CNests({o.name for o in kernel.outputs}, counter="ptrdiff_t")
+    lines += _section(((0, (node,)) for node in of.nodes), 0, nests, _element_loads(kernel))
+    tables = (line for table in of.tables for line in _constant_array(table))
+    return [*plain(*tables), *lines, *plain("    return 0;", "}", "")]
+
+
+def _of_form(model: Model, kernel: Kernel, of: Variants) -> list[SourceLine]:
+    """The function of a form: what comes before the loops, and a call."""
+    (section,) = kernel.sections
+    lines = plain(*_signature_of(model, kernel), "{", *comment([section_text(section)], "    "))
+    before = _in_lanes([*enumerate(of.before[of.kernels.index(kernel)])])
+    nests = CNests({o.name for o in kernel.outputs}, counter="ptrdiff_t")
+    return [*lines, *_section(before, 0, nests, _element_loads(kernel)), *form_call(model, kernel, of)]
 
 
 def _in_lanes(body: Sequence[tuple[int, Statement]]) -> list[tuple[int, tuple[Node, ...]]]:
@@ -266,10 +294,9 @@ def _element_loads(kernel: Kernel) -> dict[str, str]:
     }
 
 
-def _arguments(kernel: Kernel) -> list[str]:
+def _arguments(kernel: Kernel, used: frozenset[str]) -> list[str]:
     """Name the arrays that are read; mark the arguments that are not."""
     lines = []
-    used = kernel.used
     for argument in kernel.arguments:
         read = any(name in used for name in argument.elements)
         arrays = [view for view in argument.parts if view.name in used]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
 
 import casadi as ca
 
 from derive.ir.expressions import Element, Operator
-from derive.ir.indices import constant
+from derive.ir.indices import ElementIndex, constant
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
@@ -16,8 +18,9 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import residual_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.classes.body_classes import Member
-from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
+from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import (
+    ZERO,
     InstanceContext,
     Result,
     given_inputs,
@@ -32,6 +35,9 @@ from derive.mechanics.symbols import local
 
 PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
 """For each form the parts of the constraints that the blocks of F after the equations of motion contain."""
+
+FEW = 16
+"""The elements that are set to zero one by one."""
 
 
 class DaeLayout:
@@ -69,11 +75,11 @@ class DaeLayout:
         ]
         return [first + b * self.constraints + r for b in range(blocks) for r in rows]
 
-    def reads(self, of: ClassCode, array: str, given: Input, what: str) -> Iterator[Loaded]:
-        """The elements of an array of the size of y that one body has."""
+    def reads(self, of: ClassCode, array: str, given: Input) -> Iterator[Loaded]:
+        """The elements of an array of the size of y that one body has, in all forms at the same places."""
         positions = self.positions(of)
         for k, symbol in enumerate(given.symbols):
-            yield array, of.place(f"{what}_{k}", [own[k] for own in positions]), array_input(array, (symbol,), "")
+            yield array, of.place(f"state_{k}", [own[k] for own in positions]), array_input(array, (symbol,), "")
 
     def velocities(self, group: GroupCode) -> list[list[int]]:
         """The indices in y of the velocities of the bodies of each element of a group."""
@@ -122,23 +128,31 @@ class DaeLayout:
 def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of F(t, y, ydot)."""
     form = DaeLayout(context, function.variant)
-    body: list[Statement] = [Clear("F", form.size)]
+    both, joints = 2 * form.coordinates, form.size - 2 * form.coordinates
+    body: list[Statement] = [Clear("F", joints, both)] if joints else []
     for b, part in enumerate(PARTS[form.form]):
-        first = 2 * form.coordinates + b * form.constraints
+        first = both + b * form.constraints
         known = ((k, known_value(part, c)) for k, c in enumerate(context.conditions))
         body += [StoreElement(Element("F", constant(first + k)), value) for k, value in known if value is not None]
     for of in context.classes:
         y, ydot = states(of.context, form.form)
         symbols = of.context.symbols(of.context.t, of.given, y, ydot)
         rows = residual_rows(of.context, form.form, symbols)
-        target = scatter(of, f"state_{form.form}", "F", form.positions(of), Operator.ADD)
-        given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
-        body.append(of.loop(symbols, [Step(of.name, "", "", stores("F", rows))], given, {"F": target}))
+        target, own = scatter(of, "state", "F", form.positions(of), None), 2 * len(of.context.rows)
+        shared = replace(target, index=partial(_behind, target, own), operator=Operator.ADD)
+        step = Step(of.name, "", "", (*stores("own", rows[:own]), *stores("shared", rows[own:])))
+        given = (*form.reads(of, "y", y), *form.reads(of, "ydot", ydot))
+        body.append(of.loop(symbols, [step], given, {"own": target, "shared": shared}))
     body += _between_bodies(context, form)
     body += _of_varying_joints(context, form)
     text = "kinematics, equations of motion, constraints"
     results = {"F": Result(("in the order of y",), count=form.size)}
     return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
+
+
+def _behind(target: LoopTarget, first: int, number: int) -> ElementIndex:
+    """The index of an element of a target, counted from one of its elements on."""
+    return target.index(first + number)
 
 
 def _between_bodies(context: InstanceContext, form: DaeLayout) -> list[Statement]:
@@ -171,13 +185,14 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
     form = DaeLayout(context, function.variant)
     entries = {(i, i) for i in range(form.size)}
+    written: set[tuple[int, int]] = set()
     of_bodies, between = [], []
     for of in context.classes:
         y, ydot = states(of.context, form.form)
         symbols = of.context.symbols(of.context.t, of.given, y, ydot, of.context.cj)
-        own, values = _iteration_matrix(symbols, residual_rows(of.context, form.form, symbols), y, ydot)
+        own, values = _iteration_matrix(symbols, residual_rows(of.context, form.form, symbols), y, ydot, diagonal=True)
         positions = [[(at[i], at[j]) for i, j in own] for at in form.positions(of)]
-        entries |= {entry for member in positions for entry in member}
+        written |= {entry for member in positions for entry in member}
         of_bodies.append((of, symbols, (y, ydot), values, positions))
     for group in context.forces:
         code, ctx = group.code, group.code.context
@@ -199,12 +214,12 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
         positions = [[(at[i], at[j]) for i, j in own] for at in form.joint_positions(group)]
         entries |= {entry for member in positions for entry in member}
         between.append((group, symbols, form.joint_reads(group, y, ydot), values, positions))
-    shape = pattern(form.size, form.size, entries)
+    shape = pattern(form.size, form.size, entries | written)
     number = {entry: k for k, entry in enumerate(shape.entries)}
-    body: list[Statement] = [Clear("jac", len(number))]
+    body = _cleared([number[entry] for entry in sorted(entries - written)], len(number))
     for of, symbols, (y, ydot), values, positions in of_bodies:
-        target = scatter(of, f"iteration_{form.form}", "jac", [[number[e] for e in m] for m in positions], None)
-        given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
+        target = spread(of, "jac", [[number[e] for e in m] for m in positions], None, f"iteration_{form.form}")
+        given = (*form.reads(of, "y", y), *form.reads(of, "ydot", ydot))
         body.append(of.loop(symbols, [Step(of.name, "", "", stores("jac", values))], given, {"jac": target}))
     for group, symbols, inputs, values, positions in between:
         code = group.code
@@ -215,11 +230,23 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     return kernel(context, function, results, ("jacobian", "(15)", text, body), inputs=form.arguments)
 
 
+def _cleared(places: list[int], size: int) -> list[Statement]:
+    """The statements that set some elements of the iteration matrix to zero: all, unless there are few."""
+    if len(places) > FEW:
+        return [Clear("jac", size)]
+    return [StoreElement(Element("jac", constant(place)), ZERO) for place in places]
+
+
 def _iteration_matrix(
-    symbols: Symbols, rows: list[ca.SX], y: Input, ydot: Input
+    symbols: Symbols, rows: list[ca.SX], y: Input, ydot: Input, diagonal: bool = False
 ) -> tuple[list[tuple[int, int]], list[ca.SX]]:
-    """The entries of dF/dy + cj dF/dydot that do not vanish, by columns, and their values."""
+    """The entries of dF/dy + cj dF/dydot that do not vanish, by columns, and their values.
+
+    diagonal: whether the entries of the diagonal are among them in any case.
+    """
     by_y, by_ydot = (ca.jacobian(ca.vertcat(*rows), ca.vertcat(*symbols.values_of(a.symbols))) for a in (y, ydot))
     matrix = by_y + symbols.values[local("cj")] * by_ydot
-    own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
-    return own, [matrix[i, j] for i, j in own]
+    entries = set(zip(*matrix.sparsity().get_triplet(), strict=True))
+    entries |= {(i, i) for i in range(len(rows))} if diagonal else set()
+    own = sorted(entries, key=lambda entry: (entry[1], entry[0]))
+    return own, [matrix[i, j] if matrix.sparsity().has_nz(i, j) else ca.SX(0) for i, j in own]

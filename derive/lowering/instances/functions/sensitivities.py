@@ -71,7 +71,7 @@ def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
     """The rows of all bodies, of the forces between bodies, and of the outputs."""
     for of in context.classes:
         y, ydot = states(of.context, "index1")
-        inputs = [*form.reads(of, "y", y, "state_index1"), *form.reads(of, "ydot", ydot, "state_index1")]
+        inputs = [*form.reads(of, "y", y), *form.reads(of, "ydot", ydot)]
         symbols = _symbols(context, of, y, ydot)
         rows = [*dynamic_rows(of.context, symbols).values()]
         yield _derivatives(context, of, symbols, rows, inputs, form.parameter_rows(of))
