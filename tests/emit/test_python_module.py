@@ -224,7 +224,9 @@ def test_setup_refuses_bad_parameters(place: int, symbol: str, bad: float) -> No
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(("model", "inertia"), [pytest.param("mean_2_flat", "C3_11", marks=pytest.mark.long), ("given_2_flat", "c8_1_1")])
+@pytest.mark.parametrize(
+    ("model", "inertia"), [pytest.param("mean_2_flat", "C3_11", marks=pytest.mark.long), ("given_2_flat", "c8_1_1")]
+)
 def test_accel_is_nan_where_a_pivot_vanishes_and_right_elsewhere(model: str, inertia: str) -> None:
     names, c = module(model), native(model)
     _, q, v, _ = arguments(model, MODELS[model]().model.kernel("accel"))

@@ -53,7 +53,9 @@ class _Columns:
 
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
         """Add the column of a rigid coordinate, one of c1 .. c3 and e0 .. e3."""
-        kinematic = [(r, -derivative(rate, symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)]
+        kinematic = [
+            (r, -derivative(rate, symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)
+        ]
         self._single(kinematic, lambda e: self._factored(e, symbol))
 
     def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
@@ -70,7 +72,9 @@ class _Columns:
         if expanded == 0:
             return expanded
         inner = {d.symbol: self._total(d.expr, symbol) for d in self.context.equations.definitions if not d.zero}
-        chain = sp.Add(derivative(expr, symbol), *(derivative(expr, s) * change for s, change in inner.items() if change != 0))
+        chain = sp.Add(
+            derivative(expr, symbol), *(derivative(expr, s) * change for s, change in inner.items() if change != 0)
+        )
         present = expanded.free_symbols
         collected = sp.collect(expanded, [s for s in self.context.gradient.mode_sums if s in present])
         return min(chain, collected, key=sp.count_ops)
