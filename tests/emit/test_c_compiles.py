@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from toolchain import C99, CPP11, MODELS, WARNINGS, run, run_together, special, tool, written
+from toolchain import C99, CPP11, EVERY_MODEL, MODELS, OTHERS, WARNINGS, run, run_together, special, tool, written
 
 import beams
 from derive.backends.c.source import ABI
@@ -26,20 +26,15 @@ class Compiled:
     objects: tuple[Path, ...]
 
 
-IN_ALL_WAYS, *_ = OPTIMISED = ("mean_2", "mean_3_loops", "crank_slider_3")
-"""The models that are compiled at the highest level as well: a body, loops and a mechanism.
+IN_ALL_WAYS, *_ = OPTIMISED = ("mean_2", "mean_3_loops", *OTHERS)
+"""The models that are compiled at the highest level, and as C++ by clang, as well: a body, loops, and those that take
+longer.
 
 The first one, which is small, is compiled at every level, and to an object as C++.
 """
 
 
-LARGE = ("mean_5", "mean_8", "point_off_centre_5", "tangent_5", "given_3_loops", "mean_20_loops")
-"""Models that are others with more or fewer shapes: point_8 and given_13_loops have many, given_1_loops few."""
-
-
-@pytest.fixture(
-    scope="module", params=[pytest.param(name, marks=pytest.mark.long if name in LARGE else ()) for name in MODELS]
-)
+@pytest.fixture(scope="module", params=EVERY_MODEL)
 def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Compiled:
     """Compiled with all warnings as errors: what does not pass them fails here."""
     made = MODELS[request.param]()
@@ -52,7 +47,8 @@ def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     if request.param == IN_ALL_WAYS:
         ways |= {level: [gcc, *C99, f"-{level}"] for level in ("O0", "O2")} | {"cpp": [cpp, *CPP11, "-O1"]}
     commands = [[*command, *FIXED, source, "-o", folder / f"{way}.o"] for way, command in ways.items()]
-    checks = ([cpp, *CPP11], [tool("clang"), *C99], [tool("clang"), *CPP11])
+    checks = [[cpp, *CPP11], [tool("clang"), *C99]]
+    checks += [[tool("clang"), *CPP11]] if request.param in OPTIMISED else []
     commands += [[*command, "-fsyntax-only", source] for command in checks]
     run_together(commands)
     header = source.with_suffix(".h").read_text()
@@ -96,6 +92,12 @@ def test_has_no_writable_data(compiled: Compiled) -> None:
         assert sizes[".text"] > 0
         writable = {s: n for s, n in sizes.items() if s.startswith((".data", ".bss", ".tdata", ".tbss")) and n}
         assert writable == {}
+
+
+@pytest.mark.long
+def test_a_mechanism_passes_all_warnings_at_the_highest_level(tmp_path: Path) -> None:
+    (source,) = written(MODELS["crank_slider_3"]().files, tmp_path)
+    run(tool("gcc"), *C99, "-O3", "-c", source, "-o", tmp_path / "O3.o")
 
 
 @pytest.mark.parametrize("standard", ["c99", "gnu99", "c11", "c17", "c2x", "c++11", "c++14", "c++17", "c++20"])

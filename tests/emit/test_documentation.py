@@ -8,15 +8,13 @@ import json
 import re
 
 import pytest
-from toolchain import MODELS, text_of
+from toolchain import EVERY_MODEL, MODELS, text_of
 
 import beams
 from derive.backends.c.source import ABI
 from derive.backends.description import section_text
 from derive.ir.kernel import Kernel, Output, Section
 from derive.roles import Source
-
-EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
 
 
 def flat(text: str) -> str:
@@ -55,7 +53,7 @@ def check(kernel: Kernel, comment: str) -> None:
     assert re.findall(r"(\d+) operations\.", comment) == [str(kernel.operations)]
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_header_describes_each_function(model: str) -> None:
     made = MODELS[model]()
     comments = comments_of_c(made)
@@ -64,7 +62,7 @@ def test_header_describes_each_function(model: str) -> None:
         check(kernel, comments[kernel.name])
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_python_describes_each_function(model: str) -> None:
     made = MODELS[model]()
     functions = functions_of_python(made)
@@ -75,7 +73,7 @@ def test_python_describes_each_function(model: str) -> None:
         assert [a.arg for a in function.args.args] == [a.name for a in kernel.arguments]
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_the_operations_that_are_counted_are_those_of_the_text(model: str) -> None:
     """Counted in the generated Python by its own parser: arithmetic on anything but two literals, and functions."""
     made = MODELS[model]()
@@ -103,7 +101,7 @@ def is_literal(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant)
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_sections_are_told_in_the_code(model: str) -> None:
     made = MODELS[model]()
     for ending in (".c", ".py"):
@@ -112,7 +110,7 @@ def test_sections_are_told_in_the_code(model: str) -> None:
             assert all(section.doc in text for section in kernel.sections if ending == ".c" or section.name != "check")
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_head_names_state_parameters_and_constants(model: str) -> None:
     made = MODELS[model]()
     for ending in (".h", ".py"):
@@ -125,7 +123,7 @@ def test_head_names_state_parameters_and_constants(model: str) -> None:
             assert zero.reason in head
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_enum_of_the_header_gives_sizes_and_indices(model: str) -> None:
     made = MODELS[model]()
     macro = made.model.name.upper()
@@ -151,7 +149,7 @@ def test_enum_of_the_header_gives_sizes_and_indices(model: str) -> None:
     assert found == expected
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_manifest_tells_operations_and_digests(model: str) -> None:
     made = MODELS[model]()
     manifest = json.loads(text_of(made, "manifest.json"))
@@ -162,7 +160,7 @@ def test_manifest_tells_operations_and_digests(model: str) -> None:
         assert manifest["specification_sha256"] in file.text[:300]
 
 
-@EVERY_MODEL
+@pytest.mark.parametrize("model", EVERY_MODEL)
 def test_files_are_tidy(model: str) -> None:
     for file in MODELS[model]().files:
         assert not re.search(r"[ \t]+$|\r|\t", file.text, re.MULTILINE)

@@ -99,19 +99,25 @@ def test_the_map_of_python_is_what_its_parser_finds(model: Model) -> None:
     for name, function in found.functions.items():
         node = functions[name]
         assert (function.first, function.last) == (node.lineno, node.end_lineno)
+        assigned = lines_that_assign(node)
         for defined, number in function.definitions.items():
-            assert number in lines_that_assign(node, defined)
+            assert number in assigned[defined]
         counted = {output.name for output in model.kernel(name).outputs if output.count is not None}
         for stored, number in function.stores.items():
             target = stored.output if stored.output in counted else f"{stored.output}_{stored.index}"
-            assert number in lines_that_assign(node, target)
+            assert number in assigned[target]
 
 
-def lines_that_assign(node: ast.FunctionDef, name: str) -> set[int]:
-    """The first lines of assignments to a name or to elements of it."""
-    targets = ((child.lineno, child.targets[0]) for child in ast.walk(node) if isinstance(child, ast.Assign))
-    bases = ((n, t.value if isinstance(t, ast.Subscript) else t) for n, t in targets)
-    return {n for n, base in bases if isinstance(base, ast.Name) and base.id == name}
+def lines_that_assign(node: ast.FunctionDef) -> dict[str, set[int]]:
+    """The first lines of assignments to each name or to elements of it."""
+    found: dict[str, set[int]] = {}
+    for child in ast.walk(node):
+        if isinstance(child, ast.Assign):
+            target = child.targets[0]
+            base = target.value if isinstance(target, ast.Subscript) else target
+            if isinstance(base, ast.Name):
+                found.setdefault(base.id, set()).add(child.lineno)
+    return found
 
 
 def is_matrix_store(function: FunctionLines, line: SourceLine) -> bool:

@@ -132,3 +132,14 @@ MODELS: dict[str, Callable[[], beams.Made]] = {
     **{f"block_{lowering}": lambda lowering=lowering: block(lowering) for lowering in ("flat", "loops")},
 }
 """The models that the tests of this folder go through: every frame with few and many shapes, and special ones."""
+
+OTHERS = (
+    *("mean_1", "mean_5", "mean_8", "point_1", "point_8", "point_off_centre_2", "point_off_centre_5", "chord_2"),
+    *("tangent_5", "folded_mean", "no_markers", "many_markers", "given_3_loops", "mean_20_loops", "mean_2_flat"),
+)
+"""Models whose code consists of what that of the other ones consists of, for tests with the mark `long`.
+
+They have other numbers of shapes or of markers, or the integrals of another frame.
+"""
+
+EVERY_MODEL = [pytest.param(name, marks=pytest.mark.long if name in OTHERS else ()) for name in MODELS]

@@ -20,7 +20,13 @@ def started(variables: tuple[object, ...]) -> list[float]:
     return [x.start for x in variables]  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("name", ["crank_slider_3", "four_bar", "free_beam_mean", "block", "pushed"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("four_bar", "block", "pushed"),
+        *(pytest.param(n, marks=pytest.mark.long) for n in ("crank_slider_3", "free_beam_mean")),
+    ],
+)
 def test_start_values_are_those_of_a_simulation(name: str) -> None:
     model = prepared(PUSHED) if name == "pushed" else scene(name)
     trajectory = derive.simulate(model.spec, duration=1e-4, output=1e-4)

@@ -43,11 +43,11 @@ OF_LEAST_NORM = 1e-5
 SOLVED = ("accel", "solve", "project_velocity", "solve_kkt")
 FEW = 4
 """Bodies of small graphs, at most."""
-SMALL = (0, 1, 4, 9, 14, 35)
+SMALL = (0, 4, 9, 35)
 EXACT = (4, 9)
-WITH_PORTS = (0, 1, 14)
-VARYING = (31, 53)
-TWINS = (14, 31)
+WITH_PORTS = (1, 14)
+VARYING = (53, 31)
+TWINS = (31, 14)
 LATER = pytest.mark.long
 """Further seeds of the tests of small graphs."""
 GENERATED = ((0, False), (9, False), (57, True))
@@ -183,12 +183,12 @@ def differences(of: Graph) -> Iterator[tuple[str, float]]:
             yield kernel.name, worst(a, b, terms(of, kernel.name)) if len(a) else 0.0
 
 
-@pytest.mark.parametrize("seed", [*SMALL, *(pytest.param(n, marks=LATER) for n in (6, 12, 15, 30, 38, 39))])
+@pytest.mark.parametrize("seed", [*SMALL, *(pytest.param(n, marks=LATER) for n in (1, 6, 12, 14, 15, 30, 38, 39))])
 def test_small_graphs(seed: int) -> None:
     check(small(seed))
 
 
-@pytest.mark.parametrize("seed", [*WITH_PORTS, *(pytest.param(n, marks=LATER) for n in (4, 9, 15))])
+@pytest.mark.parametrize("seed", [*WITH_PORTS, *(pytest.param(n, marks=LATER) for n in (0, 4, 9, 15))])
 def test_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
     """Derivatives with respect to parameters and inputs are among the functions."""
     of = graph(seed, FEW, ports=True)
@@ -197,7 +197,7 @@ def test_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
     check(of)
 
 
-@pytest.mark.parametrize("seed", VARYING)
+@pytest.mark.parametrize("seed", [VARYING[0], pytest.param(VARYING[1], marks=LATER)])
 def test_graphs_with_joints_that_depend_on_both_of_their_bodies(seed: int) -> None:
     """Their axes move, or they remove functions of several relative motions; seed 53 has a drive of such a joint."""
     of = graph(seed, FEW, ports=True, varying=True)
@@ -219,7 +219,7 @@ def test_redundant_joints_that_depend_on_both_of_their_bodies(seed: int) -> None
     assert all(loops[a] == pytest.approx(loops[b], rel=1e-3) for a, b in twins)
 
 
-@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize("driven", [True, pytest.param(False, marks=LATER)])
 def test_a_chain_in_which_each_body_slides_along_the_one_before(driven: bool) -> None:
     """The joints are one group whose bodies differ in their numbers."""
     check(sliding_chain(6, driven))
@@ -239,7 +239,7 @@ def test_rods_that_meet_their_joints_in_either_order() -> None:
 
 
 def test_every_shape_is_among_the_small_graphs() -> None:
-    assert {seed % len(SHAPES) for seed in SMALL} == {*range(len(SHAPES))}
+    assert {seed % len(SHAPES) for seed in (*SMALL, *WITH_PORTS)} == {*range(len(SHAPES))}
 
 
 # 48 larger graphs are long, and 152 further ones are run by `pytest -m further tests/kernel`.
@@ -332,7 +332,7 @@ def evaluated(*of: int) -> list[str]:
     return [name for name in names if name.partition("_")[0] not in ("setup", "marker", "load")]
 
 
-@pytest.mark.parametrize(("seed", "varying"), GENERATED)
+@pytest.mark.parametrize(("seed", "varying"), [pytest.param(*GENERATED[0], marks=LATER), *GENERATED[1:]])
 def test_python_has_the_bits_of_the_interpreter(seed: int, varying: bool) -> None:
     of = small(seed, varying)
     for name in evaluated(seed, varying):

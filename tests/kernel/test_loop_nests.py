@@ -35,6 +35,8 @@ from derive.ir.statements import (
 
 GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]
 BODIES = [(n, frame) for n in (0, 1, 3, 4, 6, 9) for frame in ("given", "mean")]
+SOON = {(3, "given"), (4, "given"), (9, "given"), (0, "mean"), (1, "mean"), (6, "mean")}
+"""Each number of modes in one frame; in the other one the tests have the mark `long`."""
 
 
 @cache
@@ -66,7 +68,9 @@ def nodes_in_lanes(kernel: Kernel) -> Iterator[Node]:
     return (node for section in kernel.sections for _, part in section_in_lanes(section.body) for node in part)
 
 
-@pytest.mark.parametrize(("n", "frame"), BODIES)
+@pytest.mark.parametrize(
+    ("n", "frame"), [pytest.param(*one, marks=() if one in SOON else pytest.mark.long) for one in BODIES]
+)
 def test_loops_in_lanes_keep_the_bits(n: int, frame: str) -> None:
     """Sums, rows and fused matrices, also where modes fill no block of four."""
     model = looped(n, frame)
@@ -93,7 +97,12 @@ MODELS: dict[str, Callable[[], Model]] = {
 }
 
 
-@pytest.mark.parametrize("name", MODELS)
+OF_BODIES = {f"{frame} {n}" for n, frame in {*BODIES} - SOON}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in OF_BODIES else ()) for name in MODELS]
+)
 def test_batches_keep_the_bits_of_each_state(name: str) -> None:
     """Sines keep their bits, too; they are computed for all states before the lines that need them."""
     model, states = MODELS[name](), 3

@@ -146,7 +146,7 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_accelerations_solve_the_equations_of_a_scene(case: str, tmp_path: Path) -> None:
     """M vdot + h = G^T lambda and G vdot = gamma, in random states, with M, h, G and gamma of the other functions."""
-    model = derive.lower(scene(*CASES[case], tmp_path))
+    model = derive.lower(scene(*CASES[case], tmp_path), explicit=True)
     assert "relative" in next(s.doc for s in model.kernel("solve").sections if s.name == "pivots")
     for seed in range(3):
         M, h, G, gamma, vdot, lam = values(model, seed)

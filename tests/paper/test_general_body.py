@@ -90,13 +90,13 @@ def differing(terms: tuple[PrintedVector, ...], rows: dict[str, tuple[sp.Expr, .
     return different
 
 
-@pytest.mark.parametrize("n", [0, 1, 2, 3])
+@pytest.mark.parametrize("n", [0, 1, 2, pytest.param(3, marks=pytest.mark.long)])
 def test_equations_are_15(n: int) -> None:
     assert differing(equation_15(General(n), ROTATION), derived_rows(n)) == set()
 
 
 @pytest.mark.parametrize("index", range(len(equation_15(General(2), ROTATION))))
-@pytest.mark.parametrize("sign", [0, -1])
+@pytest.mark.parametrize("sign", [0, pytest.param(-1, marks=pytest.mark.long)])
 def test_a_changed_term_of_15_is_noticed(index: int, sign: int) -> None:
     terms = list(equation_15(General(2), ROTATION))
     changed = terms[index]
@@ -104,7 +104,7 @@ def test_a_changed_term_of_15_is_noticed(index: int, sign: int) -> None:
     assert differing(tuple(terms), derived_rows(2)) == {changed.row}
 
 
-@pytest.mark.parametrize("n", [1, 2, 3])
+@pytest.mark.parametrize("n", [1, 2, pytest.param(3, marks=pytest.mark.long)])
 def test_mean_conditions_give_20(n: int) -> None:
     """(20) is (15) without d1 and c2, and with d3 = - c7 alpha, since c6 vanishes: the remark under (19)."""
     nothing = {s: 0 for p in range(n + 1) for s in first(p)}

@@ -45,7 +45,7 @@ def test_equations_in_the_mean_frame_are_20(n: int) -> None:
 
 
 @pytest.mark.parametrize("index", range(len(equation_20(General(2)))))
-@pytest.mark.parametrize("sign", [0, -1])
+@pytest.mark.parametrize("sign", [0, pytest.param(-1, marks=pytest.mark.long)])
 def test_a_changed_term_of_20_is_noticed(index: int, sign: int) -> None:
     terms = list(under(equation_20(General(2)), no_mean_rotation(2)))
     changed = terms[index]

@@ -190,15 +190,17 @@ class Symbols:
 
     def _collected(self, terms: Sequence[sp.Expr]) -> list[sp.Expr]:
         """The terms of a sum, with a cos + b cos as (a + b) cos, so that the rows of a rotated vector share a + b."""
-        remaining = list(terms)
-        collected = []
-        symbols = {symbol for term in terms for symbol in term.free_symbols}
-        for symbol in sorted(self.late & symbols, key=sp.default_sort_key):
-            group = [t for t in remaining if t.as_powers_dict().get(symbol) == 1]
+        collected: list[sp.Expr] = []
+        late = self.late & {symbol for term in terms for symbol in term.free_symbols}
+        if not late:
+            return [*terms]
+        remaining = [(term, term.as_powers_dict()) for term in terms]
+        for symbol in sorted(late, key=sp.default_sort_key):
+            group = [(t, powers) for t, powers in remaining if powers.get(symbol) == 1]
             if len(group) > 1:
-                remaining = [t for t in remaining if t not in group]
-                collected.append(sp.Mul(symbol, sp.Add(*(t / symbol for t in group))))
-        return remaining + collected
+                remaining = [(t, powers) for t, powers in remaining if powers.get(symbol) != 1]
+                collected.append(sp.Mul(symbol, sp.Add(*(t / symbol for t, _ in group))))
+        return [t for t, _ in remaining] + collected
 
     def _product(self, expr: sp.Expr) -> ca.SX:
         """A product: early factors, one division, the number, then the other factors, so that terms share prefixes."""

@@ -12,7 +12,7 @@ from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_p
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
-from derive.lowering.loops.gradient import Gradient
+from derive.lowering.loops.gradient import Gradient, derivative
 from derive.lowering.loops.program import Program
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ALPHADDOT
@@ -88,7 +88,7 @@ class LoopContext:
 
     def mass_entry(self, row: int, column: int) -> sp.Expr:
         """An entry of the rigid block of the mass matrix."""
-        return sp.expand(self.left[self.rows[row]].diff(self.rigid_rows[column].a))
+        return sp.expand(derivative(self.left[self.rows[row]], self.rigid_rows[column].a))
 
     def _coupling(self) -> dict[int, sp.Expr]:
         """The rigid rows whose coupling with shape i does not vanish, and its entry of the mass matrix."""

@@ -6,6 +6,8 @@ sum alpha_l C5_lj, the sum is recognised as an existing table sum, or becomes a 
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy as sp
 
 from derive.mechanics.indexed_equations import IndexedEquations
@@ -40,26 +42,28 @@ class Gradient:
 
     def of_scalar(self, expr: sp.Expr, factor: Symbol) -> sp.Expr:
         """d expr / d factor_i, as an expression of index i, of an expression in mode sums."""
-        pairs = ((total, expr.diff(symbol)) for symbol, total in self.mode_sums.items() if expr.has(symbol))
+        present = expr.free_symbols
+        pairs = ((t, derivative(expr, symbol)) for symbol, t in self.mode_sums.items() if symbol in present)
         return sp.expand(sum((weight * self._of_sum(total.term, factor) for total, weight in pairs), sp.S.Zero))
 
     def of_row(self, expr: sp.Expr, factor: Symbol) -> tuple[sp.Expr, sp.Expr]:
         """d expr_i / d factor_j, split into a part in tables (i, j) and a part on the diagonal, in index i."""
         full = sp.S.Zero
         for contraction in self._in(expr):
-            weight = expr.diff(contraction.symbol)
+            weight = derivative(expr, contraction.symbol)
             for other, entry in contraction.sums:
                 full += weight * _of_ij(entry) if other == factor else 0
-        return sp.expand(full), sp.expand(expr.diff(exchanged(factor, {J: I})))
+        return sp.expand(full), sp.expand(derivative(expr, exchanged(factor, {J: I})))
 
     def _in(self, expr: sp.Expr) -> list[TableSum]:
-        return [c for c in self.table_sums if expr.has(c.symbol)]
+        present = expr.free_symbols
+        return [c for c in self.table_sums if c.symbol in present]
 
     def _of_sum(self, term: sp.Expr, factor: Symbol) -> sp.Expr:
         """d (sum over l of term_l) / d factor_i."""
-        result = sp.expand(term).diff(exchanged(factor, {J: I}))
+        result = derivative(sp.expand(term), exchanged(factor, {J: I}))
         for contraction in self._in(term):
-            weight = sp.expand(term.diff(contraction.symbol))
+            weight = sp.expand(derivative(term, contraction.symbol))
             for other, entry in contraction.sums:
                 if other == factor:
                     result += self._contracted(weight, entry)
@@ -86,6 +90,33 @@ class Gradient:
         doc = f"sum over the modes of {factor} {kept}"
         self.table_sums.append(TableSum(new, sp.S.Zero, ((factor, kept),), doc))
         return weight * (1 if exchanged_entry == kept else parity) * new
+
+
+def derivative(expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
+    """d expr / d symbol of an expression of +, * and integer powers, for which SymPy takes several times as long."""
+    if expr.is_Symbol:
+        return sp.S.One if expr == symbol else sp.S.Zero
+    if expr.is_Add:
+        return sp.Add(*(derivative(term, symbol) for term in _terms_with(expr).get(symbol, ())))
+    if expr.is_Mul:
+        factors = expr.args
+        changing = (k for k, factor in enumerate(factors) if not factor.is_Rational)
+        changes = ((k, change) for k in changing if (change := derivative(factors[k], symbol)) is not sp.S.Zero)
+        return sp.Add(*(sp.Mul(*factors[:k], change, *factors[k + 1 :]) for k, change in changes))
+    if expr.is_Pow and expr.exp.is_Integer:
+        change = derivative(expr.base, symbol)
+        return sp.S.Zero if change is sp.S.Zero else expr.exp * expr.base ** (expr.exp - 1) * change
+    return expr.diff(symbol)
+
+
+@lru_cache(maxsize=256)
+def _terms_with(expr: sp.Expr) -> dict[sp.Basic, list[sp.Expr]]:
+    """The terms of a sum by their symbols: it is differentiated by many of them."""
+    result: dict[sp.Basic, list[sp.Expr]] = {}
+    for term in expr.args:
+        for symbol in term.free_symbols:
+            result.setdefault(symbol, []).append(term)
+    return result
 
 
 def _of_ij(entry: Symbol) -> sp.Expr:

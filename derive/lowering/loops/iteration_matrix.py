@@ -11,6 +11,7 @@ from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.context import CJ, RIGID, SHAPE, LoopContext
+from derive.lowering.loops.gradient import derivative
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT
 from derive.mechanics.symbols import Symbol
@@ -48,16 +49,19 @@ class _Columns:
         self.groups: list[ColumnGroup] = []
         self.offset = 0
         self.first = RIGID + 1 + context.n
+        self._totals: dict[tuple[sp.Expr, sp.Symbol], sp.Expr] = {}
 
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
         """Add the column of a rigid coordinate, one of c1 .. c3 and e0 .. e3."""
-        kinematic = [(r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)]
+        kinematic = [
+            (r, -derivative(rate, symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)
+        ]
         self._single(kinematic, lambda e: self._factored(e, symbol))
 
     def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
         """Add the column of a rigid generalised velocity."""
-        kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.context.rigid_rates)]
-        self._single(kinematic, lambda e: self._total(e, symbol) + CJ * e.diff(acceleration))
+        kinematic = [(k, -derivative(rate, symbol)) for k, rate in enumerate(self.context.rigid_rates)]
+        self._single(kinematic, lambda e: self._total(e, symbol) + CJ * derivative(e, acceleration))
 
     def _factored(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
         """A derivative, through the definitions as well, with common factors: in the form with fewer operations.
@@ -68,17 +72,22 @@ class _Columns:
         if expanded == 0:
             return expanded
         inner = {d.symbol: self._total(d.expr, symbol) for d in self.context.equations.definitions if not d.zero}
-        chain = sp.Add(expr.diff(symbol), *(expr.diff(s) * change for s, change in inner.items()))
-        collected = sp.collect(expanded, [s for s in self.context.gradient.mode_sums if expanded.has(s)])
+        chain = sp.Add(
+            derivative(expr, symbol), *(derivative(expr, s) * change for s, change in inner.items() if change != 0)
+        )
+        present = expanded.free_symbols
+        collected = sp.collect(expanded, [s for s in self.context.gradient.mode_sums if s in present])
         return min(chain, collected, key=sp.count_ops)
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
-        """The total derivative of an expression, through the definitions as well."""
-        result = expr.diff(symbol)
-        for d in self.context.equations.definitions:
-            if not d.zero and expr.has(d.symbol):
-                result += expr.diff(d.symbol) * self._total(d.expr, symbol)
-        return sp.expand(result)
+        """The total derivative of an expression, through the definitions as well; those of definitions recur."""
+        if (expr, symbol) not in self._totals:
+            parts, symbols = [derivative(expr, symbol)], expr.free_symbols
+            for d in self.context.equations.definitions:
+                if not d.zero and d.symbol in symbols:
+                    parts.append(derivative(expr, d.symbol) * self._total(d.expr, symbol))
+            self._totals[expr, symbol] = sp.expand(sp.Add(*parts))
+        return self._totals[expr, symbol]
 
     def _single(self, kinematic: list[tuple[int, sp.Expr]], derivative: Callable[[sp.Expr], sp.Expr]) -> None:
         left = self.context.left

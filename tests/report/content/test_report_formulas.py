@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pages
@@ -27,7 +29,14 @@ BODIES = (
     "heavy", "carrying", "flat", "loops_given", "rigid", "beam_point_1",
 )  # fmt: skip
 FLAT = [name for name in BODIES if not name.startswith("loops")]
+LATER = ("beam_point_8", "beam_mean_8", "beam_point_1")
+"""Other numbers of shapes than those of point, mean and the block, for tests with the mark `long`."""
+
 BEAMS = [name for name in BODIES if name in ("point", "mean", "heavy") or name.startswith("beam")]
+
+
+def each(names: Iterable[str]) -> list[Any]:
+    return [pytest.param(name, marks=pytest.mark.long if name in LATER else ()) for name in names]
 
 
 def draw(name: str) -> Draw:
@@ -75,7 +84,7 @@ def rows(name: str) -> dict[str, list[Equation]]:
     return found
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", each(BODIES))
 def test_rows_in_integrals_are_those_derived(name: str) -> None:
     equations, numbers = pages.built(name).equations, draw(name)
     shown = rows(name)
@@ -85,7 +94,7 @@ def test_rows_in_integrals_are_those_derived(name: str) -> None:
         assert lines[0].number == "15"
 
 
-@pytest.mark.parametrize("name", [name for name in FLAT if name != "block"])
+@pytest.mark.parametrize("name", each(name for name in FLAT if name != "block"))
 def test_rows_written_out_are_the_same(name: str) -> None:
     """The rows are evaluated with numbers of coordinates, rates, accelerations and parameters alone."""
     equations, numbers = pages.built(name).equations, consistent(name)
@@ -111,7 +120,7 @@ def test_which_rows_are_written_out() -> None:
     assert {line.number for lines in rows("beam_chord_2").values() for line in lines[1:]} == {""}
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", each(BODIES))
 def test_moments_are_those_derived(name: str) -> None:
     """In a sum over the shapes, one summand is compared."""
     equations, numbers = pages.built(name).equations, draw(name)
@@ -129,7 +138,7 @@ def test_moments_are_those_derived(name: str) -> None:
     assert shown == {numbers.notation.written(m.symbol).formula for m in found}
 
 
-@pytest.mark.parametrize("name", FLAT)
+@pytest.mark.parametrize("name", each(FLAT))
 def test_integrals_have_their_values(name: str) -> None:
     equations = pages.built(name).equations
     values = Draw(notation(equations))
@@ -163,7 +172,7 @@ def test_mass_matrix_is_the_one_derived(name: str) -> None:
             assert number(entry, numbers.formulas) == pytest.approx(numbers.of(sp.S.Zero + equations.mass[i, j]))
 
 
-@pytest.mark.parametrize("name", BEAMS)
+@pytest.mark.parametrize("name", each(BEAMS))
 def test_shapes_and_ansatz_are_those_of_the_beam(name: str) -> None:
     spec = pages.built(name).spec
     at, factors = Fraction(3, 7), [Fraction(k + 2, 5) for k in range(len(spec.ansatz))]
