@@ -15,7 +15,7 @@ SPIN = (600.0, 900.0, 400.0)
 """rad/s, 183 turns in a second: fast enough for the modes of 1.8 to 8.1 kHz to be felt."""
 BENT = 2e-4
 """Amplitude of every mode: the corner is 0.5 mm from where it would be; 0.4 % of the energy is strain."""
-MODELS = [("mean", "flat"), ("mean", "loops"), ("point", "flat")]
+MODELS = [pytest.param("mean", "flat", marks=pytest.mark.long), ("mean", "loops"), ("point", "flat")]
 
 
 def orders(errors: Sequence[float] | Array) -> Array:

@@ -23,14 +23,17 @@ from derive.mechanics.bodies.spatial_body import parameters
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.runtime.compiled_model import Native
 
-SHAPES = (0, 1, pytest.param(3, marks=pytest.mark.long), 5)
+SHAPES = [pytest.param(n, marks=pytest.mark.long if n in (1, 3) else ()) for n in (0, 1, 3, 5)]
 KINDS = ("numbers flat", "numbers loops", "parameters flat", "parameters loops")
-CASES = [
-    pytest.param(n, kind, marks=pytest.mark.long if n == 3 or (n == 5 and kind == "parameters flat") else ())
-    for n in (0, 1, 3, 5)
-    for kind in KINDS
+FEW = [
+    *((n, kind) for n in (0, 5) for kind in ("numbers flat", "numbers loops")),
+    (1, "parameters flat"),
+    (5, "parameters loops"),
 ]
-"""Straight-line code of many parameters is long."""
+"""No shapes, as many as are more than a vector, and all kinds; straight-line code of many parameters is long."""
+CASES = [
+    pytest.param(n, kind, marks=() if (n, kind) in FEW else pytest.mark.long) for n in (0, 1, 3, 5) for kind in KINDS
+]
 POINTS = 10
 GRAVITY = (0.7, -0.3, -9.81)
 MASS_DAMPING, STIFFNESS_DAMPING = 0.1, 0.01
@@ -300,12 +303,9 @@ def test_power_balance_and_momentum(n: int, kind: str) -> None:
 @pytest.mark.parametrize(
     ("n", "what"),
     [
-        *((n, what) for n in (0, 1) for what in ("numbers", "parameters")),
-        (5, "numbers"),
-        *(
-            pytest.param(*case, marks=pytest.mark.long)
-            for case in ((3, "numbers"), (3, "parameters"), (5, "parameters"))
-        ),
+        pytest.param(n, what, marks=() if n in (0, 5) and what == "numbers" else pytest.mark.long)
+        for n in (0, 1, 3, 5)
+        for what in ("numbers", "parameters")
     ],
 )
 def test_both_lowerings_give_the_same(n: int, what: str) -> None:

@@ -38,7 +38,8 @@ from test_cloud import gravity, times, turned
 
 N, POINTS = 3, 8
 GRAVITY = (0.7, -0.3, -9.81)
-KINDS = ("given flat", "given loops", "mean flat", "mean loops")
+KINDS = ("given flat", "given loops", pytest.param("mean flat", marks=pytest.mark.long), "mean loops")
+"""In the mean frame some sums vanish."""
 Vector = list[Any]
 
 
@@ -205,7 +206,7 @@ def test_generated_code_is_the_truncated_lagrangian(kind: str) -> None:
         assert np.max(np.abs(mass @ solved + h)) < 1e-12 * np.linalg.cond(mass) * np.max(np.abs(h))
 
 
-@pytest.mark.parametrize("frame", ["given", "mean"])
+@pytest.mark.parametrize("frame", ["given", pytest.param("mean", marks=pytest.mark.long)])
 def test_both_lowerings_give_the_same(frame: str) -> None:
     flat, loops = compiled(f"{frame} flat"), compiled(f"{frame} loops")
     kf, kt = flat.setup(), loops.setup()
@@ -290,7 +291,7 @@ def test_zeros_of_the_mean_frame() -> None:
     assert not any("c9" in str(term.expr) or "c10" in str(term.expr) for term in equations.expanded().terms)
 
 
-@pytest.mark.parametrize("n", [2, 4, pytest.param(6, marks=pytest.mark.long)])
+@pytest.mark.parametrize("n", [2, *(pytest.param(n, marks=pytest.mark.long) for n in (4, 6))])
 def test_cost_of_second_order(n: int) -> None:
     """In the mean frame there is none, since c9 and c10 vanish; elsewhere the cost model predicts it."""
 

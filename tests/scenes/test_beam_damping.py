@@ -26,6 +26,12 @@ start = {{ velocity = [0, 1] }}
 FRAMES = ['"mean"', '"point"', '{ kind = "point", at = 0.5 }', '"chord"', '{ kind = "tangent", at = -1 }']
 
 
+def frames(*few: int) -> pytest.MarkDecorator:
+    """All frames, of which some are long."""
+    marks = [() if i in few else pytest.mark.long for i in range(len(FRAMES))]
+    return pytest.mark.parametrize("frame", [pytest.param(f, marks=m) for f, m in zip(FRAMES, marks, strict=True)])
+
+
 def matrices(more: str, p: list[float] | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """M, B and K of a rod at rest in its reference configuration, where M has no part of its rigid motion.
 
@@ -42,7 +48,7 @@ def matrices(more: str, p: list[float] | None = None) -> tuple[np.ndarray, np.nd
     return M[a, a] - M[a, rigid] @ np.linalg.solve(M[rigid, rigid], M[rigid, a]), B[a, a], K[a, a]
 
 
-@pytest.mark.parametrize("frame", FRAMES)
+@frames(0, 4)
 def test_a_ratio_is_that_of_every_free_mode(frame: str) -> None:
     """The ratio is the real part over the magnitude of the eigenvalues -r w +- i w sqrt(1 - r^2)."""
     M, B, K = matrices(f"frame = {frame}\ndamping = {{ ratio = 0.03 }}", [1.1, 0.8, 3.0])
@@ -53,7 +59,7 @@ def test_a_ratio_is_that_of_every_free_mode(frame: str) -> None:
     np.testing.assert_allclose(np.sort(np.abs(found))[::2], np.sqrt(np.sort(eigvals(K, M).real)), rtol=1e-8)
 
 
-@pytest.mark.parametrize("frame", FRAMES)
+@frames(2)
 def test_proportional_damping(frame: str) -> None:
     M, B, K = matrices(f"frame = {frame}\ndamping = {{ mass = 0.2, stiffness = 1e-3 }}")
     close(B, 0.2 * M + 1e-3 * K, 1e-14)

@@ -65,8 +65,14 @@ DAMPING = {
 }
 
 
-CASES = [(kind, '"mean"') for kind in DAMPING]
-CASES += [("proportional", frame) for frame in ('"chord"', '{ kind = "tangent", at = -1 }')]
+MEAN, CHORD, TANGENT = '"mean"', '"chord"', '{ kind = "tangent", at = -1 }'
+CASES = [
+    ("ratio", MEAN),
+    ("proportional", TANGENT),
+    *(pytest.param(kind, MEAN, marks=pytest.mark.long) for kind in ("none", "stiffness", "proportional")),
+    pytest.param("proportional", CHORD, marks=pytest.mark.long),
+]
+"""Damping by the mass and by the stiffness that is a parameter, and that of a ratio, whose matrix is full."""
 
 
 @pytest.mark.parametrize(("kind", "frame"), CASES)
@@ -75,7 +81,7 @@ def test_both_moments_do_the_same_work_on_every_shape(kind: str, frame: str) -> 
     _compare(rod(DAMPING[kind], frame, "masses.end = { at = 1, mass = 0.3, inertia = 0.01 }"))
 
 
-@pytest.mark.parametrize("kind", ["proportional", "ratio"])
+@pytest.mark.parametrize("kind", [pytest.param("proportional", marks=pytest.mark.long), "ratio"])
 def test_the_moment_of_the_damping_is_that_of_the_whole_rod(kind: str) -> None:
     """This holds in a piece, too, where the rates of the other piece enter."""
     _compare(rod(DAMPING[kind], pieces=2))

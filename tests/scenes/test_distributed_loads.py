@@ -46,7 +46,7 @@ def cantilever(force: str, more: str = "") -> dict[str, float]:
     return {name: found[name][0] for name in found.columns}
 
 
-@pytest.mark.parametrize("frame", ["inertial", "body"])
+@pytest.mark.parametrize("frame", [pytest.param("inertial", marks=pytest.mark.long), "body"])
 def test_a_uniform_load_bends_a_cantilever_by_q_l4_over_8_ei(frame: str) -> None:
     at = cantilever(f"[0, {Q}]", f'frame = "{frame}"')
     assert at["tip_2"] == pytest.approx(Q * LENGTH**4 / (8 * BENDING), rel=1e-6)

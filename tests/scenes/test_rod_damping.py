@@ -62,7 +62,10 @@ def ratios(scene: Scene, count: int) -> np.ndarray:
     return (-values.real / np.abs(values))[:count]
 
 
-@pytest.mark.parametrize(("pieces", "frame"), [(3, "mean"), (2, "chord"), (2, {"kind": "tangent", "at": -1})])
+@pytest.mark.parametrize(
+    ("pieces", "frame"),
+    [(3, "mean"), pytest.param(2, "chord", marks=pytest.mark.long), (2, {"kind": "tangent", "at": -1})],
+)
 def test_a_ratio_is_that_of_all_free_modes_of_the_whole_rod(pieces: int, frame: Any) -> None:
     found = ratios(rod(pieces, {"ratio": 0.03}, shapes=3, frame=frame), 99)
     assert len(found) == 3 * pieces
@@ -77,7 +80,10 @@ def test_a_ratio_is_that_of_stretching_as_well() -> None:
     np.testing.assert_allclose(found, 0.03, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("support", "damping"), [("clamped", {"ratio": 0.02}), ("pinned", {"mass": 0.3})])
+@pytest.mark.parametrize(
+    ("support", "damping"),
+    [("clamped", {"ratio": 0.02}), pytest.param("pinned", {"mass": 0.3}, marks=pytest.mark.long)],
+)
 def test_damping_does_not_depend_on_the_number_of_pieces(damping: dict[str, float], support: str) -> None:
     of_one, of_three = (ratios(rod(pieces, damping, support, shapes), 2) for pieces, shapes in ((1, 7), (3, 4)))
     np.testing.assert_allclose(of_one, of_three, rtol=0.002)
@@ -140,7 +146,11 @@ power = {{ kind = "power" }}
 
 
 @pytest.mark.parametrize(
-    "damping", ['{ ratio = { symbol = "zeta", default = 0.1 } }', "{ mass = 3, stiffness = 1e-3 }"]
+    "damping",
+    [
+        '{ ratio = { symbol = "zeta", default = 0.1 } }',
+        pytest.param("{ mass = 3, stiffness = 1e-3 }", marks=pytest.mark.long),
+    ],
 )
 def test_the_energy_changes_by_the_powers(damping: str) -> None:
     """d(energy)/dt = power of the load + dissipation, for rates that the welds allow, in any configuration."""

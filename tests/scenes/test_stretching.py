@@ -65,7 +65,7 @@ between = ["ground.right", "bar.right"]
 """
 
 
-@pytest.mark.parametrize("preload", [60.0, -10.0])
+@pytest.mark.parametrize("preload", [60.0, pytest.param(-10.0, marks=pytest.mark.long)])
 def test_a_string_is_tuned_by_its_axial_force(preload: float) -> None:
     """w^2 = (EI k^4 + N k^2) l/m with k = n pi/l: sines and a uniform strain are exact."""
     family = '{ kind = "pinned", count = 3 }'

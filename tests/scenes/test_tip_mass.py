@@ -64,7 +64,14 @@ def exact(b: float) -> float:
     return first[0] * second[1] - first[1] * second[0]
 
 
-@pytest.mark.parametrize(("mass", "frame"), [(WELDED, FRAMES[2]), (ATTACHED, FRAMES[2]), (ATTACHED, FRAMES[0])])
+@pytest.mark.parametrize(
+    ("mass", "frame"),
+    [
+        pytest.param(WELDED, FRAMES[2], marks=pytest.mark.long),
+        (ATTACHED, FRAMES[2]),
+        pytest.param(ATTACHED, FRAMES[0], marks=pytest.mark.long),
+    ],
+)
 def test_the_frequencies_are_those_of_a_cantilever_with_a_mass_at_its_tip(mass: str, frame: str) -> None:
     made = make(rod(mass, frame, more=CLAMP), complete=True)
     native, (k, start) = made.native, made.start()
@@ -129,7 +136,14 @@ def both(frame: str, pieces: int, bent: float, terms: str = "", keys: str = "") 
     return [(vdot, vdot_welded[: one.nv]), (found, expected), momentum]
 
 
-@pytest.mark.parametrize(("frame", "pieces"), [(FRAMES[0], 2), *((frame, 1) for frame in FRAMES[1:])])
+@pytest.mark.parametrize(
+    ("frame", "pieces"),
+    [
+        (FRAMES[0], 2),
+        (FRAMES[2], 1),
+        *(pytest.param(frame, 1, marks=pytest.mark.long) for frame in (FRAMES[1], FRAMES[3])),
+    ],
+)
 def test_an_attached_mass_moves_like_a_welded_one(frame: str, pieces: int) -> None:
     accelerations, outputs, momentum = both(frame, pieces, 0.05)
     close(*accelerations, 1e-11)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from derive.errors import TisserandError
-from derive.generated_models import generated
+from derive.generated_models import generated_explicit
+from derive.runtime.compiler import UNOPTIMISED
 from derive.runtime.loading import load_scene
 from derive.simulation.initial.initial_state import initial_state
 from derive.spec.model.scene import Scene
@@ -49,7 +50,7 @@ def refusal(more: str, text: str = SLIDER + "{more}") -> str:
     scene = parse(text.replace("{more}", more))
     assert isinstance(scene, Scene)
     with pytest.raises(TisserandError) as error:
-        initial_state(scene, load_scene(generated(scene)[1], ("-O0",)))
+        initial_state(scene, load_scene(generated_explicit(scene)[1], UNOPTIMISED))
     return str(error.value)
 
 

@@ -40,7 +40,9 @@ def deflections(made: Compiled, found: Solution) -> np.ndarray:
     return np.array(result)
 
 
-@pytest.mark.parametrize(("pieces", "frame"), TABLE)
+@pytest.mark.parametrize(
+    ("pieces", "frame"), [pytest.param(*case, marks=pytest.mark.long if case == (2, "mean") else ()) for case in TABLE]
+)
 def test_the_deflection_of_the_rod_is_that_of_an_independent_prototype(pieces: int, frame: str) -> None:
     made = crank_slider(pieces, frame)
     largest, least, rms, worst, condition = TABLE[pieces, frame]
@@ -82,7 +84,7 @@ def test_multipliers_give_the_work_of_the_crank() -> None:
     assert energy - energy[0] == pytest.approx(work, abs=1e-5 * np.ptp(energy))
 
 
-@pytest.mark.parametrize(("pieces", "highest"), [(1, 4218), (2, 16871), (3, 37959)])
+@pytest.mark.parametrize(("pieces", "highest"), [(1, 4218), pytest.param(2, 16871, marks=pytest.mark.long), (3, 37959)])
 def test_the_highest_natural_frequency(pieces: int, highest: float) -> None:
     """Without loads that of an independent prototype; forces and spin change it by up to 0.4 % on the way."""
     made = crank_slider(pieces)

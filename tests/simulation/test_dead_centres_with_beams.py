@@ -83,8 +83,10 @@ def motion(times: np.ndarray, spin: float, flexible: bool) -> np.ndarray:
     return np.asarray(solution.y[0])
 
 
-@pytest.mark.parametrize("shapes", [MEAN, CHORD])
-@pytest.mark.parametrize("spin", [-1, -1.3])
+@pytest.mark.parametrize(
+    ("shapes", "spin"),
+    [(MEAN, -1), (CHORD, -1.3), *(pytest.param(*case, marks=pytest.mark.long) for case in ((MEAN, -1.3), (CHORD, -1)))],
+)
 def test_a_beam_that_its_pins_hold_straight_moves_as_a_rod(shapes: str, spin: float) -> None:
     """The motion passes the position once, after 1.2 s."""
     of = moved(shapes, spin)
@@ -102,7 +104,7 @@ def test_a_beam_that_vibrates_between_its_pins_passes_as_well() -> None:
         assert of[f"{crank}_phi"] == pytest.approx(expected, abs=1e-6)
 
 
-@pytest.mark.parametrize("redundant", ["auto", "resolve"])
+@pytest.mark.parametrize("redundant", ["auto", pytest.param("resolve", marks=pytest.mark.long)])
 def test_steps_that_are_too_short_to_pass_are_reported(redundant: str) -> None:
     """Vibrations allow no longer ones."""
     with pytest.raises(TooNearDeadCentre, match="a larger tolerance, such as 1e-09, or of generalised-alpha"):

@@ -45,7 +45,7 @@ def compiled(scene: Scene, model: Model) -> NativeScene:
     return load_scene(emit(model, scene, ("c",)), RUN_FLAGS)
 
 
-@pytest.mark.parametrize("kind", ["revolute", "weld"])
+@pytest.mark.parametrize("kind", [pytest.param("revolute", marks=pytest.mark.long), "weld"])
 def test_the_motion_is_that_of_straight_line_code(kind: str) -> None:
     scene = chain(5, kind)
     derived = mechanism(scene)

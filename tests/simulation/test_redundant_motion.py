@@ -175,8 +175,14 @@ def check_four_bars(count: int, scene: Scene, rate: float = -1.0, angle: float =
     assert np.abs(energies - energies[0]).max() < 1e-6 * count * G
 
 
-@pytest.mark.parametrize("redundant", ["auto", "resolve"])
-@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize(
+    ("count", "redundant"),
+    [
+        (2, "auto"),
+        (4, "resolve"),
+        *(pytest.param(*case, marks=pytest.mark.long) for case in ((2, "resolve"), (4, "auto"))),
+    ],
+)
 def test_four_bars_pass_the_positions_in_which_all_rods_are_in_line(count: int, redundant: str) -> None:
     """Four linkages are 9 moving rods, whose code has loops. In 4 s the cranks make two revolutions."""
     scene = replace(four_bars(count), redundant=redundant)
@@ -213,7 +219,7 @@ def test_four_bars_at_rest_in_line_can_go_on_in_several_ways() -> None:
         simulated(four_bars(2, *IN_LINE))
 
 
-@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("count", [pytest.param(2, marks=pytest.mark.long), 4])
 def test_a_further_rod_between_parallel_cranks_is_redundant(count: int) -> None:
     """Its pins are in the middle of the first two cranks; it moves as a mass on a circle of half a metre."""
     rod = """[bodies.rod]

@@ -207,7 +207,7 @@ def test_sine_waves_warn_at_a_clamped_end() -> None:
     assert "choose shapes that fit its ends" in warning
 
 
-@pytest.mark.parametrize(("rate", "error"), [(1.4, 0.059), (1.95, 0.11)])
+@pytest.mark.parametrize(("rate", "error"), [(1.4, 0.059), pytest.param(1.95, 0.11, marks=pytest.mark.long)])
 def test_a_struck_beam_that_bends_far_warns(rate: float, error: float) -> None:
     """The errors are those of P2 to P7 against a geometrically exact rod; of them P2, P4 and P6 move."""
     (warning,) = struck(rate).warnings
@@ -251,7 +251,10 @@ def pushed(highest: int, pieces: int) -> Trajectory:
 PLACES = (-0.8, -0.4, 0.1, 0.5, 0.8)
 
 
-@pytest.mark.parametrize(("highest", "pieces"), [(3, 1), (4, 1), (3, 2)])
+@pytest.mark.parametrize(
+    ("highest", "pieces"),
+    [(4, 1), *(pytest.param(*case, marks=pytest.mark.long) for case in ((3, 1), (3, 2)))],
+)
 def test_each_vibration_is_late_by_its_own_missed_energy(highest: int, pieces: int) -> None:
     """Most of the strain energy is in the slowest vibration, which is right; the faster ones lose their phase."""
     exact, trajectory = pushed(4, 4), pushed(highest, pieces)
@@ -287,7 +290,7 @@ def test_small_deflections_of_a_struck_beam_are_silent() -> None:
     [
         ('{ kind = "tangent", at = -1 }', 'order = 2\nterms = "truncated"', 0.006),
         ('"mean"', "pieces = 2", 0.038),
-        ('"mean"', "pieces = 3", 0.017),
+        pytest.param('"mean"', "pieces = 3", 0.017, marks=pytest.mark.long),
     ],
 )
 def test_a_spin_up_is_silent_with_two_shapes_where_its_error_is_small(frame: str, model: str, error: float) -> None:

@@ -19,6 +19,7 @@ from derive.spec.model.simulation import Simulation
 
 ANSATZ = ((Fraction(1),), (Fraction(0), Fraction(1)), (Fraction(0),) * 2 + (Fraction(1),))
 ANSATZ = (*ANSATZ, (Fraction(0),) * 3 + (Fraction(1),))
+XI, WEIGHTS = np.polynomial.legendre.leggauss(12)
 CRANK, ROD, SPEED, MOST = 0.15, 0.3, 150.0, 0.0045  # m, m, rad/s, m: the largest deflection of the middle
 
 
@@ -88,21 +89,24 @@ class Double:
         self.markers = tuple(f"{self.rod.name}_{marker.name}" for marker in self.rod.markers)
 
     def state(self, t: float) -> np.ndarray:
+        return self.states(np.array([t]))[0]
+
+    def states(self, t: np.ndarray) -> np.ndarray:
+        """The coordinates (rows, nq) at the times t (rows,)."""
         angle = SPEED * t
         lean = -np.arcsin(CRANK / ROD * np.sin(angle))
         q, n = [], len(self.beams)
         pin = CRANK * np.array([np.cos(angle), np.sin(angle)])
-        along = np.array([np.cos(lean), np.sin(lean)])
-        xi, weights = np.polynomial.legendre.leggauss(12)
+        along, across = np.array([np.cos(lean), np.sin(lean)]), np.array([-np.sin(lean), np.cos(lean)])
         for i in range(n):
             middle = (2 * i + 1) / n - 1
-            v = deflection(angle) * np.cos(np.pi / 2 * (middle + xi / n))
-            mean, slope = weights @ v / 2, 3 * weights @ (xi * v) / 2
-            rest = v - mean - slope * xi
-            alphas = [weights @ (rest * s(xi)) / (weights @ s(xi) ** 2) for s in self.shapes]
-            c = pin + (middle + 1) / 2 * ROD * along + mean * np.array([-along[1], along[0]])
+            v = np.outer(deflection(angle), np.cos(np.pi / 2 * (middle + XI / n)))
+            mean, slope = v @ WEIGHTS / 2, 3 * (XI * v) @ WEIGHTS / 2
+            rest = v - mean[:, None] - np.outer(slope, XI)
+            alphas = [(rest * s(XI)) @ WEIGHTS / (WEIGHTS @ s(XI) ** 2) for s in self.shapes]
+            c = pin + (middle + 1) / 2 * ROD * along + mean * across
             q += [*c, lean + slope / (ROD / n / 2), *alphas]
-        return np.array([*q, CRANK * np.cos(angle) + ROD * np.cos(lean)])
+        return np.array([*q, CRANK * np.cos(angle) + ROD * np.cos(lean)]).T
 
     def inputs_at(self, t: float) -> np.ndarray:
         return np.zeros(0)
@@ -113,24 +117,20 @@ class Double:
         return np.array([[0, 0, SPEED * t], *rods, [q[-1], 0, 0]])
 
     def marker_positions(self, name: str, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> np.ndarray:
-        return np.array([self.position(name, row) for row in q])
-
-    def position(self, name: str, q: np.ndarray) -> np.ndarray:
         at = next(m.at for m in self.rod.beam.markers if f"rod_{m.name}" == name)
         index, xi = piece_at(self.rod, at)
         width = 3 + len(self.shapes)
-        c1, c2, phi, *alphas = q[index * width : (index + 1) * width]
+        c1, c2, phi, *alphas = q.T[index * width : (index + 1) * width]
         x, y = (
             xi * si_value(self.rod.beam.length) / len(self.beams) / 2,
             sum(a * s(xi) for a, s in zip(alphas, self.shapes, strict=True)),
         )
-        turned = [np.cos(phi) * x - np.sin(phi) * y, np.sin(phi) * x + np.cos(phi) * y]
-        return np.asarray(np.array([c1, c2]) + turned)
+        return np.array([c1 + np.cos(phi) * x - np.sin(phi) * y, c2 + np.sin(phi) * x + np.cos(phi) * y]).T
 
 
 def motion(count: int = 3, instants: int = 1001, name: str = "slider") -> SceneMotion:
     given = scene(count, name)
     native = Double(given)
     t = np.linspace(0, 0.1, instants)
-    q = np.array([native.state(x) for x in t])
+    q = native.states(t)
     return SceneMotion(given, native, np.zeros(0), t, q, np.zeros_like(q))

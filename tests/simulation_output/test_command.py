@@ -50,7 +50,7 @@ def simulated(scene: Scene, progress=None) -> Trajectory:
     assert scene.simulation is not None
     native = slider.Double(scene)
     t = output_times(scene.simulation)
-    q = np.array([native.state(x) for x in t])
+    q = native.states(t)
     lam = np.ones((len(t), native.nlambda))
     if progress:
         progress(t[-1])

@@ -30,25 +30,37 @@ FRAMES = {"mean": "mean", "chord": "chord", "point": "point", "tangent": {"kind"
 PLACES = {"left": -1, "inside": "1/3", "right": 1}
 
 
-@cache
-def motion(frame: str, pieces: int = 1, order: int = 2) -> SceneMotion:
-    """A rod of 2 m that bends, stretches and has a mass at its right end, in three states of large deformation."""
+def drawn(frame: str, pieces: int = 1, order: int = 2) -> derive.Scene:
+    """A rod of 2 m that bends, stretches and has a mass at its right end."""
     rod = {"mass": 1, "length": 2, "bending_stiffness": 3, "ansatz": [f"xi^{n}" for n in range(4)], "markers": PLACES}
     rod |= {"frame": FRAMES[frame], "pieces": pieces, "order": order, "masses": {"tip": {"at": 1, "mass": 2}}}
     rod |= {"axial": {"ansatz": ["xi"], "stiffness": 100}}
-    scene = derive.scene(
+    return derive.scene(
         "drawn",
         ground={"wall": [0, 0]},
         bodies={"rod": rod},
         joints={"pin": {"kind": "revolute", "between": ["ground.wall", "rod.left"]}},
         simulation={"duration": 1, "output": 0.5},
     )
+
+
+@cache
+def motion(frame: str, pieces: int = 1, order: int = 2) -> SceneMotion:
+    """The rod in three states of large deformation."""
+    scene = drawn(frame, pieces, order)
     native = load_scene(generated_explicit(scene)[1], (*QUICK, *ESSENTIAL))
     q = np.random.default_rng(1).uniform(-0.3, 0.3, (3, native.nq))
     return SceneMotion(scene, native, native.setup(), np.arange(3.0), q, 0 * q)
 
 
-@pytest.mark.parametrize(("frame", "pieces"), [("mean", 1), ("chord", 1), ("point", 1), ("tangent", 1), ("mean", 2)])
+@pytest.mark.parametrize(
+    ("frame", "pieces"),
+    [
+        ("tangent", 1),
+        ("mean", 2),
+        *(pytest.param(frame, 1, marks=pytest.mark.long) for frame in ("mean", "chord", "point")),
+    ],
+)
 def test_points_of_the_axis_are_those_of_the_generated_code(frame: str, pieces: int) -> None:
     shown = motion(frame, pieces)
     (rod,) = beam_bodies(shown.scene)
@@ -63,12 +75,12 @@ def test_points_of_the_axis_are_those_of_the_generated_code(frame: str, pieces: 
 
 
 def test_the_drawing_of_a_mechanism_has_a_dot_for_a_mass() -> None:
-    text = mechanism_picture(motion("mean").scene)
+    text = mechanism_picture(drawn("mean"))
     assert text.count('<circle class="mass"') == 1 and ">tip</text>" in text
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_the_player_draws_the_rod_and_its_mass_where_they_are(order: int, tmp_path: Path) -> None:
     shown = motion("mean", 1, order)
     path = tmp_path / "page.html"

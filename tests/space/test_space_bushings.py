@@ -54,7 +54,9 @@ def text(stiffness: object = STIFFNESS, damping: object = DAMPING) -> str:
     return SCENE.replace("STIFFNESS", str(stiffness)).replace("DAMPING", str(damping))
 
 
-@pytest.mark.parametrize("damping", [DAMPING, SIX], ids=["matrices", "a matrix and six numbers"])
+@pytest.mark.parametrize(
+    "damping", [pytest.param(DAMPING, marks=pytest.mark.long), SIX], ids=["matrices", "a matrix and six numbers"]
+)
 def test_generated_code_is_that_of_the_oracle(damping: object, tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(text(damping=damping))

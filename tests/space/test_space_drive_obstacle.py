@@ -39,8 +39,14 @@ def ends(rod: float) -> tuple[float, float]:
     return first, 2 * math.pi - math.acos(reach) - math.atan2(HEIGHT, BESIDE)
 
 
-@pytest.mark.parametrize("keep", ["", "keep_coordinates = true"], ids=["minimal", "constrained"])
-@pytest.mark.parametrize("speed", [6.0, -6.0])
+KEPT = "keep_coordinates = true"
+
+
+@pytest.mark.parametrize(
+    ("speed", "keep"),
+    [(6.0, KEPT), (-6.0, ""), *(pytest.param(*case, marks=pytest.mark.long) for case in ((6.0, ""), (-6.0, KEPT)))],
+    ids=["forwards constrained", "backwards minimal", "forwards minimal", "backwards constrained"],
+)
 def test_a_rod_that_is_too_short(speed: float, keep: str) -> None:
     found = obstacle(0.2, f"speed = {speed}\noffset = 2", 2.0, keep)
     end = ends(0.2)[1 if speed > 0 else 0]

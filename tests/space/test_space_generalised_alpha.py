@@ -57,8 +57,15 @@ TOP = top_scene(NUTATING, 0.5, KEPT)
 """The heavy symmetric top, with all coordinates and three constraints."""
 
 
-@pytest.mark.parametrize("extra", ["", KEPT], ids=["minimal", "constrained"])
-@pytest.mark.parametrize("rho", [0.0, 0.8])
+@pytest.mark.parametrize(
+    ("extra", "rho"),
+    [
+        pytest.param("", 0.0, id="minimal"),
+        pytest.param(KEPT, 0.8, id="constrained"),
+        pytest.param("", 0.8, id="minimal, little damping", marks=pytest.mark.long),
+        pytest.param(KEPT, 0.0, id="constrained, much damping", marks=pytest.mark.long),
+    ],
+)
 def test_order_is_two_on_the_heavy_symmetric_top(rho: float, extra: str) -> None:
     """Its attitude is that of the closed form to the square of the step; so are the forces of its joint."""
     text = top_scene(NUTATING, 0.5, extra)
@@ -104,7 +111,13 @@ def test_order_is_two_on_slider_cranks(example: str, duration: float, steps: int
     assert errors[0] < error and np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
 
 
-@pytest.mark.parametrize("keep", ["", "keep_coordinates = true"], ids=["minimal", "constrained"])
+@pytest.mark.parametrize(
+    "keep",
+    [
+        pytest.param("", id="minimal", marks=pytest.mark.long),
+        pytest.param("keep_coordinates = true", id="constrained"),
+    ],
+)
 def test_damping_of_what_the_step_cannot_follow(keep: str) -> None:
     """A hanging body that swings by 10 microradians in a gravity so strong that a step takes 60 periods.
 

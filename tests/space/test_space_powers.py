@@ -97,7 +97,7 @@ def test_the_powers_are_the_rate_of_the_energy() -> None:
     assert sum(powers)[2:-2] == pytest.approx(rate[2:-2], abs=2e-5 * np.abs(rate).max())
 
 
-@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("swapped", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_drive_is_the_same_by_minimal_coordinates_and_by_a_multiplier(swapped: bool) -> None:
     ends = '["ground.o", "arm.hub"]', '["arm.hub", "ground.o"]'
     text = SCENE.replace(*ends) if swapped else SCENE
@@ -179,8 +179,15 @@ def test_what_a_lift_takes(keep: bool) -> None:
     assert thread["D"] == pytest.approx(0.2 * 4 + lead * 3 * (10 + lead * 4), rel=1e-12)
 
 
-@pytest.mark.parametrize(("kind", "section"), [("revolute", "torques"), ("prismatic", "forces")])
-@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "section", "reverse"),
+    [
+        ("revolute", "torques", True),
+        ("prismatic", "forces", False),
+        pytest.param("revolute", "torques", False, marks=pytest.mark.long),
+        pytest.param("prismatic", "forces", True, marks=pytest.mark.long),
+    ],
+)
 def test_a_load_in_a_joint_moves_the_second_body_forwards(kind: str, section: str, reverse: bool) -> None:
     load = f'[{section}.push]\njoint = "j"\nvalue = 0.6\n[outputs.q]\nkind = "joint"\njoint = "j"'
     text = LIFT.replace("KIND", f'kind = "{kind}"').replace("MORE", load).replace("-10]", "0]")

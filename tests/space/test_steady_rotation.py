@@ -56,7 +56,7 @@ def nutation(precession: float) -> float:
     return float(np.sqrt(curvature / A))
 
 
-@pytest.mark.parametrize("number", [0, 1], ids=["slow", "fast"])
+@pytest.mark.parametrize("number", [0, pytest.param(1, marks=pytest.mark.long)], ids=["slow", "fast"])
 def test_regular_precession_of_a_symmetric_top(number: int) -> None:
     """The inclination is that at which the given rates are steady, and the top nutates about it as the energy says."""
     precession = float(steady_precession(*MOMENTS, MGL, INCLINED, FAST)[number])
@@ -130,7 +130,7 @@ speed = 6
 """
 
 
-@pytest.mark.parametrize("keep", ["", KEPT], ids=["minimal", "constrained"])
+@pytest.mark.parametrize("keep", ["", pytest.param(KEPT, marks=pytest.mark.long)], ids=["minimal", "constrained"])
 def test_a_pendulum_on_a_driven_shaft(keep: str) -> None:
     """cos = m g s / (w^2 (A - C)), as cos = g / (w^2 l) of a point mass; about it w sin sqrt((A - C)/B)."""
     w, A, B, C = 6.0, 0.05 + 2 * 0.25, 0.06 + 2 * 0.25, 0.01
