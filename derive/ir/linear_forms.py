@@ -8,7 +8,7 @@ by their structure, whatever the names are, so that a backend can compute them i
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -43,14 +43,14 @@ class Row:
     factors: tuple[Fraction, ...]
     offset: Fraction
 
-    @property
-    def negative(self) -> bool:
-        """Whether the first factor that is not zero is negative; of two opposite rows, a table has the other one."""
-        return next((factor < 0 for factor in self.factors if factor), False)
-
     def opposite(self) -> Row:
         """The row of the negative form."""
         return Row(tuple(-factor for factor in self.factors), -self.offset)
+
+    def among(self, rows: Container[Row]) -> Row:
+        """The opposite row if it is among `rows`, else this one: of two opposite rows, the first one is in a table."""
+        opposite = self.opposite()
+        return opposite if self not in rows and opposite in rows else self
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class _Form:
 
 
 def linear_rows(kernel: Kernel) -> dict[Window, tuple[Row, ...]]:
-    """The rows that a kernel needs of each window, in their order, none of them negative.
+    """The rows that a kernel needs of each window, in their order and with the signs that they have first.
 
     Windows that overlap are joined. Those with less than `FEWEST_ROWS` rows are left out.
     """
@@ -119,7 +119,7 @@ def linear_rows(kernel: Kernel) -> dict[Window, tuple[Row, ...]]:
     rows: dict[Window, dict[Row, int]] = defaultdict(dict)
     for form in forms:
         row, known = form.row(windows[form.window]), rows[windows[form.window]]
-        known.setdefault(row.opposite() if row.negative else row, len(known))
+        known.setdefault(row.among(known), len(known))
     enough = {window: of for window, of in rows.items() if len(of) >= FEWEST_ROWS}
     if not enough:
         return {}
@@ -235,11 +235,12 @@ class _Forms:
             inside = window.first <= form.window.first < window.first + window.count
             if form.argument == window.argument and inside:
                 row = form.row(window)
-                index = values.rows.get(row.opposite() if row.negative else row)
+                present = row.among(values.rows)
+                index = values.rows.get(present)
                 if index is None:
                     return expr  # nothing needs it
                 element = Element(values.array, constant(index))
-                return Operation(Operator.NEG, (element,)) if row.negative else element
+                return element if present == row else Operation(Operator.NEG, (element,))
         return expr
 
 

@@ -6,7 +6,7 @@ The KKT matrix is [M, -G^T; -G, 0]; its first `coordinates` rows are those of M,
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 
 import casadi as ca
@@ -38,11 +38,32 @@ class EliminationRule(Enum):
 
 
 def elimination_order(pattern: Pattern) -> tuple[int, ...]:
+    """The minimum degree order of a symmetric pattern: of AMD or, where that takes less work, of exact degrees."""
+    return min((amd_order(pattern), least_degree_order(pattern)), key=lambda order: work(pattern, order))
+
+
+def amd_order(pattern: Pattern) -> tuple[int, ...]:
     """The approximate minimum degree order of a symmetric pattern (CasADi's AMD)."""
     rows = [i for i, j in pattern.entries] + [j for i, j in pattern.entries]
     cols = [j for i, j in pattern.entries] + [i for i, j in pattern.entries]
     diagonal = list(range(pattern.rows))
     return tuple(ca.Sparsity.triplet(pattern.rows, pattern.cols, rows + diagonal, cols + diagonal).amd())
+
+
+def least_degree_order(pattern: Pattern) -> tuple[int, ...]:
+    """The minimum degree order with exact degrees; of equal ones, rows that wait for the fewest others come first.
+
+    AMD eliminates rows of one neighbourhood together, such as the three rotations of a body: where the last of its
+    modes have as many neighbours, rotations come before them, which adds fill-in and pivots that wait for each other.
+    """
+    graph, order = graph_of(pattern), list[int]()
+    waits = dict.fromkeys(graph, 0)
+    while graph:
+        node = min(graph, key=lambda n: (len(graph[n]), waits[n], n))
+        for other in eliminated(graph, node):
+            waits[other] = max(waits[other], waits[node] + 1)
+        order.append(node)
+    return tuple(order)
 
 
 def rounds_of_least_degree(pattern: Pattern) -> tuple[int, ...]:
@@ -67,18 +88,24 @@ def rounds_of_least_degree(pattern: Pattern) -> tuple[int, ...]:
 def safe_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
     """The elimination order of the KKT matrix [M, -G^T; -G, 0], whose first `coordinates` rows are those of M.
 
-    It is the order of AMD, except that each multiplier is eliminated after its coordinates. Then no pivot vanishes in
-    any state in which M is positive definite and the rows of G are independent, whatever entries of G vanish there: the
-    eliminated block contains every eliminated multiplier with its complete row of G and is therefore regular. Pivots of
-    coordinates are positive, those of multipliers negative.
+    It is a minimum degree order, except that each multiplier is eliminated after its coordinates. Then no pivot
+    vanishes in any state in which M is positive definite and the rows of G are independent, whatever entries of G
+    vanish there: the eliminated block contains every eliminated multiplier with its complete row of G and is
+    therefore regular. Pivots of coordinates are positive, those of multipliers negative.
     """
+    orders = (_multipliers_last(pattern, coordinates, order(pattern)) for order in (amd_order, least_degree_order))
+    return min(orders, key=lambda order: work(pattern, order))
+
+
+def _multipliers_last(pattern: Pattern, coordinates: int, nodes: Sequence[int]) -> tuple[int, ...]:
+    """An order of the rows of a KKT matrix with each multiplier moved behind the last of its coordinates."""
     missing: dict[int, set[int]] = {k: set() for k in range(coordinates, pattern.rows)}
     for i, j in pattern.entries:
         if i >= coordinates > j:
             missing[i].add(j)
     order: list[int] = []
     waiting: list[int] = []
-    for node in elimination_order(pattern):
+    for node in nodes:
         if node >= coordinates:
             waiting.append(node)
         else:

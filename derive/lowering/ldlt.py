@@ -44,11 +44,11 @@ def factorise(
 ) -> Factorisation:
     """The factorisation of a symmetric matrix.
 
-    pattern, values: the lower triangle. order: the elimination order, by default that of AMD. coordinates: the number
-    of rows before those of multipliers; by default there are no multipliers. proximal: the part of the scale of a
-    multiplier that is added to its pivot; the scale of one without coordinates is -1. least: if there is such a part,
-    the least scale of a multiplier, relative to that with an entry of 1 for each of its coordinates. Raises
-    LoweringError if a multiplier has no coordinates and there is no such part.
+    pattern, values: the lower triangle. order: the elimination order, by default one of minimum degree.
+    coordinates: the number of rows before those of multipliers; by default there are no multipliers. proximal: the
+    part of the scale of a multiplier that is added to its pivot; the scale of one without coordinates is -1. least:
+    if there is such a part, the least scale of a multiplier, relative to that with an entry of 1 for each of its
+    coordinates. Raises LoweringError if a multiplier has no coordinates and there is no such part.
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates

@@ -31,7 +31,7 @@ class Order:
 
 
 def constrained(shape: Pattern, coordinates: int, _: Matrix) -> Order:
-    """Minimum degree (AMD) with multipliers after all of their coordinates: the order of the generated code."""
+    """Minimum degree with multipliers after all of their coordinates: the order of the generated code."""
     order = safe_order(shape, coordinates)
     return Order(order, order)
 
@@ -82,7 +82,7 @@ def markowitz(shape: Pattern, _: int, first: Matrix) -> Order:
 
 
 def unconstrained(shape: Pattern, _: int, __: Matrix) -> Order:
-    """AMD as for a positive definite matrix: multipliers are treated as any other unknown."""
+    """Minimum degree as for a positive definite matrix: multipliers are treated as any other unknown."""
     order = elimination_order(shape)
     return Order(order, order)
 

@@ -14,11 +14,11 @@ from derive.study.verdict import verdict
 from derive.terminal import beam_count, magnitude, wrapped
 
 LEGEND = (
-    "constrained: minimum degree (AMD) in which multipliers are eliminated after their coordinates: the generated code",
+    "constrained: minimum degree in which multipliers are eliminated after their coordinates: the generated code",
     "matched: each multiplier directly after one coordinate, matched by the values of the first state",
     f"markowitz: pivots selected in the first state (Markowitz, threshold {THRESHOLD:g}) and used in all states; rows "
     "and columns differ",
-    "unconstrained: minimum degree (AMD), in which multipliers are treated as any other unknown",
+    "unconstrained: minimum degree, in which multipliers are treated as any other unknown",
     "no diagonal: pivots of multipliers that are zero by structure; vanish: other pivots that are below "
     f"{VANISHING:g} of the largest entry of their columns, or change their sign between two states, if none before "
     "them does; fail: states without a result",

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_47f008530a7a67e4
+#ifndef BLOCK_HASH_c67333a6c64dda4c
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -761,58 +761,36 @@ int block_accel(
         + S_8_33 * alpha8);
 
     /*
-     * pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha1, alpha2, alpha3, alpha7, pi1, pi2,
-     *     alpha4, alpha5, alpha6, pi3; fill-in 3
+     * pivots (LDL^T): eliminate c1, c2, c3, alpha1, alpha2, alpha3, alpha8, alpha4, alpha5, alpha6,
+     *     alpha7, pi1, pi2, pi3; no fill-in
      */
     const double t1 = (-0.8784787837749884) * alpha2;
-    const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
-    const double t2 = 0.3434623359074803 * alpha3;
-    const double t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1;
+    const double t2 = 0.8146287617076164 * alpha5;
+    const double t3 = 0.03812757101123808 * alpha7;
+    const double pivot_pi1 = J_11 - t1 * t1 - d3_2_1 * d3_2_1 - d3_8_1 * d3_8_1 - t2 * t2
+        - d3_5_1 * d3_5_1 - t3 * t3 - d3_7_1 * d3_7_1;
+    const double t4 = 0.3434623359074803 * alpha3;
+    const double t5 = (-0.13286677220194004) * alpha6;
+    const double t6 = (-0.3338704835108587) * alpha7;
+    const double t7 = J_12 + t4 * d3_2_1 - t5 * t2 + t6 * d3_5_1 + d3_6_2 * t3 - d3_7_2 * d3_7_1;
     const double inverse_pivot_pi1 = 1.0 / pivot_pi1;
-    const double t4 = t3 * inverse_pivot_pi1;
-    const double pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3;
-    const double t5 = 0.8146287617076164 * alpha5;
-    const double t6 = t5 * inverse_pivot_pi1;
-    const double t7 = t6 * t3 - (-0.13286677220194004) * alpha6;
+    const double t8 = t7 * inverse_pivot_pi1;
+    const double pivot_pi2 = J_22 - t4 * t4 - d3_3_2 * d3_3_2 - t5 * t5 - t6 * t6 - d3_6_2 * d3_6_2
+        - d3_7_2 * d3_7_2 - t8 * t7;
+    const double t9 = 0.14213269823254854 * alpha3;
+    const double t10 = 0.16411826642656863 * alpha7;
+    const double t11 = (-0.17320212202534865) * alpha6;
+    const double t12 = J_13 - t9 * t1 - d3_8_3 * d3_8_1 - t10 * t2 + t11 * d3_5_1 + d3_6_3 * t3
+        - d3_7_3 * d3_7_1;
+    const double t13 = t12 * inverse_pivot_pi1;
+    const double t14 = J_23 - d3_3_3 * d3_3_2 - t10 * t5 - t11 * t6 - d3_6_3 * d3_6_2
+        - d3_7_3 * d3_7_2 - t13 * t7;
     const double inverse_pivot_pi2 = 1.0 / pivot_pi2;
-    const double t8 = t7 * inverse_pivot_pi2;
-    const double pivot_alpha4 = 1.0 - t6 * t5 - t8 * t7;
-    const double t9 = d3_5_1 * inverse_pivot_pi1;
-    const double t10 = (-0.3338704835108587) * alpha7 + t9 * t3;
-    const double t11 = t10 * inverse_pivot_pi2;
-    const double t12 = t9 * t5 + t11 * t7;
-    const double inverse_pivot_alpha4 = 1.0 / pivot_alpha4;
-    const double t13 = t12 * inverse_pivot_alpha4;
-    const double pivot_alpha5 = 1.0 - t9 * d3_5_1 - t11 * t10 - t13 * t12;
-    const double t14 = 0.03812757101123808 * alpha7;
-    const double t15 = t14 * inverse_pivot_pi1;
-    const double t16 = d3_6_2 + t15 * t3;
-    const double t17 = t16 * inverse_pivot_pi2;
-    const double t18 = t15 * t5 + t17 * t7;
-    const double t19 = t18 * inverse_pivot_alpha4;
-    const double t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12;
-    const double inverse_pivot_alpha5 = 1.0 / pivot_alpha5;
-    const double t21 = t20 * inverse_pivot_alpha5;
-    const double pivot_alpha6 = 1.0 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20;
-    const double t22 = 0.14213269823254854 * alpha3;
-    const double t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1;
-    const double t24 = t23 * inverse_pivot_pi1;
-    const double t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3;
-    const double t26 = t25 * inverse_pivot_pi2;
-    const double t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7;
-    const double t28 = t27 * inverse_pivot_alpha4;
-    const double t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12;
-    const double t30 = t29 * inverse_pivot_alpha5;
-    const double t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20;
-    const double inverse_pivot_alpha6 = 1.0 / pivot_alpha6;
-    const double t32 = t31 * inverse_pivot_alpha6;
-    const double pivot_pi3 = J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3
-        - t24 * t23 - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31;
+    const double t15 = t14 * inverse_pivot_pi2;
+    const double pivot_pi3 = J_33 - t9 * t9 - d3_3_3 * d3_3_3 - d3_8_3 * d3_8_3 - t10 * t10
+        - t11 * t11 - d3_6_3 * d3_6_3 - d3_7_3 * d3_7_3 - t13 * t12 - t15 * t14;
     if (!(pivot_pi1 - 5.684341886080802e-14 * J_11 > 0.0)) return 1; /* the pivot of pi1 vanished */
     if (!(pivot_pi2 - 5.684341886080802e-14 * J_22 > 0.0)) return 1; /* the pivot of pi2 vanished */
-    if (!(pivot_alpha4 - 5.684341886080802e-14 > 0.0)) return 1; /* the pivot of alpha4 vanished */
-    if (!(pivot_alpha5 - 5.684341886080802e-14 > 0.0)) return 1; /* the pivot of alpha5 vanished */
-    if (!(pivot_alpha6 - 5.684341886080802e-14 > 0.0)) return 1; /* the pivot of alpha6 vanished */
     if (!(pivot_pi3 - 5.684341886080802e-14 * J_33 > 0.0)) return 1; /* the pivot of pi3 vanished */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
@@ -871,88 +849,88 @@ int block_accel(
     const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
 
     /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
-    const double t33 = 0.8146287617076164 * alpha4dot;
-    const double t34 = 0.03812757101123808 * alpha6dot;
-    const double t35 = 0.06014933573656158 * alpha2dot;
+    const double t16 = 0.8146287617076164 * alpha4dot;
+    const double t17 = 0.03812757101123808 * alpha6dot;
+    const double t18 = 0.06014933573656158 * alpha2dot;
     const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
-        - alpha5 * t33 + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35;
-    const double t36 = 0.3434623359074803 * alpha2dot;
-    const double t37 = (-0.13286677220194004) * alpha4dot;
-    const double t38 = (-0.3338704835108587) * alpha5dot;
-    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2
-        + alpha5 * c7dot_5_2 - alpha6 * t37 - alpha7 * t38;
-    const double t39 = (-0.17320212202534865) * alpha5dot;
-    const double t40 = 0.16411826642656863 * alpha4dot;
-    const double t41 = 0.10707341325868729 * alpha3dot;
+        - alpha5 * t16 + alpha6 * c7dot_6_1 - alpha7 * t17 - alpha8 * t18;
+    const double t19 = 0.3434623359074803 * alpha2dot;
+    const double t20 = (-0.13286677220194004) * alpha4dot;
+    const double t21 = (-0.3338704835108587) * alpha5dot;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t19 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t20 - alpha7 * t21;
+    const double t22 = (-0.17320212202534865) * alpha5dot;
+    const double t23 = 0.16411826642656863 * alpha4dot;
+    const double t24 = 0.10707341325868729 * alpha3dot;
     const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
-        + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
+        + alpha5 * c7dot_5_3 - alpha6 * t22 - alpha7 * t23 - alpha8 * t24;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
     vdot[0] = 0.0;
     vdot[1] = 0.0;
     vdot[2] = 0.0;
-    const double t42 = 2.0 * omega1;
-    const double t43 = 2.0 * omega3;
-    const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41;
-    const double t45 = 2.0 * omega2;
-    const double t46 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-        - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1
-        - t43 * c7dot_1_3;
-    const double t47 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-        - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
-        - t45 * c7dot_2_2;
-    const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t42 * t34
-        - t45 * t38 - t43 * t40);
-    const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
-        + t42 * Sdot_11 + t45 * Sdot_12 + (t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
-        - J_22 * oo_23 - omega3 * d3dot_2)) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
-    const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
-    const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
-        + t42 * Sdot_12 + t45 * Sdot_22 + (t43 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
-        - J_33 * oo_13 - omega1 * d3dot_3) + t2 * t47) + d3_7_2 * t48 - t4 * t49;
-    const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
-        - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23
-        + S_4_33 * oo_33 + t42 * c7dot_4_1 + t45 * c7dot_4_2 + t43 * c7dot_4_3)) - t8 * t51;
-    const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
-        - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23
-        + S_5_33 * oo_33 - t42 * t33 + t45 * c7dot_5_2 + t43 * c7dot_5_3) + t9 * t49) - t13 * t52;
-    const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
-        - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23
-        + S_6_33 * oo_33 + t42 * c7dot_6_1 - t45 * t37 - t43 * t39)) - t17 * t51 + t19 * t52
-        - t21 * t53;
-    const double t55 = (d3_8_3 * t44 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
-        + t42 * Sdot_13 + t45 * Sdot_23 + (t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
-        - J_13 * oo_23 - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
-        - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
-    const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
-    const double t57 = t53 * inverse_pivot_alpha5 - t30 * t55 - t21 * t56;
-    const double t58 = t52 * inverse_pivot_alpha4 - t28 * t55 + t19 * t56 - t13 * t57;
-    const double t59 = t51 * inverse_pivot_pi2 - t26 * t55 - t17 * t56 + t11 * t57 - t8 * t58;
-    const double t60 = t49 * inverse_pivot_pi1 - t24 * t55 + t15 * t56 - t9 * t57 + t6 * t58
-        - t4 * t59;
-    vdot[3] = t60;
-    vdot[4] = t59;
-    vdot[5] = t55;
-    const double t61 = t22 * t55 - t46 + t1 * t60;
-    vdot[6] = t61;
-    const double t62 = t2 * t59 - t47 - d3_2_1 * t60;
-    vdot[7] = t62;
-    const double t63 = t50 + d3_3_3 * t55 + d3_3_2 * t59;
-    vdot[8] = -t63;
-    vdot[9] = t58;
-    vdot[10] = t57;
-    vdot[11] = t56;
-    const double t64 = t48 + d3_7_3 * t55 + d3_7_2 * t59 + d3_7_1 * t60;
-    vdot[12] = -t64;
-    const double t65 = t44 + d3_8_3 * t55 + d3_8_1 * t60;
-    vdot[13] = -t65;
+    const double t25 = 2.0 * omega1;
+    const double t26 = 2.0 * omega2;
+    const double t27 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+        - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t25 * c7dot_2_1
+        - t26 * c7dot_2_2;
+    const double t28 = 2.0 * omega3;
+    const double t29 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+        - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t25 * c7dot_1_1
+        - t28 * c7dot_1_3;
+    const double t30 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t25 * t18 + t28 * t24;
+    const double t31 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
+        - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
+        + t25 * c7dot_4_1 + t26 * c7dot_4_2 + t28 * c7dot_4_3);
+    const double t32 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t25 * t16
+        + t26 * c7dot_5_2 + t28 * c7dot_5_3);
+    const double t33 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
+        + t25 * c7dot_6_1 - t26 * t20 - t28 * t22);
+    const double t34 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t25 * t17
+        - t26 * t21 - t28 * t23);
+    const double t35 = d3_2_1 * t27 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
+        + t25 * Sdot_11 + t26 * Sdot_12 + (t28 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
+        - J_22 * oo_23 - omega3 * d3dot_2) + t1 * t29) + d3_8_1 * t30 - t2 * t31 + d3_5_1 * t32
+        - t3 * t33 + d3_7_1 * t34;
+    const double t36 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t26 * t19 - t28 * c7dot_3_3;
+    const double t37 = d3_3_2 * t36 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
+        + t25 * Sdot_12 + t26 * Sdot_22 + (t28 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
+        - J_33 * oo_13 - omega1 * d3dot_3) + t4 * t27) - t5 * t31 - t6 * t32 + d3_6_2 * t33
+        + d3_7_2 * t34 - t8 * t35;
+    const double t38 = (d3_3_3 * t36 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
+        + t25 * Sdot_13 + t26 * Sdot_23 + (t28 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
+        - J_13 * oo_23 - omega2 * d3dot_1) + t9 * t29) + d3_8_3 * t30 - t10 * t31 - t11 * t32
+        + d3_6_3 * t33 + d3_7_3 * t34 - t13 * t35 - t15 * t37) / pivot_pi3;
+    const double t39 = t37 * inverse_pivot_pi2 - t15 * t38;
+    const double t40 = t35 * inverse_pivot_pi1 - t13 * t38 - t8 * t39;
+    vdot[3] = t40;
+    vdot[4] = t39;
+    vdot[5] = t38;
+    const double t41 = t9 * t38 - t29 + t1 * t40;
+    vdot[6] = t41;
+    const double t42 = t4 * t39 - t27 - d3_2_1 * t40;
+    vdot[7] = t42;
+    const double t43 = t36 + d3_3_3 * t38 + d3_3_2 * t39;
+    vdot[8] = -t43;
+    const double t44 = t10 * t38 - t31 + t5 * t39 + t2 * t40;
+    vdot[9] = t44;
+    const double t45 = t11 * t38 - t32 + t6 * t39 - d3_5_1 * t40;
+    vdot[10] = t45;
+    const double t46 = t3 * t40 - (t33 + d3_6_3 * t38 + d3_6_2 * t39);
+    vdot[11] = t46;
+    const double t47 = t34 + d3_7_3 * t38 + d3_7_2 * t39 + d3_7_1 * t40;
+    vdot[12] = -t47;
+    const double t48 = t30 + d3_8_3 * t38 + d3_8_1 * t40;
+    vdot[13] = -t48;
 
     /* check: check that the result is finite */
-    if (!isfinite(t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64
-        + t65))))) return 2; /* an acceleration is not finite */
+    if (!isfinite(t40 + t39 + (t38 + (t41 + t42)) + (t44 + t45 - t43 + (t46 - (t47
+        + t48))))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -3771,49 +3749,30 @@ static int block_accel_states(
             + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
             + S_8_33 * alpha8);
         const double t1 = (-0.8784787837749884) * alpha2;
-        const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
-        const double t2 = 0.3434623359074803 * alpha3;
-        const double t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1;
+        const double t2 = 0.8146287617076164 * alpha5;
+        const double t3 = 0.03812757101123808 * alpha7;
+        const double pivot_pi1 = J_11 - t1 * t1 - d3_2_1 * d3_2_1 - d3_8_1 * d3_8_1 - t2 * t2
+            - d3_5_1 * d3_5_1 - t3 * t3 - d3_7_1 * d3_7_1;
+        const double t4 = 0.3434623359074803 * alpha3;
+        const double t5 = (-0.13286677220194004) * alpha6;
+        const double t6 = (-0.3338704835108587) * alpha7;
+        const double t7 = J_12 + t4 * d3_2_1 - t5 * t2 + t6 * d3_5_1 + d3_6_2 * t3 - d3_7_2 * d3_7_1;
         const double inverse_pivot_pi1 = 1.0 / pivot_pi1;
-        const double t4 = t3 * inverse_pivot_pi1;
-        const double pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3;
-        const double t5 = 0.8146287617076164 * alpha5;
-        const double t6 = t5 * inverse_pivot_pi1;
-        const double t7 = t6 * t3 - (-0.13286677220194004) * alpha6;
+        const double t8 = t7 * inverse_pivot_pi1;
+        const double pivot_pi2 = J_22 - t4 * t4 - d3_3_2 * d3_3_2 - t5 * t5 - t6 * t6 - d3_6_2 * d3_6_2
+            - d3_7_2 * d3_7_2 - t8 * t7;
+        const double t9 = 0.14213269823254854 * alpha3;
+        const double t10 = 0.16411826642656863 * alpha7;
+        const double t11 = (-0.17320212202534865) * alpha6;
+        const double t12 = J_13 - t9 * t1 - d3_8_3 * d3_8_1 - t10 * t2 + t11 * d3_5_1 + d3_6_3 * t3
+            - d3_7_3 * d3_7_1;
+        const double t13 = t12 * inverse_pivot_pi1;
+        const double t14 = J_23 - d3_3_3 * d3_3_2 - t10 * t5 - t11 * t6 - d3_6_3 * d3_6_2
+            - d3_7_3 * d3_7_2 - t13 * t7;
         const double inverse_pivot_pi2 = 1.0 / pivot_pi2;
-        const double t8 = t7 * inverse_pivot_pi2;
-        const double pivot_alpha4 = 1.0 - t6 * t5 - t8 * t7;
-        const double t9 = d3_5_1 * inverse_pivot_pi1;
-        const double t10 = (-0.3338704835108587) * alpha7 + t9 * t3;
-        const double t11 = t10 * inverse_pivot_pi2;
-        const double t12 = t9 * t5 + t11 * t7;
-        const double inverse_pivot_alpha4 = 1.0 / pivot_alpha4;
-        const double t13 = t12 * inverse_pivot_alpha4;
-        const double pivot_alpha5 = 1.0 - t9 * d3_5_1 - t11 * t10 - t13 * t12;
-        const double t14 = 0.03812757101123808 * alpha7;
-        const double t15 = t14 * inverse_pivot_pi1;
-        const double t16 = d3_6_2 + t15 * t3;
-        const double t17 = t16 * inverse_pivot_pi2;
-        const double t18 = t15 * t5 + t17 * t7;
-        const double t19 = t18 * inverse_pivot_alpha4;
-        const double t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12;
-        const double inverse_pivot_alpha5 = 1.0 / pivot_alpha5;
-        const double t21 = t20 * inverse_pivot_alpha5;
-        const double pivot_alpha6 = 1.0 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20;
-        const double t22 = 0.14213269823254854 * alpha3;
-        const double t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1;
-        const double t24 = t23 * inverse_pivot_pi1;
-        const double t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3;
-        const double t26 = t25 * inverse_pivot_pi2;
-        const double t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7;
-        const double t28 = t27 * inverse_pivot_alpha4;
-        const double t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12;
-        const double t30 = t29 * inverse_pivot_alpha5;
-        const double t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20;
-        const double inverse_pivot_alpha6 = 1.0 / pivot_alpha6;
-        const double t32 = t31 * inverse_pivot_alpha6;
-        const double pivot_pi3 = J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3
-            - t24 * t23 - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31;
+        const double t15 = t14 * inverse_pivot_pi2;
+        const double pivot_pi3 = J_33 - t9 * t9 - d3_3_3 * d3_3_3 - d3_8_3 * d3_8_3 - t10 * t10
+            - t11 * t11 - d3_6_3 * d3_6_3 - d3_7_3 * d3_7_3 - t13 * t12 - t15 * t14;
         const double oo_11 = omega1 * omega1;
         const double oo_12 = omega1 * omega2;
         const double oo_13 = omega1 * omega3;
@@ -3846,93 +3805,87 @@ static int block_accel_states(
         const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
         const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
         const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
-        const double t33 = 0.8146287617076164 * alpha4dot;
-        const double t34 = 0.03812757101123808 * alpha6dot;
-        const double t35 = 0.06014933573656158 * alpha2dot;
+        const double t16 = 0.8146287617076164 * alpha4dot;
+        const double t17 = 0.03812757101123808 * alpha6dot;
+        const double t18 = 0.06014933573656158 * alpha2dot;
         const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
-            - alpha5 * t33 + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35;
-        const double t36 = 0.3434623359074803 * alpha2dot;
-        const double t37 = (-0.13286677220194004) * alpha4dot;
-        const double t38 = (-0.3338704835108587) * alpha5dot;
-        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2
-            + alpha5 * c7dot_5_2 - alpha6 * t37 - alpha7 * t38;
-        const double t39 = (-0.17320212202534865) * alpha5dot;
-        const double t40 = 0.16411826642656863 * alpha4dot;
-        const double t41 = 0.10707341325868729 * alpha3dot;
+            - alpha5 * t16 + alpha6 * c7dot_6_1 - alpha7 * t17 - alpha8 * t18;
+        const double t19 = 0.3434623359074803 * alpha2dot;
+        const double t20 = (-0.13286677220194004) * alpha4dot;
+        const double t21 = (-0.3338704835108587) * alpha5dot;
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t19 + alpha4 * c7dot_4_2
+            + alpha5 * c7dot_5_2 - alpha6 * t20 - alpha7 * t21;
+        const double t22 = (-0.17320212202534865) * alpha5dot;
+        const double t23 = 0.16411826642656863 * alpha4dot;
+        const double t24 = 0.10707341325868729 * alpha3dot;
         const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
-            + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
+            + alpha5 * c7dot_5_3 - alpha6 * t22 - alpha7 * t23 - alpha8 * t24;
         vdot[b] = 0.0;
         vdot[all + b] = 0.0;
         vdot[2 * all + b] = 0.0;
-        const double t42 = 2.0 * omega1;
-        const double t43 = 2.0 * omega3;
-        const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41;
-        const double t45 = 2.0 * omega2;
-        const double t46 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1
-            - t43 * c7dot_1_3;
-        const double t47 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
-            - t45 * c7dot_2_2;
-        const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t42 * t34
-            - t45 * t38 - t43 * t40);
-        const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
-            + t42 * Sdot_11 + t45 * Sdot_12 + (t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
-            - J_22 * oo_23 - omega3 * d3dot_2)) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
-        const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
-        const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
-            + t42 * Sdot_12 + t45 * Sdot_22 + (t43 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
-            - J_33 * oo_13 - omega1 * d3dot_3) + t2 * t47) + d3_7_2 * t48 - t4 * t49;
-        const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
-            - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23
-            + S_4_33 * oo_33 + t42 * c7dot_4_1 + t45 * c7dot_4_2 + t43 * c7dot_4_3)) - t8 * t51;
-        const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
-            - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23
-            + S_5_33 * oo_33 - t42 * t33 + t45 * c7dot_5_2 + t43 * c7dot_5_3) + t9 * t49) - t13 * t52;
-        const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
-            - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23
-            + S_6_33 * oo_33 + t42 * c7dot_6_1 - t45 * t37 - t43 * t39)) - t17 * t51 + t19 * t52
-            - t21 * t53;
-        const double t55 = (d3_8_3 * t44 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
-            + t42 * Sdot_13 + t45 * Sdot_23 + (t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
-            - J_13 * oo_23 - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
-            - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
-        const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
-        const double t57 = t53 * inverse_pivot_alpha5 - t30 * t55 - t21 * t56;
-        const double t58 = t52 * inverse_pivot_alpha4 - t28 * t55 + t19 * t56 - t13 * t57;
-        const double t59 = t51 * inverse_pivot_pi2 - t26 * t55 - t17 * t56 + t11 * t57 - t8 * t58;
-        const double t60 = t49 * inverse_pivot_pi1 - t24 * t55 + t15 * t56 - t9 * t57 + t6 * t58
-            - t4 * t59;
-        vdot[3 * all + b] = t60;
-        vdot[4 * all + b] = t59;
-        vdot[5 * all + b] = t55;
-        const double t61 = t22 * t55 - t46 + t1 * t60;
-        vdot[6 * all + b] = t61;
-        const double t62 = t2 * t59 - t47 - d3_2_1 * t60;
-        vdot[7 * all + b] = t62;
-        const double t63 = t50 + d3_3_3 * t55 + d3_3_2 * t59;
-        vdot[8 * all + b] = -t63;
-        vdot[9 * all + b] = t58;
-        vdot[10 * all + b] = t57;
-        vdot[11 * all + b] = t56;
-        const double t64 = t48 + d3_7_3 * t55 + d3_7_2 * t59 + d3_7_1 * t60;
-        vdot[12 * all + b] = -t64;
-        const double t65 = t44 + d3_8_3 * t55 + d3_8_1 * t60;
-        vdot[13 * all + b] = -t65;
+        const double t25 = 2.0 * omega1;
+        const double t26 = 2.0 * omega2;
+        const double t27 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t25 * c7dot_2_1
+            - t26 * c7dot_2_2;
+        const double t28 = 2.0 * omega3;
+        const double t29 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t25 * c7dot_1_1
+            - t28 * c7dot_1_3;
+        const double t30 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t25 * t18 + t28 * t24;
+        const double t31 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
+            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
+            + t25 * c7dot_4_1 + t26 * c7dot_4_2 + t28 * c7dot_4_3);
+        const double t32 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t25 * t16
+            + t26 * c7dot_5_2 + t28 * c7dot_5_3);
+        const double t33 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
+            + t25 * c7dot_6_1 - t26 * t20 - t28 * t22);
+        const double t34 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t25 * t17
+            - t26 * t21 - t28 * t23);
+        const double t35 = d3_2_1 * t27 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
+            + t25 * Sdot_11 + t26 * Sdot_12 + (t28 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
+            - J_22 * oo_23 - omega3 * d3dot_2) + t1 * t29) + d3_8_1 * t30 - t2 * t31 + d3_5_1 * t32
+            - t3 * t33 + d3_7_1 * t34;
+        const double t36 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t26 * t19 - t28 * c7dot_3_3;
+        const double t37 = d3_3_2 * t36 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
+            + t25 * Sdot_12 + t26 * Sdot_22 + (t28 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
+            - J_33 * oo_13 - omega1 * d3dot_3) + t4 * t27) - t5 * t31 - t6 * t32 + d3_6_2 * t33
+            + d3_7_2 * t34 - t8 * t35;
+        const double t38 = (d3_3_3 * t36 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
+            + t25 * Sdot_13 + t26 * Sdot_23 + (t28 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
+            - J_13 * oo_23 - omega2 * d3dot_1) + t9 * t29) + d3_8_3 * t30 - t10 * t31 - t11 * t32
+            + d3_6_3 * t33 + d3_7_3 * t34 - t13 * t35 - t15 * t37) / pivot_pi3;
+        const double t39 = t37 * inverse_pivot_pi2 - t15 * t38;
+        const double t40 = t35 * inverse_pivot_pi1 - t13 * t38 - t8 * t39;
+        vdot[3 * all + b] = t40;
+        vdot[4 * all + b] = t39;
+        vdot[5 * all + b] = t38;
+        const double t41 = t9 * t38 - t29 + t1 * t40;
+        vdot[6 * all + b] = t41;
+        const double t42 = t4 * t39 - t27 - d3_2_1 * t40;
+        vdot[7 * all + b] = t42;
+        const double t43 = t36 + d3_3_3 * t38 + d3_3_2 * t39;
+        vdot[8 * all + b] = -t43;
+        const double t44 = t10 * t38 - t31 + t5 * t39 + t2 * t40;
+        vdot[9 * all + b] = t44;
+        const double t45 = t11 * t38 - t32 + t6 * t39 - d3_5_1 * t40;
+        vdot[10 * all + b] = t45;
+        const double t46 = t3 * t40 - (t33 + d3_6_3 * t38 + d3_6_2 * t39);
+        vdot[11 * all + b] = t46;
+        const double t47 = t34 + d3_7_3 * t38 + d3_7_2 * t39 + d3_7_1 * t40;
+        vdot[12 * all + b] = -t47;
+        const double t48 = t30 + d3_8_3 * t38 + d3_8_1 * t40;
+        vdot[13 * all + b] = -t48;
         double code = 0.0;
-        const double finite = t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65)));
+        const double finite = t40 + t39 + (t38 + (t41 + t42)) + (t44 + t45 - t43 + (t46 - (t47 + t48)));
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
         code = pivot_pi3
             - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
-        code = pivot_alpha6
-            - 5.684341886080802e-14 > 0.0 ? code : 1.0; /* the pivot of alpha6 vanished */
-        code = pivot_alpha5
-            - 5.684341886080802e-14 > 0.0 ? code : 1.0; /* the pivot of alpha5 vanished */
-        code = pivot_alpha4
-            - 5.684341886080802e-14 > 0.0 ? code : 1.0; /* the pivot of alpha4 vanished */
         code = pivot_pi2
             - 5.684341886080802e-14 * J_22 > 0.0 ? code : 1.0; /* the pivot of pi2 vanished */
         code = pivot_pi1

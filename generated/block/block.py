@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "47f008530a7a67e4"
+HASH = "c67333a6c64dda4c"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1110,7 +1110,7 @@ def accel(t, q, v, k):
         alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
 
     From appendix, LDL^T, (5).
-    810 operations.
+    754 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1225,66 +1225,45 @@ def accel(t, q, v, k):
             + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
-    # pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha1, alpha2, alpha3, alpha7, pi1, pi2,
-    #     alpha4, alpha5, alpha6, pi3; fill-in 3
+    # pivots (LDL^T): eliminate c1, c2, c3, alpha1, alpha2, alpha3, alpha8, alpha4, alpha5, alpha6,
+    #     alpha7, pi1, pi2, pi3; no fill-in
     t1 = (-0.8784787837749884) * alpha2
-    pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1
-    t2 = 0.3434623359074803 * alpha3
-    t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1
+    t2 = 0.8146287617076164 * alpha5
+    t3 = 0.03812757101123808 * alpha7
+    pivot_pi1 = (
+        J_11 - t1 * t1 - d3_2_1 * d3_2_1 - d3_8_1 * d3_8_1 - t2 * t2 - d3_5_1 * d3_5_1 - t3 * t3
+            - d3_7_1 * d3_7_1
+    )
+    t4 = 0.3434623359074803 * alpha3
+    t5 = (-0.13286677220194004) * alpha6
+    t6 = (-0.3338704835108587) * alpha7
+    t7 = J_12 + t4 * d3_2_1 - t5 * t2 + t6 * d3_5_1 + d3_6_2 * t3 - d3_7_2 * d3_7_1
     inverse_pivot_pi1 = 1 / pivot_pi1
-    t4 = t3 * inverse_pivot_pi1
-    pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3
-    t5 = 0.8146287617076164 * alpha5
-    t6 = t5 * inverse_pivot_pi1
-    t7 = t6 * t3 - (-0.13286677220194004) * alpha6
+    t8 = t7 * inverse_pivot_pi1
+    pivot_pi2 = (
+        J_22 - t4 * t4 - d3_3_2 * d3_3_2 - t5 * t5 - t6 * t6 - d3_6_2 * d3_6_2 - d3_7_2 * d3_7_2
+            - t8 * t7
+    )
+    t9 = 0.14213269823254854 * alpha3
+    t10 = 0.16411826642656863 * alpha7
+    t11 = (-0.17320212202534865) * alpha6
+    t12 = J_13 - t9 * t1 - d3_8_3 * d3_8_1 - t10 * t2 + t11 * d3_5_1 + d3_6_3 * t3 - d3_7_3 * d3_7_1
+    t13 = t12 * inverse_pivot_pi1
+    t14 = (
+        J_23 - d3_3_3 * d3_3_2 - t10 * t5 - t11 * t6 - d3_6_3 * d3_6_2 - d3_7_3 * d3_7_2 - t13 * t7
+    )
     inverse_pivot_pi2 = 1 / pivot_pi2
-    t8 = t7 * inverse_pivot_pi2
-    pivot_alpha4 = 1 - t6 * t5 - t8 * t7
-    t9 = d3_5_1 * inverse_pivot_pi1
-    t10 = (-0.3338704835108587) * alpha7 + t9 * t3
-    t11 = t10 * inverse_pivot_pi2
-    t12 = t9 * t5 + t11 * t7
-    inverse_pivot_alpha4 = 1 / pivot_alpha4
-    t13 = t12 * inverse_pivot_alpha4
-    pivot_alpha5 = 1 - t9 * d3_5_1 - t11 * t10 - t13 * t12
-    t14 = 0.03812757101123808 * alpha7
-    t15 = t14 * inverse_pivot_pi1
-    t16 = d3_6_2 + t15 * t3
-    t17 = t16 * inverse_pivot_pi2
-    t18 = t15 * t5 + t17 * t7
-    t19 = t18 * inverse_pivot_alpha4
-    t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12
-    inverse_pivot_alpha5 = 1 / pivot_alpha5
-    t21 = t20 * inverse_pivot_alpha5
-    pivot_alpha6 = 1 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20
-    t22 = 0.14213269823254854 * alpha3
-    t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1
-    t24 = t23 * inverse_pivot_pi1
-    t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3
-    t26 = t25 * inverse_pivot_pi2
-    t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7
-    t28 = t27 * inverse_pivot_alpha4
-    t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12
-    t30 = t29 * inverse_pivot_alpha5
-    t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20
-    inverse_pivot_alpha6 = 1 / pivot_alpha6
-    t32 = t31 * inverse_pivot_alpha6
+    t15 = t14 * inverse_pivot_pi2
     pivot_pi3 = (
-        J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3 - t24 * t23
-            - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31
+        J_33 - t9 * t9 - d3_3_3 * d3_3_3 - d3_8_3 * d3_8_3 - t10 * t10 - t11 * t11 - d3_6_3 * d3_6_3
+            - d3_7_3 * d3_7_3 - t13 * t12 - t15 * t14
     )
     valid_1 = (pivot_pi1 - 5.684341886080802e-14 * J_11) > 0
     _require(batch[0] or valid_1, 1, "the pivot of pi1 vanished")
     valid_2 = (pivot_pi2 - 5.684341886080802e-14 * J_22) > 0
     _require(batch[0] or valid_2, 1, "the pivot of pi2 vanished")
-    valid_3 = (pivot_alpha4 - 5.684341886080802e-14) > 0
-    _require(batch[0] or valid_3, 1, "the pivot of alpha4 vanished")
-    valid_4 = (pivot_alpha5 - 5.684341886080802e-14) > 0
-    _require(batch[0] or valid_4, 1, "the pivot of alpha5 vanished")
-    valid_5 = (pivot_alpha6 - 5.684341886080802e-14) > 0
-    _require(batch[0] or valid_5, 1, "the pivot of alpha6 vanished")
-    valid_6 = (pivot_pi3 - 5.684341886080802e-14 * J_33) > 0
-    _require(batch[0] or valid_6, 1, "the pivot of pi3 vanished")
+    valid_3 = (pivot_pi3 - 5.684341886080802e-14 * J_33) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of pi3 vanished")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -1336,116 +1315,118 @@ def accel(t, q, v, k):
     c7dot_6_1 = 0.03812757101123808 * alpha7dot
 
     # d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3
-    t33 = 0.8146287617076164 * alpha4dot
-    t34 = 0.03812757101123808 * alpha6dot
-    t35 = 0.06014933573656158 * alpha2dot
+    t16 = 0.8146287617076164 * alpha4dot
+    t17 = 0.03812757101123808 * alpha6dot
+    t18 = 0.06014933573656158 * alpha2dot
     d3dot_1 = (
-        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1 - alpha5 * t33
-            + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1 - alpha5 * t16
+            + alpha6 * c7dot_6_1 - alpha7 * t17 - alpha8 * t18
     )
-    t36 = 0.3434623359074803 * alpha2dot
-    t37 = (-0.13286677220194004) * alpha4dot
-    t38 = (-0.3338704835108587) * alpha5dot
+    t19 = 0.3434623359074803 * alpha2dot
+    t20 = (-0.13286677220194004) * alpha4dot
+    t21 = (-0.3338704835108587) * alpha5dot
     d3dot_2 = (
-        alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * t37
-            - alpha7 * t38
+        alpha2 * c7dot_2_2 - alpha3 * t19 + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * t20
+            - alpha7 * t21
     )
-    t39 = (-0.17320212202534865) * alpha5dot
-    t40 = 0.16411826642656863 * alpha4dot
-    t41 = 0.10707341325868729 * alpha3dot
+    t22 = (-0.17320212202534865) * alpha5dot
+    t23 = 0.16411826642656863 * alpha4dot
+    t24 = 0.10707341325868729 * alpha3dot
     d3dot_3 = (
         alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3 + alpha5 * c7dot_5_3
-            - alpha6 * t39 - alpha7 * t40 - alpha8 * t41
+            - alpha6 * t22 - alpha7 * t23 - alpha8 * t24
     )
 
     # solution (LDL^T): forward, diagonal and back substitution
     vdot_0 = 0
     vdot_1 = 0
     vdot_2 = 0
-    t42 = 2 * omega1
-    t43 = 2 * omega3
-    t44 = (
-        2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22
-            - 2 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41
-    )
-    t45 = 2 * omega2
-    t46 = (
-        132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22
-            - 2 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1 - t43 * c7dot_1_3
-    )
-    t47 = (
+    t25 = 2 * omega1
+    t26 = 2 * omega2
+    t27 = (
         298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - S_2_22 * oo_22
-            - 2 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1 - t45 * c7dot_2_2
+            - 2 * S_2_23 * oo_23 - S_2_33 * oo_33 - t25 * c7dot_2_1 - t26 * c7dot_2_2
     )
-    t48 = (
+    t28 = 2 * omega3
+    t29 = (
+        132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22
+            - 2 * S_1_23 * oo_23 - S_1_33 * oo_33 - t25 * c7dot_1_1 - t28 * c7dot_1_3
+    )
+    t30 = (
+        2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22
+            - 2 * S_8_23 * oo_23 - S_8_33 * oo_33 + t25 * t18 + t28 * t24
+    )
+    t31 = (
+        828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
+            - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t25 * c7dot_4_1
+            + t26 * c7dot_4_2 + t28 * c7dot_4_3)
+    )
+    t32 = (
+        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
+            - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t25 * t16 + t26 * c7dot_5_2
+            + t28 * c7dot_5_3)
+    )
+    t33 = (
+        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
+            - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t25 * c7dot_6_1 - t26 * t20
+            - t28 * t22)
+    )
+    t34 = (
         1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t42 * t34 - t45 * t38
-            - t43 * t40)
+            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t25 * t17 - t26 * t21
+            - t28 * t23)
     )
-    t49 = (
-        d3_8_1 * t44 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t42 * Sdot_11
-            + t45 * Sdot_12 + (t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2)) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48
+    t35 = (
+        d3_2_1 * t27 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t25 * Sdot_11
+            + t26 * Sdot_12 + (t28 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+            - omega3 * d3dot_2) + t1 * t29) + d3_8_1 * t30 - t2 * t31 + d3_5_1 * t32 - t3 * t33
+            + d3_7_1 * t34
     )
-    t50 = (
+    t36 = (
         424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - 2 * S_3_13 * oo_13
-            - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3
+            - S_3_22 * oo_22 - S_3_33 * oo_33 + t26 * t19 - t28 * c7dot_3_3
     )
-    t51 = (
-        d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t42 * Sdot_12
-            + t45 * Sdot_22 + (t43 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3) + t2 * t47) + d3_7_2 * t48 - t4 * t49
+    t37 = (
+        d3_3_2 * t36 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t25 * Sdot_12
+            + t26 * Sdot_22 + (t28 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3) + t4 * t27) - t5 * t31 - t6 * t32 + d3_6_2 * t33 + d3_7_2 * t34
+            - t8 * t35
     )
-    t52 = (
-        t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12
-            - 2 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33
-            + t42 * c7dot_4_1 + t45 * c7dot_4_2 + t43 * c7dot_4_3)) - t8 * t51
+    t38 = (
+        (d3_3_3 * t36 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t25 * Sdot_13
+            + t26 * Sdot_23 + (t28 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
+            - omega2 * d3dot_1) + t9 * t29) + d3_8_3 * t30 - t10 * t31 - t11 * t32 + d3_6_3 * t33
+            + d3_7_3 * t34 - t13 * t35 - t15 * t37) / pivot_pi3
     )
-    t53 = (
-        t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12
-            - 2 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t42 * t33
-            + t45 * c7dot_5_2 + t43 * c7dot_5_3) + t9 * t49) - t13 * t52
-    )
-    t54 = (
-        t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12
-            - 2 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33
-            + t42 * c7dot_6_1 - t45 * t37 - t43 * t39)) - t17 * t51 + t19 * t52 - t21 * t53
-    )
-    t55 = (
-        (d3_8_3 * t44 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
-            + t45 * Sdot_23 + (t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49 - t26 * t51
-            - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3
-    )
-    t56 = t54 * inverse_pivot_alpha6 - t32 * t55
-    t57 = t53 * inverse_pivot_alpha5 - t30 * t55 - t21 * t56
-    t58 = t52 * inverse_pivot_alpha4 - t28 * t55 + t19 * t56 - t13 * t57
-    t59 = t51 * inverse_pivot_pi2 - t26 * t55 - t17 * t56 + t11 * t57 - t8 * t58
-    t60 = t49 * inverse_pivot_pi1 - t24 * t55 + t15 * t56 - t9 * t57 + t6 * t58 - t4 * t59
-    vdot_3 = t60
-    vdot_4 = t59
-    vdot_5 = t55
-    t61 = t22 * t55 - t46 + t1 * t60
-    vdot_6 = t61
-    t62 = t2 * t59 - t47 - d3_2_1 * t60
-    vdot_7 = t62
-    t63 = t50 + d3_3_3 * t55 + d3_3_2 * t59
-    vdot_8 = -t63
-    vdot_9 = t58
-    vdot_10 = t57
-    vdot_11 = t56
-    t64 = t48 + d3_7_3 * t55 + d3_7_2 * t59 + d3_7_1 * t60
-    vdot_12 = -t64
-    t65 = t44 + d3_8_3 * t55 + d3_8_1 * t60
-    vdot_13 = -t65
+    t39 = t37 * inverse_pivot_pi2 - t15 * t38
+    t40 = t35 * inverse_pivot_pi1 - t13 * t38 - t8 * t39
+    vdot_3 = t40
+    vdot_4 = t39
+    vdot_5 = t38
+    t41 = t9 * t38 - t29 + t1 * t40
+    vdot_6 = t41
+    t42 = t4 * t39 - t27 - d3_2_1 * t40
+    vdot_7 = t42
+    t43 = t36 + d3_3_3 * t38 + d3_3_2 * t39
+    vdot_8 = -t43
+    t44 = t10 * t38 - t31 + t5 * t39 + t2 * t40
+    vdot_9 = t44
+    t45 = t11 * t38 - t32 + t6 * t39 - d3_5_1 * t40
+    vdot_10 = t45
+    t46 = t3 * t40 - (t33 + d3_6_3 * t38 + d3_6_2 * t39)
+    vdot_11 = t46
+    t47 = t34 + d3_7_3 * t38 + d3_7_2 * t39 + d3_7_1 * t40
+    vdot_12 = -t47
+    t48 = t30 + d3_8_3 * t38 + d3_8_1 * t40
+    vdot_13 = -t48
 
     # check: check that the result is finite
-    valid_7 = xp.isfinite(t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65))))
-    _require(batch[0] or valid_7, 2, "an acceleration is not finite")
+    valid_4 = xp.isfinite(t40 + t39 + (t38 + (t41 + t42)) + (t44 + t45 - t43 + (t46 - (t47 + t48))))
+    _require(batch[0] or valid_4, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4, vdot)
 
 
 def energy(q, v, k):

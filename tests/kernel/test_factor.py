@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from derive.ir.patterns import Pattern, pattern
-from derive.lowering.elimination_orders import elimination_order
+from derive.lowering.elimination_orders import amd_order, elimination_order, fill_in, least_degree_order, work
 from derive.lowering.ldlt import factorise, solve
 
 
@@ -44,3 +44,26 @@ def test_an_arrow_matrix_is_ordered_without_fill() -> None:
     symbols = {entry: ca.SX.sym("a") for entry in shape.entries}
     assert factorise(shape, symbols).fill == 0
     assert elimination_order(shape)[0] != 0
+
+
+@pytest.mark.parametrize("modes", [3, 8])
+def test_modes_of_a_body_in_space_are_eliminated_before_its_rotations(modes: int) -> None:
+    """Each mode is coupled with the three rotations alone; AMD has rotations before the last modes, with fill-in."""
+    translations, rotations, first = range(3), range(3, 6), 6
+    size = first + modes
+    coupled = {(i, j) for i in range(first, size) for j in rotations} | {(4, 3), (5, 3), (5, 4)}
+    shape = pattern(size, size, coupled | {(i, i) for i in range(size)}, symmetric=True)
+    order = elimination_order(shape)
+    assert order == (*translations, *range(first, size), *rotations)
+    assert fill_in(shape, order) == 0 < fill_in(shape, amd_order(shape))
+
+
+def test_of_two_minimum_degree_orders_the_one_with_less_work_is_taken() -> None:
+    """Neither exact nor approximate degrees are better on all patterns."""
+    better = set()
+    for seed in range(40):
+        shape = random_pattern(14, 0.25, seed)
+        exact, approximate = (work(shape, order(shape)) for order in (least_degree_order, amd_order))
+        assert work(shape, elimination_order(shape)) == min(exact, approximate)
+        better.add((exact > approximate) - (exact < approximate))
+    assert better >= {-1, 1}

@@ -12,9 +12,11 @@ import pytest
 
 import derive
 from conftest import ROOT
-from derive.backends.c.linear_sums import NO_SUMS, TOGETHER, LinearSums, linear_sums
+from derive.backends.c.linear_sums import NO_SUMS, TOGETHER, KernelSums, LinearSums, linear_sums
 from derive.backends.c.source import CBackend
 from derive.derivation import lower
+from derive.ir.analysis import expressions
+from derive.ir.expressions import Element, Expr, Operation, Operator, walk
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.linear_forms import Row
@@ -149,3 +151,31 @@ def test_bodies_with_few_integrals_keep_straight_line_code() -> None:
     """The modes of a symmetric rod have few factors in each sum."""
     model = lower(derive.derive(derive.read(ROOT / "examples" / "spatial_crank_slider.toml")), explicit=True)
     assert linear_sums(model) == NO_SUMS
+
+
+def test_rows_have_the_signs_that_their_argument_needs(single: Summed) -> None:
+    """Few values are negated; rows of velocities, whose signs differ from those of positions, share no block."""
+    sums = single.sums.kernels["accel"]
+    read = [leaf for leaf in leaves(sums) if isinstance(leaf, Element) and leaf.array.startswith("sums_")]
+    negated = [
+        part
+        for part in parts_of(sums)
+        if isinstance(part, Operation) and part.kind is Operator.NEG and part.args[0] in read
+    ]
+    assert len(negated) <= len(set(read)) // 10
+    blocks = {
+        name: {(call.first + n) for call in sums.calls if call.window.argument == name for n in range(call.count)}
+        for name in ("q", "v")
+    }
+    assert not blocks["q"] & blocks["v"]
+    assert [len(of) for of in blocks.values()] == [-(-len(v.rows) // TOGETHER) for v in sums.parts.values]
+
+
+def parts_of(sums: KernelSums) -> list[Expr]:
+    """All expressions of the statements of a kernel with sums, with those inside them."""
+    statements = [statement for section in sums.parts.sections for _, statement in section]
+    return [part for statement in statements for expr in expressions(statement) for part in walk(expr)]
+
+
+def leaves(sums: KernelSums) -> list[Expr]:
+    return [part for part in parts_of(sums) if not isinstance(part, Operation)]

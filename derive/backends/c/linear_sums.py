@@ -8,7 +8,7 @@ rows beside each other, first their constant terms, then their factors of one el
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import count
 
@@ -188,23 +188,53 @@ def linear_sums(model: Model) -> LinearSums:
         return NO_SUMS
     kernels = [kernel for kernel in model.kernels if kernel.name != "setup"]
     wanted = {kernel.name: linear_rows(kernel) for kernel in kernels}
-    numbers: dict[int, dict[Row, int]] = {}
+    collected: dict[int, _Rows] = {}
     for windows in wanted.values():
         for window, rows in windows.items():
-            known = numbers.setdefault(window.count, {})
             for row in rows:
-                known.setdefault(row, len(known))
-    tables = {columns: RowTable(model.name, columns, tuple(rows)) for columns, rows in numbers.items()}
+                collected.setdefault(window.count, _Rows()).add(row, window.argument)
+    tables = {columns: RowTable(model.name, columns, tuple(of.rows)) for columns, of in collected.items()}
     with_sums = (kernel for kernel in kernels if wanted[kernel.name])
-    result = {kernel.name: _kernel_sums(kernel, wanted[kernel.name], tables, numbers) for kernel in with_sums}
+    result = {kernel.name: _kernel_sums(kernel, wanted[kernel.name], tables, collected) for kernel in with_sums}
     return LinearSums(tuple(tables.values()), result)
+
+
+@dataclass
+class _Rows:
+    """The rows of a table while they are collected.
+
+    Of two opposite rows, the functions of an argument read the one that came first. Each argument has rows of its own,
+    which begin a block: the sums of positions and of velocities differ in signs, and no block is computed for both.
+    """
+
+    rows: list[Row] = field(default_factory=list)
+    _numbers: dict[str, dict[Row, int]] = field(default_factory=dict)
+    _argument: str = ""
+
+    def add(self, row: Row, argument: str) -> None:
+        """Add a row that an argument needs, if it does not have it or its opposite."""
+        known = self._numbers.setdefault(argument, {})
+        if row.among(known) in known:
+            return
+        if argument != self._argument:
+            zeros = Row((Fraction(0),) * len(row.factors), Fraction(0))
+            self.rows += [zeros] * (-len(self.rows) % TOGETHER)
+            self._argument = argument
+        known[row] = len(self.rows)
+        self.rows.append(row)
+
+    def numbered(self, row: Row, argument: str) -> tuple[Row, int]:
+        """A row of an argument with the sign that the table has, and its number."""
+        known = self._numbers[argument]
+        signed = row.among(known)
+        return signed, known[signed]
 
 
 def _kernel_sums(
     kernel: Kernel,
     windows: Mapping[Window, Iterable[Row]],
     tables: Mapping[int, RowTable],
-    numbers: Mapping[int, Mapping[Row, int]],
+    collected: Mapping[int, _Rows],
 ) -> KernelSums:
     """The kernel with the values of its rows in an array for each window."""
     taken = {*kernel.used, *(o.name for o in kernel.outputs)}
@@ -213,7 +243,7 @@ def _kernel_sums(
     arrays: list[tuple[str, int]] = []
     calls: list[SumCall] = []
     for window, rows in windows.items():
-        places = {row: numbers[window.count][row] for row in rows}
+        places = dict(collected[window.count].numbered(row, window.argument) for row in rows)
         blocks = sorted({place // TOGETHER for place in places.values()})
         order = {block: n for n, block in enumerate(blocks)}
         stem = f"sums_{window.argument}"
