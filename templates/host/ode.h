@@ -10,6 +10,11 @@
  * A scene has the accelerations that keep the second time derivatives of its constraints at zero, and drifts off the
  * constraints by the errors of the integration: project the state from time to time, see tisserand_project of
  * fixed_step.h. Derivatives need a model that was generated with sensitivities (`tisserand build --sensitivities`).
+ *
+ * Quaternions among q have unit length; the rates keep it up to the errors of the integration. Derivatives take their four
+ * components as independent, and are those of f beside unit quaternions too. Without sensitivities the accelerations of a
+ * scene in space use the unit length: there differences by a component are no derivatives, unless each quaternion is
+ * divided by its length before f is called, as an integrator with a Jacobian by differences has to do.
  */
 
 #ifndef TISSERAND_ODE_H

@@ -16,7 +16,10 @@ from decimal_vectors import STEP, Array, about, array, floats, number, precise
 from space_kernels import SpaceModel, random_state, space_model
 from space_kinematics import SpaceState
 
+from conftest import ROOT
 from derive.errors import SpecError
+from derive.simulation.observables.plots import plot_curves
+from derive.simulation.prepared_run import PreparedRun
 from derive.spec.toml.read import parse
 
 SCENE = """
@@ -30,7 +33,7 @@ nodes = "block.npz"
 units = "SI"
 frame = "given"
 orthonormal = false
-markers = { face = { nodes = [0, 1, 2, 3], rotation = { axis = [1, 0, 1], angle = 0.4 } }, corner = 5 }
+markers = { face = { nodes = [0, 1, 2, 3], rotation = { axis = [1, 0, 1], angle = 0.4 } }, corner = 5, edge = 4 }
 [bodies.bob]
 mass = 2
 centre = [0.1, -0.1, 0.3]
@@ -47,6 +50,11 @@ rest = 0.1
 """
 FRAMES = (None, "bob.top", "block.face", "ground.base")
 VECTORS = ("position", "velocity", "acceleration", "rotation", "angular_velocity", "angular_acceleration")
+CHORDS = {
+    "sag": ("block.corner", "block.face", "block.edge"),
+    "arc": ("bob.end", "block.face", "ground.base"),
+}
+"""Deflections: a marker, and the ends of a chord."""
 
 
 def observed() -> str:
@@ -62,6 +70,10 @@ def observed() -> str:
         lines.append(f'[outputs.pull{i}]\nkind = "spring"\nspring = "strut"\n{given}')
         lines.append(f'[outputs.bearing{i}]\nkind = "reaction"\njoint = "hinge"\n{given}')
     lines.append('[outputs.bent]\nkind = "deflection"\nmarker = "block.corner"\n')
+    for name, markers in CHORDS.items():
+        marker, *chord = (f'"{marker}"' for marker in markers)
+        of_chord = f'kind = "deflection"\nmarker = {marker}\nchord = [{", ".join(chord)}]\n'
+        lines.append(f"[outputs.{name}]\n{of_chord}[outputs.{name}_part]\n{of_chord}divided_by = 0.25\n")
     return "".join(lines)
 
 
@@ -165,6 +177,78 @@ def test_a_deflection_is_the_displacement_from_the_undeformed_body(observed_mode
     assert found == pytest.approx(floats(moved), rel=1e-13)  # no digits are lost to the position itself
 
 
+@pytest.mark.parametrize("name", CHORDS)
+def test_a_deflection_from_a_chord_is_the_shortest_way_to_it(observed_model: SpaceModel, name: str) -> None:
+    """From the nearest point of the line, along the axes of the body of the marker; also divided by a length."""
+    t, q, v = random_state(observed_model.native, 4)
+    values = evaluated(observed_model, t, q, v, np.zeros(len(v)))
+    with precise():
+        oracle = observed_model.oracle
+        state = oracle.columns.state(q)
+        poses = oracle.poses(number(t), state)
+        x, start, end = (floats(oracle.frame(marker, state, poses)[0]) for marker in CHORDS[name])
+        R = floats(poses[CHORDS[name][0].split(".")[0]].R)
+    found = R @ column(values, name)
+    line = end - start
+    assert found @ line == pytest.approx(0, abs=1e-12)
+    (share,) = np.linalg.lstsq(line[:, None], x - start, rcond=None)[0]
+    assert found == pytest.approx(x - start - share * line, abs=1e-12) and np.linalg.norm(found) > 0.1
+    assert column(values, f"{name}_part") == pytest.approx(4 * column(values, name), rel=1e-14)
+
+
+SAGGING = """
+name = "sagging"
+[ground.markers]
+o = { at = [0.3, 0, 0.2], rotation = { axis = [1, 1, 0], angle = 0.4 } }
+[bodies.arm]
+mass = 2
+inertia = [1, 2, 2.5, 0, 0, 0]
+markers = { o = [0, 0, 0], tip = [0.4, 0.3, 0] }
+[bodies.block]
+nodes = "BLOCK"
+units = "SI"
+modes = 1
+markers = { left = 0, middle = 5, right = 7 }
+start = { angular_velocity = [20, 30, -10], amplitudes = [1e-3] }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "arm.o"]
+[drives.motor]
+joint = "hinge"
+speed = 3
+[outputs.sag]
+kind = "deflection"
+marker = "block.middle"
+chord = ["block.left", "block.right"]
+divided_by = 0.5
+[outputs.away]
+kind = "deflection"
+marker = "block.middle"
+chord = ["ground.o", "arm.tip"]
+[plots.sags]
+deflection = "block.middle"
+chord = ["block.left", "block.right"]
+divided_by = 0.5
+[plots.apart]
+deflection = "block.middle"
+chord = ["ground.o", "arm.tip"]
+over = "motor"
+[simulation]
+duration = 0.04
+output = 0.01
+"""
+
+
+def test_plots_of_deflections_show_the_lengths_of_outputs() -> None:
+    """From chords on the deforming body, and between the ground and a body that a drive carries."""
+    run = PreparedRun(parse(SAGGING.replace("BLOCK", str(ROOT / "scenes/block.npz"))), complete=False).trajectory()
+    plots = {plot.name: plot_curves(plot, run, "")[0] for plot in run.motion.scene.plots}
+    for plot, output in (("sags", "sag"), ("apart", "away")):
+        vectors = np.array([run[f"{output}_{k}"] for k in (1, 2, 3)])
+        assert plots[plot].y == pytest.approx(np.linalg.norm(vectors, axis=0), rel=1e-12) and np.ptp(plots[plot].y) > 0
+    assert plots["apart"].x == pytest.approx(3 * run.t)
+
+
 SWUNG = """
 name = "swung"
 [ground.markers]
@@ -228,13 +312,29 @@ def test_no_rotation_is_singular(
         ),
         ('kind = "deflection"\nmarker = "bob.end"', "outputs.x.marker: the marker bob.end is on a rigid body"),
         ('kind = "deflection"\nmarker = "ground.base"', "outputs.x.marker: the marker ground.base is on the ground"),
+        (
+            'kind = "deflection"\nmarker = "bob.end"\nchord = ["block.edge", "block.edge"]',
+            "outputs.x.chord: a chord is between two markers, and these are the same",
+        ),
+        (
+            'kind = "energy"\n[plots.p]\ndeflection = "bob.end"\nchord = ["bob.top", "bob.top"]\nover = "engine"',
+            "plots.p.chord: a chord is between two markers, and these are the same",
+        ),
+        (
+            'kind = "energy"\n[plots.p]\ndeflection = "bob.end"\nchord = ["bob.top", "bob.end"]\nover = "engine"',
+            'plots.p.over: there is no drive "engine"',
+        ),
+        (
+            'kind = "energy"\n[plots.p]\ndeflection = "bob.end"\nchord = ["bob.top", "bob.end"]\ncut = "block"',
+            "plots.p.cut: the body block is no beam, and beams alone are cut into pieces",
+        ),
         ('kind = "velocity"\nmarker = "bob.end"\nframe = "bob.ent"', "outputs.x.frame: "),
         ('kind = "angle"\nbetween = ["bob.end", "bob.top"]\naxis = "w"', "outputs.x.axis: "),
         ('kind = "energy"\nframe = "bob.end"', "outputs.x"),
     ],
 )
 def test_outputs_without_a_meaning(output: str, message: str) -> None:
-    text = SCENE.replace("block.npz", str(Path(__file__).parents[2] / "scenes" / "block.npz"))
+    text = SCENE.replace("block.npz", str(ROOT / "scenes/block.npz"))
     text = text.replace('frame = "given"\northonormal = false', "modes = 1")
     with pytest.raises(SpecError) as error:
         parse(f"{text}[outputs.x]\n{output}\n")

@@ -377,7 +377,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         ),
         (
             f"{PLOT}cut = 'bar'\npieces = [1]",
-            "18: plots.p.cut: the body bar is rigid, and beams alone are cut into pieces; the beams are rod",
+            "18: plots.p.cut: the body bar is no beam, and beams alone are cut into pieces; the beams are rod",
         ),
         (f"{PLOT}cut = 'rid'\npieces = [1]", '18: plots.p.cut: there is no body "rid"; did you mean "rod"?'),
         (

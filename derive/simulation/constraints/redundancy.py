@@ -10,11 +10,12 @@ from scipy.linalg import null_space, solve_triangular
 from derive.lowering.redundancy import dependences
 from derive.roles import Role
 from derive.runtime.native_call import Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
-from derive.simulation.configurations import velocities_with, velocity_names
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.configurations import displaced, velocities_with, velocity_names
 from derive.simulation.constraints.certificates import DEFINITE, independent, moves_mass
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
-from derive.simulation.constraints.scaling import SINGULAR, Spectrum, mass_factor, spectrum
+from derive.simulation.constraints.scaling import SINGULAR, Spectrum, mass_factor, rounding, spectrum
 from derive.simulation.errors import InextensibleBeam, MasslessMotion, RedundantConstraints, SingularConfiguration
 
 DependenceError = RedundantConstraints | SingularConfiguration | InextensibleBeam
@@ -22,6 +23,8 @@ DependenceError = RedundantConstraints | SingularConfiguration | InextensibleBea
 CONTRADICTION = 1e-6
 """Accelerations miss constraints that contradict each other by more than this part of the terms of a constraint, whose
 factors are at least as large (m, rad)."""
+SHORT = 1e-4
+"""s: the time over which the motion of all bodies is seen, for the size of their accelerations."""
 
 
 def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
@@ -39,11 +42,13 @@ def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector,
     _check_mass(native, k, t, q)
 
 
-def check_accelerations(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> None:
+def check_accelerations(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> None:
     """Raise the error of `dependence` if the motion is not determined in the state q (nq,), v (nv,) at t (s).
 
     Constraints may contradict each other, or a mechanism may be at rest in a singular position, from which it can go on
-    in several ways. A system that is not `proximal` has been refused by `check_constraints`.
+    in several ways. A system that is not `proximal` has been refused by `check_constraints`. Constraints that no
+    coordinate takes part in have been tried where they were derived, and what is left of their accelerations is that of
+    rounded numbers.
     """
     if not native.proximal or independent(native, k, t, q):
         return
@@ -54,12 +59,26 @@ def check_accelerations(native: ConstrainedSystem, k: Vector, t: float, q: Vecto
     gamma, R = native.constraint_bias(t, q, v, k), mass_factor(mass_matrix(native, q, k))
     free = solve_triangular(R, solve_triangular(R, native.force(t, q, v, k), trans="T"))
     size = (np.abs(G) + CONTRADICTION) @ (np.abs(vdot) + np.abs(free)) + np.abs(gamma)
-    if np.any(np.abs(G @ vdot - gamma) > CONTRADICTION * (size + 1e-6 * np.max(size))):
+    limit = CONTRADICTION * (size + 1e-6 * np.max(size)) + rounding(q) * _accelerations(native, k, t, q, v)
+    met_by_coordinates = np.isin(np.arange(native.nlambda), native.constraint_pattern.rowidx)
+    if np.any((np.abs(G @ vdot - gamma) > limit)[met_by_coordinates]):
         raise error
     if isinstance(error, SingularConfiguration):
         rows = [name in error.multipliers for name in native.multipliers]
         if not np.any(np.abs(G[rows]) @ np.abs(v)):
             raise error
+
+
+def _accelerations(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> float:
+    """The size (m/s^2, rad/s^2) of accelerations of bodies in a state, also of those that drives prescribe.
+
+    It is that of centripetal ones where all velocities are constant. Functions of time need not be defined before t.
+    """
+    poses = [native.poses(t + s, displaced(native, q, s * v), k) for s in (0.0, SHORT, 2 * SHORT)]
+    speeds = (poses[1] - poses[0]) / SHORT
+    changes = (poses[2] - 2 * poses[1] + poses[0]) / SHORT**2
+    size = max(max_norm(v), max_norm(speeds)) ** 2 + max_norm(changes)
+    return size if np.isfinite(size) else 0.0
 
 
 def dependence(

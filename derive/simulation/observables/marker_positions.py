@@ -6,15 +6,22 @@ import numpy as np
 
 from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.simulation.observables.motion import Array, SceneMotion, body_coordinates, planar, transformed
+from derive.simulation.space.marker_frames import frame_of
+from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import RigidBody
+from derive.spec.model.spatial_scene import SpatialScene
 
 
 def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
-    """The positions (n, 2), m, of a marker in the inertial frame."""
+    """The positions (n, 2) or in space (n, 3), m, of a marker in the inertial frame."""
     native = motion.native
+    if isinstance(motion.scene, SpatialScene):
+        states = zip(motion.t, motion.q, strict=True)
+        poses = (SpatialPoses(native, motion.k, float(t), q, 1.0) for t, q in states)
+        return np.array([frame_of(motion.scene, at, marker).position for at in poses])
     if marker.body == GROUND:
         return np.tile(body_coordinates(planar(motion.scene), marker), (len(motion.t), 1))
     body = next(b for b in motion.scene.bodies if b.name == marker.body)
@@ -24,7 +31,14 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
 
 
 def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
-    """The distances (n,) of a marker from a chord (m), positive to its left, or their ratios to a length."""
-    points = (marker_positions(motion, at).T for at in (quantity.marker, *quantity.chord))
-    distance: Array = distance_from_line(points, np.hypot)
+    """The distances (n,) of a marker from a chord (m), or their ratios to a length.
+
+    In the plane they are positive to the left of the chord, in space they have no sign.
+    """
+    point, start, end = (marker_positions(motion, at) for at in (quantity.marker, *quantity.chord))
+    distance: Array
+    if isinstance(motion.scene, SpatialScene):
+        distance = np.linalg.norm(np.cross(end - start, point - start), axis=1) / np.linalg.norm(end - start, axis=1)
+    else:
+        distance = distance_from_line((point.T, start.T, end.T), np.hypot)
     return distance if quantity.divided_by is None else distance / quantity.divided_by

@@ -30,8 +30,7 @@ def scene_faults(data: Raw) -> list[Fault]:
     faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
         faults += [*marker_faults(view), *_joints(view), *_drives(view), *_weightless(view)]
-        faults += [*_actions(view), *_plots(view)]
-        faults += [*_chords(view), *joint_start_faults(view)]
+        faults += [*_actions(view), *plot_faults(view), *joint_start_faults(view)]
         faults += [*input_faults(view), *_outputs(view), *column_faults(view)]
     return faults
 
@@ -197,7 +196,9 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
             yield Fault(("outputs", name, key.name), text)
 
 
-def _chords(view: SceneData) -> Iterator[Fault]:
+def plot_faults(view: SceneData) -> Iterator[Fault]:
+    """Faults of plots of what is not there, and of chords, also those of outputs."""
+    yield from _plots(view)
     for section in ("outputs", "plots"):
         for name in view.tables[section]:
             chord = view.pair(section, name, "chord")
@@ -221,7 +222,7 @@ def _plots(view: SceneData) -> Iterator[Fault]:
         if isinstance(cut, str) and cut not in beams:
             known_names = f"the beams are {names_text(beams)}" if beams else "leave `cut` and `pieces` out"
             if cut in view.bodies:
-                text = f"the body {cut} is rigid, and beams alone are cut into pieces; {known_names}"
+                text = f"the body {cut} is no beam, and beams alone are cut into pieces; {known_names}"
             else:
                 text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, known_names)}"
             yield Fault(("plots", name, "cut"), text)

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, SpatialJointType
-from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME
+from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME, OF_CHORD
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
-from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults
+from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults, plot_faults
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
 from derive.spec.checks.scene_parameters import parameter_faults
@@ -37,6 +37,7 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
             *_of_elements(view),
             *_joint_loads(view),
             *_actions(view),
+            *plot_faults(view),
             *_starts(view),
             *_weightless(view),
         ]
@@ -110,7 +111,7 @@ def _actions(view: SceneData) -> Iterator[Fault]:
             text = f"a {NAMED[str(section)]} on the ground moves nothing; name a marker of a body"
             yield Fault(ref.path, text)
         if section == "outputs":
-            yield from _marker_output(view, ref, str(view.tables["outputs"][name].get("kind")))
+            yield from _marker_output(view, ref, view.tables["outputs"][name])
         if section == "torques" and _is_node(view, ref.marker):
             yield Fault(ref.path, _no_rotation(ref.marker, "a torque acts", "pair of forces"))
         if section == "springs" and _is_node(view, ref.marker):
@@ -123,14 +124,19 @@ OF_ROTATION = ("rotation", "angular_velocity", "angular_acceleration")
 """The kinds of outputs that depend on the rotation of their marker."""
 
 
-def _marker_output(view: SceneData, ref: WrittenRef, kind: str) -> Iterator[Fault]:
+def _marker_output(view: SceneData, ref: WrittenRef, output: Raw) -> Iterator[Fault]:
     """Faults of an output of the rotation of a node, and of the deformation of what does not deform."""
+    kind = str(output.get("kind"))
     turns = kind in OF_ROTATION or FRAME.name in ref.path[2:]
     if turns and _is_node(view, ref.marker):
         yield Fault(ref.path, _no_rotation(ref.marker, f"the output {kind} depends", "marker of another body"))
-    if kind == DEFLECTION and (ref.marker.body == GROUND or view.kind(ref.marker.body) == "rigid"):
+    rigid = ref.marker.body == GROUND or view.kind(ref.marker.body) == "rigid"
+    if kind == DEFLECTION and rigid and OF_CHORD.name not in output:
         of = "the ground" if ref.marker.body == GROUND else "a rigid body"
-        text = f"the marker {ref.marker} is on {of}, which does not deform; name a marker of a finite-element body"
+        text = (
+            f"the marker {ref.marker} is on {of}, which does not deform; name a marker of a finite-element body, or "
+            "a `chord` between two markers from which the deflection is measured"
+        )
         yield Fault(ref.path, text)
 
 

@@ -17,7 +17,7 @@ class Deflection:
         MarkerRef,
         key(
             KeyType.MARKER,
-            "Marker whose distance from the chord is plotted, positive to the left.",
+            "Marker whose distance from the chord is plotted, in the plane positive to the left.",
             name="deflection",
             example='"rod.middle"',
         ),
@@ -26,8 +26,8 @@ class Deflection:
         tuple[MarkerRef, MarkerRef],
         key(
             KeyType.MARKER_PAIR,
-            'Markers at the beginning and the end of the chord, such as ["rod.left", "rod.right"]; the deflection is '
-            "positive to its left.",
+            'Markers at the beginning and the end of the chord, such as ["rod.left", "rod.right"]; in the plane the '
+            "deflection is positive to its left.",
             example='["rod.left", "rod.right"]',
         ),
     ]

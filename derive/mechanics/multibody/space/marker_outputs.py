@@ -11,10 +11,12 @@ and those of the relative angular velocity A^T (w2 - w) and A^T (w2dot - wdot - 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
+from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross, dot, fixed_frame
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
 from derive.mechanics.time_functions import Atan2, select
@@ -33,6 +35,13 @@ FRAME = Key(
     "given along its axes. By default it is the inertial frame.",
 )
 AXIS = Key("axis", KeyType.CHOICE, "", "Axis of the frame: x, y or z.", default="x", choices=("x", "y", "z"))
+OF_CHORD = replace(
+    CHORD,
+    description='Markers at the beginning and the end of a chord, such as ["rod.left", "rod.right"]: the deflection is '
+    "the vector to the marker from the nearest point of the line through them, along the axes of the floating frame of "
+    "its body. By default it is the displacement by deformation.",
+    required=False,
+)
 INERTIAL = fixed_frame(sp.zeros(3, 1), sp.eye(3))
 SMALL = sp.Rational(1, 10**100)
 """Less than the square of any length: what keeps the root of a sum of squares, and its derivative, away from 0/0."""
@@ -140,10 +149,25 @@ def _distance(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialCo
 
 
 def _deflection(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
-    """The displacement u of a marker by the deformation of its body, along the axes of the floating frame."""
-    u = parts.at(values["marker"]).displacement
-    doc = f"displacement of {values['marker']} by deformation along e{{}} of the floating frame"
-    return tuple(SpatialComponent(str(k), "m", doc.format(k), u[k - 1]) for k in AXES)
+    """The deflection of a marker along the axes of the floating frame of its body.
+
+    It is the displacement u by the deformation of the body or, with a chord along e, the part d - e (e . d) of the
+    vector d from the beginning of the chord to the marker.
+    """
+    marker, chord, divisor = values["marker"], values.get(OF_CHORD.name), values.get(DIVIDED_BY.name)
+    at, length = parts.at(marker), None if divisor is None else float(divisor)
+    if chord is None:
+        vector = sp.Matrix(at.displacement)
+        text = f"displacement of {marker} by deformation" + ("" if length is None else f", divided by {length:g} m")
+    else:
+        start, end = (sp.Matrix(parts.at(of).position) for of in chord)
+        line, arm = end - start, sp.Matrix(at.position) - start
+        vector = sp.Matrix(at.frame).T * (arm - line * (dot(line, arm) / dot(line, line)))
+        text = deflection_doc(marker, chord, length)
+    unit = "m" if divisor is None else ""
+    scaled = vector / (1 if divisor is None else sp.Rational(divisor))
+    doc = f"{text}, along e{{}} of the floating frame"
+    return tuple(SpatialComponent(str(k), unit, doc.format(k), scaled[k - 1]) for k in AXES)
 
 
 DEFLECTION = "deflection"
@@ -169,8 +193,9 @@ MARKER_OUTPUTS: Mapping[str, SpatialOutputType] = {
         _angle,
     ),
     DEFLECTION: SpatialOutputType(
-        "displacement of a marker by deformation, against the undeformed body in its floating frame",
-        (MARKER,),
+        "displacement of a marker by deformation, against the undeformed body in its floating frame; or its distance "
+        "from a chord, as a vector",
+        (MARKER, OF_CHORD, replace(DIVIDED_BY, type=KeyType.POSITIVE)),
         LABELS,
         _deflection,
     ),
