@@ -72,7 +72,7 @@ def graph(seed: int, most: int = 6, ports: bool = False, varying: bool = False, 
         joints = tables["joints"]
         tables |= {"joints": joints | {f"{TWIN}{name}": joints[name] for name in twin}}
         with more_joints():
-            scene = derive.scene(f"graph_{seed}", **(_with_ports(tables) if ports else tables))
+            scene = derive.scene(f"graph_{seed}", **(_with_ports(tables, seed % 2 == 1) if ports else tables))
             redundant = sum(len(derive.JOINTS[joints[name]["kind"]].removes) for name in twin)
             if made := lowered(scene, shape.__name__.strip("_"), seed, ports, redundant):
                 return made
@@ -222,8 +222,11 @@ def _scene(shape: Shape, draws: random.Random, most: int, kept: float) -> dict[s
     }
 
 
-def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
-    """A scene in which numbers are parameters, equal ones the same, with an input, springs, a drive and outputs."""
+def _with_ports(tables: dict[str, Any], sums: bool) -> dict[str, Any]:
+    """A scene in which numbers are parameters, equal ones the same, with an input, springs, a drive and outputs.
+
+    sums: whether energies and powers are among the outputs.
+    """
     symbols: dict[tuple[str, float], dict[str, Any]] = {}
 
     def parameter(name: str, value: float) -> dict[str, Any]:
@@ -255,6 +258,7 @@ def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
         "outputs": {
             "place": {"kind": "position", "marker": f"{last}.right"},
             **({"pull": {"kind": "reaction", "joint": joint}} if joint else {}),
+            **({"energies": {"kind": "energy"}, "powers": {"kind": "power"}} if sums else {}),
         },
     }
 
