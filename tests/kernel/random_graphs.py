@@ -56,16 +56,20 @@ def constants(model: Model) -> list[float]:
     return interpret(model.kernel("setup"), {"p": list(model.defaults)})["k"]
 
 
-def graph(seed: int, most: int = 6, ports: bool = False, varying: bool = False, twins: int = 0) -> Graph:
+def graph(
+    seed: int, most: int = 6, ports: bool = False, varying: bool = False, twins: int = 0, pieces: bool = False
+) -> Graph:
     """The graph of a seed, with so many bodies at most; joints that close loops are left out if some are redundant.
 
     ports: with parameters, an input, springs and outputs, and with the derivatives with respect to these; varying: with
     joints whose axes move or that remove functions of several relative motions; twins: the number of joints of which
-    there is another one, so that reactions are those of least norm.
+    there is another one, so that reactions are those of least norm; pieces: with beams in pieces.
     """
     for kept in (1.0, 0.5, 0.25, 0.0):
         shape = SHAPES[seed % len(SHAPES)]
         tables = _scene(shape, random.Random(seed), most, kept)
+        if pieces:
+            tables |= {"bodies": _in_pieces(tables["bodies"], random.Random(f"pieces {seed}"))}
         twin = [*tables["joints"]][:twins]
         if varying:
             tables = with_varying_joints(tables, random.Random(f"varying {seed}"), carried=kept > 0)
@@ -220,6 +224,19 @@ def _scene(shape: Shape, draws: random.Random, most: int, kept: float) -> dict[s
         "bodies": bodies,
         "joints": {f"joint_{k}": joint for k, joint in enumerate(joints)},
     }
+
+
+def _in_pieces(bodies: dict[str, Any], draws: random.Random) -> dict[str, Any]:
+    """Bodies of which some beams are cut into pieces; in half of the scenes all are, and into equally many."""
+    beams = [name for name, body in bodies.items() if "length" in body]
+    if draws.random() < 0.5:
+        counts = dict.fromkeys(beams, draws.choice((2, 3)))
+    else:
+        counts = {name: draws.choice((1, 2, 3)) for name in beams} | dict.fromkeys(beams[:1], 2)
+    damping = draws.choice(({}, {"damping": {"mass": 0.3, "stiffness": 0.001}}))
+    loaded = draws.random() < 0.3
+    load = {"loads": {"wind": {"force": [0, _rounded(draws.uniform(1, 5))]}}} if loaded else {}
+    return {n: body | ({"pieces": counts[n]} | damping | load if n in counts else {}) for n, body in bodies.items()}
 
 
 def _with_ports(tables: dict[str, Any], sums: bool) -> dict[str, Any]:
