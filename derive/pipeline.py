@@ -89,13 +89,13 @@ def generate(
     """
     stages = stages or Stages()
     with stages.stage("derive", "deriving the equations of motion"):
-        derived = derive(spec)
+        derived, first = derive(spec), _foreseen(spec)
     with stages.stage("lower", "lowering to kernels"):
-        model = lower(derived, sensitivities)
+        model = lower(derived if first is spec else derive(first), sensitivities)
     unstarted = ""
     if isinstance(spec, (Scene, SpatialScene)):
         with stages.stage("start", "computing the initial state"):
-            model, unstarted = _started(spec, model, start_needed)
+            model, unstarted = _started(spec, model, start_needed, first is not spec)
     with stages.stage("emit", "emitting C and Python"):
         files = emit(model, spec, backends)
     return Built(spec, derived, model, files, unstarted, stages.seconds)
@@ -115,17 +115,26 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     return emit(model, spec, backends)
 
 
-def _started(scene: AnyScene, model: Model, needed: bool = False) -> tuple[Model, str]:
+def _foreseen(spec: Specification) -> Specification:
+    """The specification whose model is tried first: of some scenes redundant joints are certain."""
+    from derive.simulation.redundant_joints import foreseen
+
+    return foreseen(spec) if isinstance(spec, (Scene, SpatialScene)) else spec
+
+
+def _started(scene: AnyScene, model: Model, needed: bool = False, resolved: bool = False) -> tuple[Model, str]:
     """The model with its initial state or, unless that is needed, without it and with the reason.
 
-    It is another one if joints prove to be redundant in the initial state.
+    resolved: whether the model is that of the scene with redundant joints resolved. It is the other one of the two if
+    joints prove to be redundant in the initial state, or if that does not help.
     """
     from derive.simulation.initial.start_state import start_state
     from derive.simulation.linear.run_time_inputs import with_zero_inputs
     from derive.simulation.redundant_joints import with_redundant_joints
 
     def started(described: AnyScene) -> Model:
-        own = model if described is scene else lower(derive(described), model.sensitivities)
+        given = (described is scene) != resolved
+        own = model if given else lower(derive(described), model.sensitivities)
         return replace(own, start=start_state(with_zero_inputs(described) if needed else described, own))
 
     try:
@@ -134,6 +143,8 @@ def _started(scene: AnyScene, model: Model, needed: bool = False) -> tuple[Model
         if needed:
             raise
         reason = str(error).splitlines()[0]
+        if resolved:
+            model = lower(derive(scene), model.sensitivities)
         return model, f"no function {model.name}_start, since there is no initial state: {reason}"
 
 

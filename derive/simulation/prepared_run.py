@@ -24,7 +24,7 @@ from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.default_plots import default_plots, plots_note
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
-from derive.simulation.redundant_joints import with_redundant_joints
+from derive.simulation.redundant_joints import foreseen, with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.simulated_scene import surroundings
 from derive.simulation.space.half_turns import half_turn_notes
@@ -76,7 +76,7 @@ class PreparedRun:
         self.size = body_size(self.body) if self.body else size_of(self.scene)
         check_drives(self.scene)
         self._compile, self._complete = INTEGRATORS[integrator], bool(self.body) or complete
-        self._generate(self.scene)
+        self._generate(foreseen(self.scene))
         columns = column_units(self.scene, self.model)
         self.units = dict(columns)
         problems = [*_repeated(name for name, _ in columns), *plots_of_nothing(spec.plots, tuple(self.units))]
@@ -89,6 +89,7 @@ class PreparedRun:
 
     def _generate(self, scene: AnyScene) -> None:
         """Generate the model, of `scene` in place of the scene that is simulated."""
+        self._redundancy = scene.redundant
         if self._complete or self.settings.integrator not in EXPLICIT:
             self.complete_model, self.files = generated(self.body or with_monitors(scene))
         else:
@@ -110,7 +111,7 @@ class PreparedRun:
         """
 
         def run(scene: AnyScene) -> Trajectory:
-            if scene is not self.scene:
+            if scene.redundant != self._redundancy:
                 self._generate(scene)
             return self._trajectory(earlier, progress, announce)
 

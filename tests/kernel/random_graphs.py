@@ -56,23 +56,27 @@ def constants(model: Model) -> list[float]:
     return interpret(model.kernel("setup"), {"p": list(model.defaults)})["k"]
 
 
-def graph(seed: int, most: int = 6, ports: bool = False, varying: bool = False, twins: int = 0) -> Graph:
+def graph(
+    seed: int, most: int = 6, ports: bool = False, varying: bool = False, twins: int = 0, pieces: bool = False
+) -> Graph:
     """The graph of a seed, with so many bodies at most; joints that close loops are left out if some are redundant.
 
     ports: with parameters, an input, springs and outputs, and with the derivatives with respect to these; varying: with
     joints whose axes move or that remove functions of several relative motions; twins: the number of joints of which
-    there is another one, so that reactions are those of least norm.
+    there is another one, so that reactions are those of least norm; pieces: with beams in pieces.
     """
     for kept in (1.0, 0.5, 0.25, 0.0):
         shape = SHAPES[seed % len(SHAPES)]
         tables = _scene(shape, random.Random(seed), most, kept)
+        if pieces:
+            tables |= {"bodies": _in_pieces(tables["bodies"], random.Random(f"pieces {seed}"))}
         twin = [*tables["joints"]][:twins]
         if varying:
             tables = with_varying_joints(tables, random.Random(f"varying {seed}"), carried=kept > 0)
         joints = tables["joints"]
         tables |= {"joints": joints | {f"{TWIN}{name}": joints[name] for name in twin}}
         with more_joints():
-            scene = derive.scene(f"graph_{seed}", **(_with_ports(tables) if ports else tables))
+            scene = derive.scene(f"graph_{seed}", **(_with_ports(tables, seed % 2 == 1) if ports else tables))
             redundant = sum(len(derive.JOINTS[joints[name]["kind"]].removes) for name in twin)
             if made := lowered(scene, shape.__name__.strip("_"), seed, ports, redundant):
                 return made
@@ -222,8 +226,24 @@ def _scene(shape: Shape, draws: random.Random, most: int, kept: float) -> dict[s
     }
 
 
-def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
-    """A scene in which numbers are parameters, equal ones the same, with an input, springs, a drive and outputs."""
+def _in_pieces(bodies: dict[str, Any], draws: random.Random) -> dict[str, Any]:
+    """Bodies of which some beams are cut into pieces; in half of the scenes all are, and into equally many."""
+    beams = [name for name, body in bodies.items() if "length" in body]
+    if draws.random() < 0.5:
+        counts = dict.fromkeys(beams, draws.choice((2, 3)))
+    else:
+        counts = {name: draws.choice((1, 2, 3)) for name in beams} | dict.fromkeys(beams[:1], 2)
+    damping = draws.choice(({}, {"damping": {"mass": 0.3, "stiffness": 0.001}}))
+    loaded = draws.random() < 0.3
+    load = {"loads": {"wind": {"force": [0, _rounded(draws.uniform(1, 5))]}}} if loaded else {}
+    return {n: body | ({"pieces": counts[n]} | damping | load if n in counts else {}) for n, body in bodies.items()}
+
+
+def _with_ports(tables: dict[str, Any], sums: bool) -> dict[str, Any]:
+    """A scene in which numbers are parameters, equal ones the same, with an input, springs, a drive and outputs.
+
+    sums: whether energies and powers are among the outputs.
+    """
     symbols: dict[tuple[str, float], dict[str, Any]] = {}
 
     def parameter(name: str, value: float) -> dict[str, Any]:
@@ -255,6 +275,7 @@ def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
         "outputs": {
             "place": {"kind": "position", "marker": f"{last}.right"},
             **({"pull": {"kind": "reaction", "joint": joint}} if joint else {}),
+            **({"energies": {"kind": "energy"}, "powers": {"kind": "power"}} if sums else {}),
         },
     }
 

@@ -112,6 +112,20 @@ kind = "spring"
 spring = "stay[i]"
 """,
 }
+PARTS["energies and powers"] = (
+    PARTS["cables to stands"]
+    + """
+[forces.follower]
+count = {n2}
+at = "deck[i].a"
+frame = "body"
+components = [0, "1 + i"]
+[outputs.energy]
+kind = "energy"
+[outputs.power]
+kind = "power"
+"""
+)
 MASSES = {"equal": "mass = 2", "tapered": 'mass = "2 + 0.3*i"'}
 STIFFNESSES = {"number": "30", "parameter": '{ symbol = "EI", default = 30, unit = "N m^2" }'}
 
@@ -131,9 +145,10 @@ def deck(parts: str, mass: str, stiffness: str, count: int = 4) -> Scene:
 @pytest.mark.parametrize(
     ("parts", "mass", "stiffness"),
     [
-        ("cables to stands", "tapered", "parameter"),
+        long("cables to stands", "tapered", "parameter"),
         ("cables of equal numbers", "equal", "number"),
         ("a gust on one body, torques on all", "equal", "parameter"),
+        ("energies and powers", "tapered", "parameter"),
         long("cables to stands", "equal", "number"),
         long("some without a cable", "tapered", "number"),
         long("springs between bodies", "tapered", "parameter"),
@@ -147,7 +162,7 @@ def test_loops_compute_what_straight_line_code_does(parts: str, mass: str, stiff
 
 @pytest.mark.parametrize(
     "parts",
-    ["cables to stands", *(long(part) for part in ("a gust on one body, torques on all", "springs between bodies"))],
+    ["energies and powers", *(long(part) for part in ("a gust on one body, torques on all", "springs between bodies"))],
 )
 def test_text_does_not_grow_with_forces_that_differ(parts: str) -> None:
     """Bodies with other numbers, with a parameter in the scene, have one code, and so have their forces and outputs."""

@@ -74,7 +74,11 @@ class InstancesOfKinds(ABC):
 
     def instance(self, name: str) -> BodyInstance:
         """An instance by its name."""
-        return next(instance for instance in self.instances if instance.name == name)
+        return self._instances_by_name[name]
+
+    @cached_property
+    def _instances_by_name(self) -> dict[str, BodyInstance]:
+        return {instance.name: instance for instance in self.instances}
 
     def expanded(self) -> Equations:
         """The equations of motion without reference to kinds: each instance has rows of its own.

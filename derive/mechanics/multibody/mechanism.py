@@ -6,17 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
 
-import sympy as sp
-
 from derive.mechanics.equations import Equations
-from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.constraints import constraints
-from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.gathering import (
     Gathered,
-    Instances,
     InstancesOfKinds,
     equations_of_mechanism,
     refuse_idle,
@@ -28,12 +24,9 @@ from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import output_equations
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
-from derive.mechanics.terms import Pose, Term
+from derive.mechanics.terms import Pose
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Scene
-
-RIGID = 3
-"""The coordinates of a free body in the plane that come before its amplitudes."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +46,11 @@ class Mechanism(InstancesOfKinds):
     eliminated_joints: tuple[EliminatedJoint, ...]
     outputs: tuple[OutputInstance, ...]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the instances."""
+        return tuple(instance.name for instance in self.instances)
+
     def __str__(self) -> str:
         joints = [f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints]
         return self.summary("mechanism", {"constraints": joints, "forces": [f.element.name for f in self.forces]})
@@ -71,7 +69,6 @@ class Mechanism(InstancesOfKinds):
         conditions = tuple(c for _, of_joint in joints for c in of_joint)
         refuse_idle(conditions, self.scene.redundant)
         forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in self.forces]
-        forces += [damping_force(damping, instances) for damping in self.dampings]
         parts = SceneMechanics(
             scene=self.scene,
             ground=self.ground,
@@ -80,9 +77,11 @@ class Mechanism(InstancesOfKinds):
             eliminated_joints=self.eliminated_joints,
             forces=self.forces,
             generalised=tuple(forces),
+            dampings=self.dampings,
             constraints=conditions,
         )
         outputs, of_outputs = output_equations(self.outputs, parts)
+        forces += [damping_force(damping, instances) for damping in self.dampings]
         contributions = Gathered(
             doc=mechanism_doc(self.scene, self.coordinates, conditions),
             frame_doc=frame_doc(self.instances, self.scene),
@@ -96,21 +95,6 @@ class Mechanism(InstancesOfKinds):
             of_outputs=of_outputs,
         )
         return equations_of_mechanism(self, instances, contributions)
-
-
-def damping_force(damping: ComponentDamping, instances: Instances) -> GeneralisedForce:
-    """The damping forces B alphadot on the amplitudes of the components of a body, and their power."""
-    rows = [row for name in damping.components for row in instances[name].rows[RIGID:]]
-    forces: dict[str, list[sp.Expr]] = {}
-    for (i, j), entry in damping.entries.items():
-        first, second = rows[i - 1], rows[j - 1]
-        forces.setdefault(first.name, []).append(entry * second.v)
-        if i != j:
-            forces.setdefault(second.name, []).append(entry * first.v)
-    totals = {name: sp.Add(*force) for name, force in forces.items()}
-    terms = tuple(Term(row, DAMPING_TERM.name, DAMPING_TERM.equation, total) for row, total in totals.items())
-    power = sp.Add(*(totals[row.name] * row.v for row in rows if row.name in totals))
-    return GeneralisedForce(terms, dissipation=-power)
 
 
 def pose(name: str, instance: InstanceEquations) -> Pose:

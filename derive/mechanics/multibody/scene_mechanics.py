@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.joints.joint_type import JointType
@@ -57,7 +58,7 @@ NOTHING = Resultant(sp.zeros(2, 1), sp.S.Zero)
 class SceneMechanics:
     """The parts of a mechanism: the equations of its instances by their names, joints, forces and constraints.
 
-    `generalised` are the forces of `forces` on the rows of the mechanism, and the damping that acts between components;
+    `generalised` are the forces of `forces` on the rows of the mechanism; `dampings` act between components;
     `constraints` are those of `joints`.
     """
 
@@ -68,7 +69,13 @@ class SceneMechanics:
     eliminated_joints: tuple[EliminatedJoint, ...]
     forces: tuple[ForceInstance, ...]
     generalised: tuple[GeneralisedForce, ...]
+    dampings: tuple[ComponentDamping, ...]
     constraints: tuple[Constraint, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the instances."""
+        return tuple(self.instances)
 
     def point(self, marker: MarkerRef) -> PointMotion:
         """The motion of a marker of an instance or of the ground."""
@@ -108,6 +115,10 @@ class SceneMechanics:
         totals = [-sp.Add(*(term.expr for term in made.terms if term.row == row.name)) for row in _VIRTUAL]
         return _resultant(totals)
 
+    def virtual_work(self, force: str) -> GeneralisedForce:
+        """The virtual work of a force on the rows of the mechanism, by its name, and what it stores and dissipates."""
+        return next(made for of, made in zip(self.forces, self.generalised, strict=True) if of.element.name == force)
+
     def power(self, force: ForceInstance) -> sp.Expr:
         """The power of a force, a torque or a spring (W): its virtual work on the actual velocities."""
         rate = _VIRTUAL[0].a
@@ -135,11 +146,6 @@ class SceneMechanics:
         factors = self._factors(joint.joint, joint.type, lambda marker: marker == second, self.position(second), True)
         unknown = sp.Matrix(factors).T.LUsolve(sp.Matrix([*reaction.force, reaction.torque]))
         return sp.expand(unknown[-1])
-
-    def drive_rate(self, drive: Drive) -> sp.Expr:
-        """The time derivative of the relative coordinate that a drive prescribes."""
-        driven = [j.drive for j in self.joints] + [j.drive for j in self.eliminated_joints]
-        return next(motion.motion[1] for motion in driven if motion and motion.name == drive.name)
 
     def eliminated_joint(self, name: str) -> EliminatedJoint:
         """A joint that has eliminated coordinates, by its name."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import sympy as sp
 
@@ -23,12 +24,15 @@ from derive.lowering.instances.classes.force_numbers import (
 )
 from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.mechanism import Mechanism, damping_force
+from derive.mechanics.multibody.kinds import ForceInstance
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import Joint
 
 
 class NotInLoops(TisserandError):
@@ -39,14 +43,16 @@ class NotInLoops(TisserandError):
 class GroupElement:
     """A force, a damping, a varying joint or an output: its number among those, and its bodies with coordinates.
 
-    first: the number of its first component, if it is an output; further: joints that no body with coordinates has;
-    forces, differing: the forces on which it depends, and the places of the numbers in which those of its group differ;
-    names_forces: whether it depends on those that it names alone.
+    first: the number of its first component, if it is an output; adds: whether it is added to other parts of this
+    output; further: joints that no body with coordinates has; forces, differing: the forces on which it depends, and
+    the places of the numbers in which those of its group differ; names_forces: whether it depends on those that it
+    names alone.
     """
 
     number: int
     bodies: tuple[Member, ...]
     first: int = 0
+    adds: bool = False
     further: tuple[int, ...] = ()
     forces: tuple[ForceForm, ...] = ()
     differing: tuple[tuple[Place, ...], ...] = ()
@@ -125,6 +131,27 @@ class Bodies:
         """The numbers of the joints between markers whose motion is known."""
         ends = ((joint.joint.first.body, joint.joint.second.body) for joint in self.mechanism.joints)
         return tuple(k for k, bodies in enumerate(ends) if not any(body in self.members for body in bodies))
+
+    @cached_property
+    def forces(self) -> Mapping[str, ForceInstance]:
+        """The forces by their names."""
+        return {force.element.name: force for force in self.mechanism.forces}
+
+    @cached_property
+    def acting(self) -> Mapping[str, tuple[ForceInstance, ...]]:
+        """The forces on each body with coordinates."""
+        result: dict[str, list[ForceInstance]] = {name: [] for name in self.members}
+        for force in self.mechanism.forces:
+            for name in moving_bodies(self.mechanism, force):
+                result[name].append(force)
+        return {name: tuple(forces) for name, forces in result.items()}
+
+    @cached_property
+    def named_joints(self) -> Mapping[str, tuple[Joint, bool]]:
+        """The joints by their names, and those with drives by the names of these; the flag says which name it is."""
+        every = [j.joint for j in self.mechanism.joints] + [j.joint for j in self.mechanism.eliminated_joints]
+        result = {joint.name: (joint, False) for joint in every}
+        return result | {d.name: (result[d.joint][0], True) for d in self.mechanism.scene.drives}
 
     def end(self, marker: MarkerRef) -> Hashable:
         """The class of a body and its marker, or a marker whose motion is known."""

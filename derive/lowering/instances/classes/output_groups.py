@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping
-from dataclasses import replace
-from itertools import repeat
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate, repeat
 from typing import Any
 
 import sympy as sp
@@ -19,52 +19,115 @@ from derive.lowering.instances.classes.groups import (
     group_equations,
     with_differences,
 )
-from derive.lowering.instances.classes.known_motion import STILL
+from derive.lowering.instances.classes.output_scene import NamedForces, output_scene
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
-from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.kinds import ForceInstance
-from derive.mechanics.multibody.mechanism import damping_force
-from derive.mechanics.multibody.outputs.output_type import OutputInstance
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.outputs.output_type import OutputInstance, SumOutput
+from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.mechanics.multibody.ports import output_equations
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.terms import OutputEquation
 from derive.spec.model.markers import GROUND, MarkerRef
 
 
+@dataclass(frozen=True)
+class _Part:
+    """An output, or an addend of one: the number of its first component, and whether it is an addend."""
+
+    output: OutputInstance
+    first: int
+    adds: bool
+
+
 def output_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
-    """The groups of the outputs, each with its equations; an output that no group can have depends on all bodies."""
+    """The groups of the outputs, each with its equations; an output that no group can have depends on all bodies.
+
+    Sums have groups of addends: those of each body, force and drive, and one of all whose motion is known.
+    """
     groups: dict[Hashable, list[GroupElement]] = {}
     made: dict[Hashable, Equations] = {}
-    first = 0
-    for number, output in enumerate(bodies.mechanism.outputs):
-        for key, element, of_all in _elements(bodies, number, first):
+    parts = [*_parts(bodies)]
+    known = _known_addends(bodies, parts)
+    for number, part in enumerate(parts):
+        for key, element, of_all in _elements(bodies, number, part) if number not in known else ():
             if key not in made:
                 try:
-                    made[key] = _output_equations(bodies, element, of_all)
+                    made[key] = _output_equations(bodies, part.output, element, of_all)
                 except NotInLoops:
                     continue
             groups.setdefault(key, []).append(element)
             break
-        first += len(output.type.labels)
-    result = []
+    result = list(_known_sums(bodies, parts, known))
     for key, members in groups.items():
         group, equations = Group("output", with_differences(members)), made[key]
         if any(group.first.differing):
-            again = _output_equations(bodies, group.first)
+            again = _output_equations(bodies, parts[group.first.number].output, group.first)
             named = zip(equations.outputs, again.outputs, strict=True)
             equations = replace(again, outputs=tuple(replace(old, expr=new.expr) for old, new in named))
         result.append((group, equations))
     return tuple(result)
 
 
-def _elements(bodies: Bodies, number: int, first: int) -> Iterator[tuple[Hashable, GroupElement, bool]]:
+def _parts(bodies: Bodies) -> Iterator[_Part]:
+    """Yield the outputs, sums empty, and then the addends of the sums."""
+    outputs = bodies.mechanism.outputs
+    firsts = [*accumulate((len(output.type.labels) for output in outputs), initial=0)]
+    yield from (_Part(output, first, False) for output, first in zip(outputs, firsts, strict=False))
+    for output, first in zip(outputs, firsts, strict=False):
+        if isinstance(output.type, SumOutput):
+            for addend, values in output.type.addends(bodies.mechanism):
+                yield _Part(OutputInstance(output.name, addend, values), first, True)
+
+
+def _known_addends(bodies: Bodies, parts: Sequence[_Part]) -> dict[int, tuple[sp.Expr, ...]]:
+    """The components of the addends that depend on nothing but what is known, by their numbers; sums have none."""
+    forces = _known_forces(bodies)
+    scene = output_scene(bodies, {}, NamedForces(force for force, _ in forces), [made for _, made in forces])
+    values = {c.symbol: c.value for c in bodies.known.context.equations.coefficients if c.value.is_Rational}
+    result: dict[int, tuple[sp.Expr, ...]] = {}
+    for number, part in enumerate(parts):
+        output = part.output
+        if isinstance(output.type, SumOutput):
+            result[number] = ()
+        elif part.adds and not _referenced(bodies, output)[0]:
+            try:
+                components = output.type.components(output.name, output.values, scene).components
+            except (AttributeError, KeyError, StopIteration, NotInLoops):  # it depends on other bodies as well
+                continue
+            result[number] = tuple(c.expr.xreplace(values) for c in components)
+    return result
+
+
+def _known_forces(bodies: Bodies) -> list[tuple[ForceInstance, GeneralisedForce]]:
+    """The forces between markers whose motion is known, with what they store and dissipate."""
+    known = bodies.known
+    forces = (force for force in bodies.mechanism.forces if all(map(known.is_known, force.markers)))
+    return [(f, f.type.generalised_force(f.element, tuple(map(known.point, f.markers)), f.values, ())) for f in forces]
+
+
+def _known_sums(
+    bodies: Bodies, parts: Sequence[_Part], known: Mapping[int, tuple[sp.Expr, ...]]
+) -> Iterator[tuple[Group, Equations]]:
+    """Yield a group of one element for each output with such addends: their sum."""
+    of_outputs: dict[int, list[int]] = {}
+    definitions = GeneralisedForce((), tuple(d for _, made in _known_forces(bodies) for d in made.definitions))
+    for number in known:
+        if parts[number].adds:
+            of_outputs.setdefault(parts[number].first, []).append(number)
+    for first, numbers in of_outputs.items():
+        totals = [sp.Add(*each) for each in zip(*(known[number] for number in numbers), strict=True)]
+        sums = [OutputEquation("", "", "", "", total) for total in totals]
+        element = GroupElement(numbers[0], (), first, adds=True)
+        yield Group("output", (element,)), group_equations(bodies, {}, definitions, (), tuple(sums))
+
+
+def _elements(bodies: Bodies, number: int, part: _Part) -> Iterator[tuple[Hashable, GroupElement, bool]]:
     """Yield an output with what its code depends on, and whether that is all: at first what it names alone.
 
     Then its bodies with the forces that act on these alone, and at last all that there is.
     """
-    output = bodies.mechanism.outputs[number]
+    output = part.output
     names, known = _referenced(bodies, output)
     names, others = _with_partners(bodies, names)
 
@@ -73,16 +136,17 @@ def _elements(bodies: Bodies, number: int, first: int) -> Iterator[tuple[Hashabl
         ends = ([marker.body for marker in form.force.markers] for form in forms)
         at = tuple(tuple(names.index(body) if body in names else -1 for body in of) for of in ends)
         members = tuple(bodies.members[name] for name in names)
-        element = GroupElement(number, members, first, forces=forms, names_forces=named)
+        element = GroupElement(number, members, part.first, part.adds, forces=forms, names_forces=named)
         own = output.type, known, others, tuple(map(bodies.key, names)), element.sharing, fixed_of(bodies, names)
         return (own, at, tuple(form.key for form in forms), named), element, False
 
-    yield of_forces([f for f in bodies.mechanism.forces if f.element.name in output.values.values()], True)
-    acting = {f.element.name: (f, moving_bodies(bodies.mechanism, f)) for f in bodies.mechanism.forces}
-    acting = {name: (f, moving) for name, (f, moving) in acting.items() if {*moving} & {*names}}
-    if all({*moving} <= {*names} for _, moving in acting.values()):
-        yield of_forces([f for f, _ in acting.values()], False)
-    yield number, GroupElement(number, tuple(bodies.members.values()), first, bodies.idle_joints), True
+    values = (value for value in output.values.values() if isinstance(value, str))
+    yield of_forces([bodies.forces[value] for value in values if value in bodies.forces], True)
+    acting = {f.element.name: f for name in names for f in bodies.acting[name]}
+    if all({*moving_bodies(bodies.mechanism, f)} <= {*names} for f in acting.values()):
+        yield of_forces([f for name, f in bodies.forces.items() if name in acting], False)
+    everything = tuple(bodies.members.values())
+    yield number, GroupElement(number, everything, part.first, part.adds, bodies.idle_joints), True
 
 
 def _with_partners(bodies: Bodies, names: tuple[str, ...]) -> tuple[tuple[str, ...], Hashable]:
@@ -99,10 +163,7 @@ def _with_partners(bodies: Bodies, names: tuple[str, ...]) -> tuple[tuple[str, .
 
 def _referenced(bodies: Bodies, output: OutputInstance) -> tuple[tuple[str, ...], Hashable]:
     """The bodies with coordinates that an output names, and its values with the places of their names."""
-    joints = {j.joint.name: j.joint for j in bodies.mechanism.joints}
-    joints |= {j.joint.name: j.joint for j in bodies.mechanism.eliminated_joints}
-    drives = {d.name: d.joint for d in bodies.mechanism.scene.drives}
-    forces = {force.element.name: force for force in bodies.mechanism.forces}
+    joints, forces = bodies.named_joints, bodies.forces
     names: dict[str, None] = {}
 
     def place(body: str) -> Hashable:
@@ -122,9 +183,9 @@ def _referenced(bodies: Bodies, output: OutputInstance) -> tuple[tuple[str, ...]
             ends = (marker.body for marker in forces[value].markers)
             places = tuple(place(body) if body in bodies.members else -1 for body in ends)
             return "force", places, force_form(bodies.mechanism, forces[value]).key
-        if isinstance(value, str) and (value in joints or value in drives):
-            joint = joints[drives.get(value, value)]
-            return "joint", plain(joint.first), plain(joint.second), joint.kind, value in drives
+        if isinstance(value, str) and value in joints:
+            joint, is_drive = joints[value]
+            return "joint", plain(joint.first), plain(joint.second), joint.kind, is_drive
         hashable: Hashable = value.as_immutable() if isinstance(value, sp.MatrixBase) else value
         return hashable
 
@@ -132,7 +193,7 @@ def _referenced(bodies: Bodies, output: OutputInstance) -> tuple[tuple[str, ...]
     return tuple(names), values
 
 
-def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = False) -> Equations:
+def _output_equations(bodies: Bodies, output: OutputInstance, element: GroupElement, of_all: bool = False) -> Equations:
     """The equations of an output: its components, in the symbols of its bodies and of the reactions on them.
 
     of_all: its bodies are all that there are. Raises NotInLoops if it depends on other bodies as well.
@@ -153,72 +214,19 @@ def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = Fals
     for f in forces:
         at = tuple(points[m.body][m.marker] for m in f.markers)
         generalised.append(f.type.generalised_force(f.element, at, f.values, rows))
-    dampings = [damping_force(damping, own) for damping in (mechanism.dampings if of_all else ())]
     joints = element.joints
     definitions = [d for f in generalised for d in f.definitions]
     for joint in (mechanism.joints[k] for k in joints):
         first, second = (points.get(m.body, {}).get(m.marker) for m in (joint.joint.first, joint.joint.second))
         if varies(joint) and first and second:
             definitions += joint.type.equations(joint.joint, RelativeMotion(first, second)).definitions
-    known = {name: replace(body, points=points[name]) for name, body in bodies.known.bodies.items()}
-    parts = SceneMechanics(
-        scene=mechanism.scene,
-        ground=points[GROUND],
-        instances={**known, **own} if of_all else _Some(known, own),
-        joints=tuple(mechanism.joints[k] for k in joints),
-        eliminated_joints=mechanism.eliminated_joints,
-        forces=_Named(forces) if element.names_forces else forces,
-        generalised=(*generalised, *dampings) if of_all else _Named(),
-        constraints=tuple(c for k in joints for c in bodies.known.constraints[k]),
-    )
+    acting = NamedForces(forces) if element.names_forces else forces
+    parts = output_scene(bodies, own, acting, generalised, element.joints, points, of_all)
     try:
-        made, constants = output_equations([mechanism.outputs[element.number]], parts)
+        made, constants = output_equations([output], parts)
     except (AttributeError, KeyError, StopIteration) as error:
         if of_all:
             raise
-        raise NotInLoops(f"output {mechanism.outputs[element.number].name} depends on other bodies") from error
+        raise NotInLoops(f"output {output.name} depends on other bodies") from error
     none = GeneralisedForce((), tuple(definitions))
-    constants += tuple(c for damping in (mechanism.dampings if of_all else ()) for c in damping.constants)
     return group_equations(bodies, own, none, (*element.of_forces, *constants), made, parts.constraints)
-
-
-class _Some(dict[str, Any]):
-    """Some bodies by their names; any other one is a body whose motion does not matter, and nobody asks for all."""
-
-    def __init__(self, *of: Mapping[str, InstanceEquations]) -> None:
-        super().__init__(pair for bodies in of for pair in bodies.items())
-
-    def __missing__(self, key: str) -> _Elsewhere:
-        return _ELSEWHERE
-
-    def values(self) -> Any:
-        """Raise NotInLoops."""
-        raise NotInLoops("an output depends on all bodies")
-
-    items = values
-    __iter__ = values
-
-
-class _Named(tuple[Any, ...]):
-    """The forces that an output names; nobody asks for all."""
-
-    def __iter__(self) -> Any:
-        """Yield these, and raise NotInLoops at their end."""
-        yield from super().__iter__()
-        raise NotInLoops("an output depends on all forces")
-
-
-class _Still(dict[str, PointMotion]):
-    """The points of a body that an output does not name: what joints do to others does not depend on their motion."""
-
-    def __missing__(self, key: str) -> PointMotion:
-        return STILL
-
-
-class _Elsewhere:
-    """A body that an output does not name."""
-
-    points: Mapping[str, PointMotion] = _Still()
-
-
-_ELSEWHERE = _Elsewhere()

@@ -6,13 +6,16 @@ from itertools import accumulate
 
 import casadi as ca
 
+from derive.ir.expressions import Element, Operator
+from derive.ir.indices import constant
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
-from derive.ir.statements import Statement
+from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.context import Context, Input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.loop_code.class_code import Loaded
 from derive.lowering.instances.loop_code.context import (
+    ZERO,
     InstanceContext,
     Result,
     given_inputs,
@@ -26,13 +29,21 @@ from derive.lowering.model_functions import ModelFunction
 
 def outputs(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the outputs."""
-    body: list[Statement] = []
+    body: list[Statement] = [
+        StoreElement(Element("out", constant(first + k)), ZERO)
+        for first, output in context.sums
+        for k in range(len(output.labels))
+    ]
     for group in context.outputs:
         code, ctx = group.code, group.code.context
         symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"), ctx.vdot, ctx.lam)
-        items = stores("out", [symbols(output.expr) for output in ctx.equations.outputs])
-        target = spread(code, "out", _components(group), None)
-        body.append(code.loop(symbols, [Step(code.name, "", "", items)], _reads(context, group), {"out": target}))
+        values = [symbols(output.expr) for output in ctx.equations.outputs]
+        kept = [k for k, value in enumerate(values) if not (group.adds and value.is_zero())]
+        items = stores("out", [values[k] for k in kept])
+        components = [[own[k] for k in kept] for own in _components(group)]
+        target = spread(code, "out", components, _operator(group))
+        if items:
+            body.append(code.loop(symbols, [Step(code.name, "", "", items)], _reads(context, group), {"out": target}))
     results = {"out": Result(("output by output",), count=len(context.output_components))}
     text = "outputs in groups that have one code"
     return kernel(context, function, results, ("outputs", "", text, body), inputs=_arguments(context))
@@ -67,10 +78,10 @@ def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kerne
         parts.append((group, symbols, [matrix[i, j] for i, j in own], positions))
     shape = pattern(len(context.output_components), firsts[-1], entries)
     number = {entry: k for k, entry in enumerate(shape.entries)}
-    body: list[Statement] = []
+    body: list[Statement] = [Clear("jac", len(entries))] if context.sums else []
     for group, symbols, derivatives, positions in parts:
         code = group.code
-        target = scatter(code, "derivative", "jac", [[number[e] for e in m] for m in positions], None)
+        target = scatter(code, "derivative", "jac", [[number[e] for e in m] for m in positions], _operator(group))
         step = Step(code.name, "", "", stores("jac", derivatives))
         if derivatives:
             body.append(code.loop(symbols, [step], _reads(context, group), {"jac": target}))
@@ -82,6 +93,11 @@ def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kerne
 def _differentiated(ctx: Context) -> tuple[Input, ...]:
     """The arguments with respect to which outputs are differentiated."""
     return ctx.q, ctx.v, ctx.vdot, ctx.lam, ctx.u
+
+
+def _operator(group: GroupCode) -> Operator | None:
+    """The operator with which the elements of a group are added to an output, if they are parts of a sum."""
+    return Operator.ADD if group.adds else None
 
 
 def _components(group: GroupCode) -> list[list[int]]:

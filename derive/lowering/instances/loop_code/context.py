@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
 
+import sympy as sp
+
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
@@ -33,6 +35,7 @@ from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.outputs.output_type import SumOutput
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
 from derive.spec.model.instances import identifier, joined
@@ -114,17 +117,28 @@ class InstanceContext:
 
     @property
     def output_components(self) -> tuple[OutputEquation, ...]:
-        """The components of all outputs in the order of the specification."""
-        named: dict[int, OutputEquation] = {}
+        """The components of all outputs in the order of the specification, without their values."""
+        units: dict[int, str] = {}
         for group in self.outputs:
             for element in group.elements:
-                own = self.mechanism.outputs[element.number]
-                docs = own.type.descriptions(own.values, self.mechanism)
-                components = zip(own.type.labels, docs, group.code.context.equations.outputs, strict=True)
-                for k, (label, doc, of) in enumerate(components):
-                    shown = joined(own.name, label)
-                    named[element.first + k] = replace(of, name=identifier(shown), shown=shown, doc=doc)
-        return tuple(named[k] for k in sorted(named))
+                own = enumerate(group.code.context.equations.outputs)
+                units |= {} if element.adds else {element.first + k: output.unit for k, output in own}
+        result: list[OutputEquation] = []
+        for output in self.mechanism.outputs:
+            docs = output.type.descriptions(output.values, self.mechanism)
+            for k, (label, doc) in enumerate(zip(output.type.labels, docs, strict=True)):
+                unit = output.type.units[k] if isinstance(output.type, SumOutput) else units[len(result)]
+                shown = joined(output.name, label)
+                result.append(OutputEquation(identifier(shown), shown, unit, doc, sp.S.Zero))
+        return tuple(result)
+
+    @property
+    def sums(self) -> list[tuple[int, SumOutput]]:
+        """The outputs that are sums, with the number of the first component of each."""
+        outputs = self.mechanism.outputs
+        firsts = accumulate((len(output.type.labels) for output in outputs), initial=0)
+        every = zip(firsts, (output.type for output in outputs), strict=False)
+        return [(first, of) for first, of in every if isinstance(of, SumOutput)]
 
     @property
     def conditions(self) -> tuple[Constraint, ...]:

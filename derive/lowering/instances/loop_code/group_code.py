@@ -24,6 +24,11 @@ class GroupCode:
         """The indices of the coordinates of the bodies of each element."""
         return [list(element.coordinates) for element in self.elements]
 
+    @property
+    def adds(self) -> bool:
+        """Whether its elements are parts of sums."""
+        return self.elements[0].adds
+
     def state(self, *names: str) -> list[Loaded]:
         """The places of the coordinates and velocities of the bodies of an element; `names` selects among q and v."""
         ctx, at = self.code.context, self.coordinates

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import sympy as sp
 
-from derive.mechanics.multibody.kinds import ForceInstance
+from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.keys import Key
@@ -49,6 +50,26 @@ class NamedElements(Protocol):
         """The forces, torques and springs, with the markers of instances that they act at."""
 
 
+class Summands(NamedElements, Protocol):
+    """The elements of a mechanism over which outputs sum."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its instances."""
+
+    @property
+    def dampings(self) -> tuple[ComponentDamping, ...]:
+        """The damping between the components of bodies."""
+
+    @property
+    def joints(self) -> tuple[JointInstance, ...]:
+        """The joints that are constraints, with their drives."""
+
+    @property
+    def eliminated_joints(self) -> tuple[EliminatedJoint, ...]:
+        """The joints that have eliminated coordinates, with their drives."""
+
+
 class OutputType(ABC):
     """A type of output. Subclasses are registered in `registry.OUTPUTS`.
 
@@ -71,6 +92,35 @@ class OutputType(ABC):
         Outputs that loops compute with one code have the same components, and descriptions of their own.
         """
         return tuple(f"{self.doc}, {label}" if label else self.doc for label in self.labels)
+
+
+class Addend(OutputType):
+    """A type of output that is a part of a sum; no specification asks for it."""
+
+    keys: tuple[Key, ...] = ()
+
+
+class SumOutput(OutputType):
+    """A type of output that is a sum over bodies, forces and drives, of which loops compute a part each.
+
+    units: those of its components.
+    """
+
+    units: tuple[str, ...]
+
+    @abstractmethod
+    def addends(self, mechanism: Summands) -> Iterator[tuple[Addend, Mapping[str, Any]]]:
+        """Yield the types of its parts with the values of their keys; they have the components of the sum.
+
+        These values and its scene are all of the mechanism that a part depends on.
+        """
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """Return the sums of the components of its parts, whose constants the equations of motion have."""
+        parts = [part.components(name, given, scene).components for part, given in self.addends(scene)]
+        totals = [sp.Add(*(part[k].expr for part in parts)) for k in range(len(self.labels))]
+        of = zip(self.labels, self.units, totals, strict=True)
+        return OutputComponents(tuple(OutputComponent(label, unit, total) for label, unit, total in of))
 
 
 @dataclass(frozen=True)
