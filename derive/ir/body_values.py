@@ -39,6 +39,11 @@ class BodyValues:
         assert index is not None
         return index.offset, tuple((t.stride, self.of_names.get(t.variable, t.variable), t.of) for t in index.terms)
 
+    def target(self, node: Assign) -> Hashable:
+        """The element to which a statement assigns."""
+        assert isinstance(node.target, Element)
+        return node.target.array, self.place(node.target.index)
+
     def number(self, expr: Expr) -> int:
         """The number of the value of an expression."""
         match expr:

@@ -127,6 +127,7 @@ class _Merging:
         columns = [self._by_columns(k, loop, body, own) for k, (body, own) in enumerate(zip(bodies, left, strict=True))]
         keys = dict.fromkeys(key for of in columns for key in of)
         common = [pair for key in keys for pair in matched([of.get(key, []) for of in columns])]
+        common = _in_order(common, bodies, left)
         placing = _Placing(self, loop, bodies, scope)
         targets = {
             pair[0]: placing.assign([own[n] for own, n in zip(left, pair, strict=True)]) for pair in sorted(common)
@@ -168,6 +169,24 @@ class _Merging:
             return of.at(known)
 
         return [at(index, value) for value in loop.values({})]
+
+
+def _in_order(
+    common: list[tuple[int, ...]], bodies: Sequence[BodyValues], left: Sequence[dict[int, Assign]]
+) -> list[tuple[int, ...]]:
+    """The assignments in common, which come first, without those behind another assignment to the same element."""
+    places = [{n: body.target(node) for n, node in own.items()} for body, own in zip(bodies, left, strict=True)]
+    while True:
+        others = [own.keys() - {pair[k] for pair in common} for k, own in enumerate(left)]
+        firsts = [{at[n]: n for n in sorted(rest, reverse=True)} for at, rest in zip(places, others, strict=True)]
+        kept = [
+            pair
+            for pair in common
+            if all(n < first.get(at[n], n + 1) for n, at, first in zip(pair, places, firsts, strict=True))
+        ]
+        if kept == common:
+            return kept
+        common = kept
 
 
 class _Placing:

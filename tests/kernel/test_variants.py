@@ -18,11 +18,11 @@ from derive.backends.c.nests import CNests
 from derive.backends.c.source import CBackend
 from derive.backends.source_map import source_map
 from derive.ir.expansion import expand
-from derive.ir.expressions import Element, Number
+from derive.ir.expressions import Element, Number, Operator
 from derive.ir.indices import constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Argument, ConstantArray, Kernel, Output
-from derive.ir.loop_nests import Assign, If, Integer, every, ordered_loop
+from derive.ir.kernel import Argument, ConstantArray, Kernel, Output, Section
+from derive.ir.loop_nests import Assign, If, Integer, Node, every, ordered_loop
 from derive.ir.model import Model
 from derive.ir.statements import Clear, ForEach, StoreElement
 from derive.ir.variants import Variants, variants
@@ -48,12 +48,14 @@ def shared(kernels: Sequence[Kernel]) -> Variants:
     return result
 
 
-def selected(of: Variants, number: int, arguments: Mapping[str, Any]) -> dict[str, list[Any]]:
-    """The results of the statements of all kernels for one of them."""
+def selected(
+    of: Variants, number: int, arguments: Mapping[str, Any], first: Sequence[Node] = ()
+) -> dict[str, list[Any]]:
+    """The results of the statements of all kernels for one of them; first: statements before these."""
     kernel, selector = of.kernels[number], Argument(of.selector, (), "the kernel", scalar=True, integer=True)
     before = (node for statement in of.before[number] for node in expand(statement))
     whole = replace(kernel, arguments=(selector, *kernel.arguments), constants=(*kernel.constants, *of.tables))
-    return interpret(whole, {**arguments, of.selector: number}, nodes=[*before, *of.nodes])
+    return interpret(whole, {**arguments, of.selector: number}, nodes=[*first, *before, *of.nodes])
 
 
 @pytest.mark.parametrize(("seed", "varying"), SEEDS)
@@ -124,6 +126,23 @@ def test_loops_that_do_not_match_share_nothing() -> None:
     assert not shared([first, first, first]).differ
 
 
+def number(value: int) -> Number:
+    return Number(Fraction(value))
+
+
+def test_assignments_to_one_element_stay_in_order() -> None:
+    """What all kernels do to an element is not done before what one of them does to it first."""
+    first, second = (Element("F", constant(k)) for k in range(2))
+    start = [Assign(element, number(1)) for element in (first, second)]
+    sets, adds = StoreElement(first, number(3)), StoreElement(first, number(1), Operator.ADD)
+    doubles, other = StoreElement(first, number(2), Operator.MUL), StoreElement(second, number(5))
+    bodies = [(sets, adds, other), (sets, doubles, adds, other), (adds, doubles, other)]
+    loops = [ForEach("i", constant(0), constant(1), body) for body in bodies]
+    results = (Output("F", (), "", count=2),)
+    of = shared([Kernel("f", "", (), results, (Section("s", "", "", (loop,)),)) for loop in loops])
+    assert [selected(of, k, {}, start)["F"] for k in range(3)] == [[4, 5], [7, 5], [4, 5]]
+
+
 def test_a_name_of_the_kernels_is_no_name_of_the_selector() -> None:
     """A parameter that is called like the integer that selects a kernel keeps its name."""
     own = kernels(loops(0, False), "residual")
@@ -144,7 +163,7 @@ def test_places_of_the_iterations_of_some_kernels_come_from_tables() -> None:
 def test_an_integer_may_be_multiplied_by_the_variable_of_a_loop() -> None:
     """Steps that differ from kernel to kernel are elements of a table, in the interpreter and in C."""
     at = Integer("at", "steps", constant(1), "i")
-    loop = ordered_loop("i", 3, [at, Assign(Element("F", variable("at")), Number(Fraction(7)))])
+    loop = ordered_loop("i", 3, [at, Assign(Element("F", variable("at")), number(7))])
     kernel = Kernel("f", "", (), (Output("F", (), "", count=5),), (), (ConstantArray("steps", (3, 2), True),))
     assert interpret(kernel, {}, nodes=[loop])["F"] == [7, None, 7, None, 7]
     assert "    const int at = steps[1] * i;" in [line.text.removeprefix("    ") for line in CNests().lines([loop])]

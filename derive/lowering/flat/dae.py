@@ -34,16 +34,17 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
     return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
-def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: bool = False) -> list[ca.SX]:
-    """The rows of F; joints_alone: without qdot - v."""
+def residual_rows(
+    context: Context, form: str, symbols: Symbols, joints_alone: bool = False, stabilised: bool = True
+) -> list[ca.SX]:
+    """The rows of F; joints_alone: without qdot - v; stabilised: with G^T mu, if the form has it."""
     eq = context.equations
     rows = [ca.SX(0) for _ in eq.coordinates]
     if not joints_alone:
         kinematics = zip(eq.coordinates, eq.rates, strict=True)
         rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in kinematics]
-    if form == "ggl":
-        stabilising = _rates_of(context, symbols, reactions(context, symbols, _stabilising(context)))
-        rows = [row + part for row, part in zip(rows, stabilising, strict=True)]
+    if form == "ggl" and stabilised:
+        rows = [row + part for row, part in zip(rows, stabilising_rows(context, symbols), strict=True)]
     loads = reactions(context, symbols, context.forces)
     rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, loads, strict=True)]
     if form == "ggl":
@@ -51,6 +52,11 @@ def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: b
     if form in ("", "ggl"):
         return rows + [symbols(c.position) for c in eq.constraints]
     return rows + [acceleration_residual(c, context, symbols) for c in eq.constraints]
+
+
+def stabilising_rows(context: Context, symbols: Symbols) -> list[ca.SX]:
+    """G^T mu, which the stabilised form adds to qdot - v."""
+    return _rates_of(context, symbols, reactions(context, symbols, _stabilising(context)))
 
 
 def _rates_of(context: Context, symbols: Symbols, velocities: list[ca.SX]) -> list[ca.SX]:

@@ -15,7 +15,7 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
-from derive.lowering.flat.dae import residual_rows, states
+from derive.lowering.flat.dae import residual_rows, stabilising_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.classes.body_classes import Member
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
@@ -137,12 +137,15 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     for of in context.classes:
         y, ydot = states(of.context, form.form)
         symbols = of.context.symbols(of.context.t, of.given, y, ydot)
-        rows = residual_rows(of.context, form.form, symbols)
+        rows = residual_rows(of.context, form.form, symbols, stabilised=False)
+        more = stabilising_rows(of.context, symbols) if form.form == "ggl" else []
         target, own = scatter(of, "state", "F", form.positions(of), None), 2 * len(of.context.rows)
-        shared = replace(target, index=partial(_behind, target, own), operator=Operator.ADD)
-        step = Step(of.name, "", "", (*stores("own", rows[:own]), *stores("shared", rows[own:])))
+        added = replace(target, operator=Operator.ADD)
+        shared = replace(added, index=partial(_behind, target, own))
+        items = (*stores("own", rows[:own]), *stores("added", more), *stores("shared", rows[own:]))
         given = (*form.reads(of, "y", y), *form.reads(of, "ydot", ydot))
-        body.append(of.loop(symbols, [step], given, {"own": target, "shared": shared}))
+        targets = {"own": target, "added": added, "shared": shared}
+        body.append(of.loop(symbols, [Step(of.name, "", "", items)], given, targets))
     body += _between_bodies(context, form)
     body += _of_varying_joints(context, form)
     text = "kinematics, equations of motion, constraints"
