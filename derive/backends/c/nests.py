@@ -37,6 +37,7 @@ from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
+SINES_APART = replace(C, names={Operator.SIN: "TISSERAND_SIN_APART", Operator.COS: "TISSERAND_COS_APART"})
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -56,7 +57,7 @@ class CNests:
     otherwise; first_code: that of the first requirements, behind which there are none but those with other ones;
     starts: the elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of
     integers and of the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each
-    index.
+    index; sines_apart: whether loops of one iteration call a function for their sines and cosines.
     """
 
     outputs: Collection[str] = ()
@@ -66,6 +67,7 @@ class CNests:
     first_code: ReturnCode | None = None
     starts: Mapping[str, int] = field(default_factory=dict)
     counter: str = "int"
+    sines_apart: bool = False
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
     _lanes: set[str] = field(default_factory=set)
@@ -78,6 +80,8 @@ class CNests:
     """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
     _few: int = 0
     """The number of iterations of that loop, if vectors have more lanes; 0 otherwise."""
+    _once: bool = False
+    """Whether the lines are those of a loop of one iteration."""
     _filled: Collection[str] = ()
     """The arrays that have a number for each lane: angles, sines and cosines."""
     _checks: dict[ReturnCode, str] | None = None
@@ -151,7 +155,7 @@ class CNests:
 
     def text(self, expr: Expr) -> BreakableText:
         """An expression; what differs from lane to lane is a vector."""
-        return text(expr, C, self._leaf)
+        return text(expr, SINES_APART if self._once and self.sines_apart else C, self._leaf)
 
     def _leaf(self, leaf: Named) -> BreakableText:
         if isinstance(leaf, Ends):
@@ -358,7 +362,9 @@ class CNests:
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
                 if node.count == 0:
                     return []
+                around, self._once = self._once, node.count == 1
                 body, head = self.lines(node.body), loop_head(node, self.counter, short=self._vectors is None)
+                self._once = around
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *indented(body), *plain("    }")]

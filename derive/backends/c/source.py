@@ -33,10 +33,10 @@ from derive.backends.description import (
 from derive.backends.source_map import SourceBuilder, SourceLine, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.ir.analysis import expressions, names_read
-from derive.ir.expressions import Operation, Operator, walk
+from derive.ir.expressions import Expr, Operation, Operator, walk
 from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import Node
+from derive.ir.loop_nests import For, Node, every, expressions_of
 from derive.ir.model import Model, Variable
 from derive.ir.statements import Statement
 from derive.ir.variants import Variants
@@ -46,6 +46,12 @@ from derive.roles import Role
 ABI = 8
 SOLVING = frozenset(("setup", "accel", "solve", "project_velocity", "solve_kkt"))
 """The functions that check what they compute: pivots, and that results are finite."""
+
+MANY = 8
+"""Iterations of a loop over bodies beside which a function computes the sines of single bodies.
+
+Compilers take as long for a sine as for the rest of a body, and a call takes a twentieth of the time of a body.
+"""
 
 FORMS = {"index3": "", **REDUCED_FORMS}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
@@ -179,10 +185,11 @@ def enumerated(names: Sequence[str]) -> str:
 
 def _helpers(model: Model, sums: LinearSums) -> str:
     """The macros and static functions that the functions of a model call."""
-    every = [s for kernel in model.kernels for s in kernel.statements]
+    statements = [s for kernel in model.kernels for s in kernel.statements]
     parts = ["lanes"] if model.lowering != "flat" or sums.tables else []
     parts += ["instances"] if model.lowering == "instances" else []
-    parts += ["states", *(["sine"] if any(map(_has_sine, every)) else [])]
+    sines = ["sine", *(["sine_apart"] if model.lowering == "instances" else [])]
+    parts += ["states", *(sines if any(map(_has_sine, statements)) else [])]
     constants = (*model.constant_arrays, *(table.array for table in sums.tables))
     arrays = (line for array in constants for line in _constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
@@ -219,9 +226,11 @@ def _function(
     lines = [*plain(*head, "{", *named), *(sums.lines if sums else ())]
     statements = sums.parts.sections if sums else (tuple(enumerate(section.body)) for section in kernel.sections)
     sections = [_in_lanes(body) for body in statements]
-    starts = vector_starts(node for section in sections for _, nodes in section for node in nodes)
+    nodes = [node for section in sections for _, part in section for node in part]
+    starts = vector_starts(nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
-    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter)
+    apart = kernel.repeats and _sines_of_many(nodes)
+    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter, sines_apart=apart)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*(before or {}).get(k, ()))
@@ -254,6 +263,13 @@ def _of_form(model: Model, kernel: Kernel, of: Variants) -> list[SourceLine]:
     return [*lines, *_section(before, 0, nests, _element_loads(kernel)), *form_call(model, kernel, of)]
 
 
+def _sines_of_many(nodes: Iterable[Node]) -> bool:
+    """Whether a loop over many bodies computes sines, so that those of single bodies take little of the time."""
+    loops = (node for node in every(nodes) if isinstance(node, For) and (node.count or 0) >= MANY)
+    parts = (part for loop in loops for line in every(loop.body) for e in expressions_of(line) for part in walk(e))
+    return any(map(_is_sine, parts))
+
+
 def _in_lanes(body: Sequence[tuple[int, Statement]]) -> list[tuple[int, tuple[Node, ...]]]:
     """The statements of a section as plain statements, with their numbers."""
     numbers = [number for number, _ in body]
@@ -277,8 +293,11 @@ def _section(
 
 
 def _has_sine(item: Statement) -> bool:
-    parts = (part for e in expressions(item) for part in walk(e) if isinstance(part, Operation))
-    return any(part.kind in (Operator.SIN, Operator.COS) for part in parts)
+    return any(_is_sine(part) for e in expressions(item) for part in walk(e))
+
+
+def _is_sine(part: Expr) -> bool:
+    return isinstance(part, Operation) and part.kind in (Operator.SIN, Operator.COS)
 
 
 def _signature_of(model: Model, kernel: Kernel) -> list[str]:
