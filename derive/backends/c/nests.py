@@ -7,7 +7,7 @@ mix, so that the bits are the same in every way.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count, groupby
 from typing import assert_never
@@ -38,6 +38,7 @@ from derive.ir.statements import Let, Require, Requirement, ReturnCode
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
 SINES_APART = replace(C, names={Operator.SIN: "TISSERAND_SIN_APART", Operator.COS: "TISSERAND_COS_APART"})
+CHECKS_OF_ENDS = {Requirement.POSITIVE: "TISSERAND_CHECK_ENDS"}  # results are those of bodies, not of joints
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -288,11 +289,9 @@ class CNests:
         value = self.text(node.expr)
         holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
         if self._vectors is not None and self._differs(node.expr):
-            if self._checks is not None and self._lane == LANE:
-                head = f"{CHECKS[node.kind]}({self._checks[node.code]}, "
-                return statement("    ", head, value, f"); /* {node.text} */")
-            assert node.kind is Requirement.POSITIVE  # results are those of bodies, not of joints
-            holds = join("!TISSERAND_POSITIVE_ENDS(", value, ")")
+            assert self._checks is not None
+            check = CHECKS[node.kind] if self._lane == LANE else CHECKS_OF_ENDS[node.kind]
+            return statement("    ", f"{check}({self._checks[node.code]}, ", value, f"); /* {node.text} */")
         return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
 
     def _states(self, node: For) -> Lines:
@@ -363,14 +362,32 @@ class CNests:
                 if node.count == 0:
                     return []
                 around, self._once = self._once, node.count == 1
-                body, head = self.lines(node.body), loop_head(node, self.counter, short=self._vectors is None)
+                body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
                 self._once = around
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *indented(body), *plain("    }")]
 
+    def _body(self, nodes: Sequence[Node]) -> Lines:
+        """The body of a loop; from both ends of a path, its requirements have one test, which is behind the last one.
+
+        Behind the whole loop, another vector would be carried along, and long loops were slower.
+        """
+        checks = {n: item for n, item in enumerate(nodes) if isinstance(item, Require)}
+        if not checks or self._vectors is None or self._lane == LANE:
+            return self.lines(nodes)
+        codes = dict.fromkeys(check.code for check in checks.values())
+        before, self._checks = self._checks, {code: f"holds_{next(self._names)}" for code in codes}
+        names, behind = self._checks, max(checks) + 1
+        lines = plain(*(f"    tisserand_ends_holds {name} = TISSERAND_ENDS_HOLDS;" for name in names.values()))
+        lines += self.lines(nodes[:behind])
+        for code, name in names.items():
+            lines += plain(f"    if (!TISSERAND_BOTH({name})) return {int(code)}; /* {code.meaning} */")
+        self._checks = before
+        return [*lines, *self.lines(nodes[behind:])]
+
     def _in_lanes(self, node: For) -> Lines:
         self._vectors, self._lane = set(), node.variable
-        lines = self.lines(node.body)
+        lines = self._body(node.body)
         self._vectors, self._lane, self._few = None, LANE, 0
         return lines
