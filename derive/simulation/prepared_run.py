@@ -11,15 +11,16 @@ from derive.generated_models import generated, generated_explicit
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.dependence_note import dependence_note
+from derive.simulation.constraints.redundancy import dependence
 from derive.simulation.drive_jumps import check_drives
 from derive.simulation.drive_obstacle import drive_obstacle
 from derive.simulation.earlier_run import EarlierRun
-from derive.simulation.errors import SimulationError
+from derive.simulation.errors import RedundantConstraints, SimulationError
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.initial.spatial_state import body_size, spatial_state
 from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, Settings
-from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS, RESOLVING
+from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS, PASSING, RESOLVING
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.default_plots import default_plots, plots_note
 from derive.simulation.observables.motion import SceneMotion
@@ -158,12 +159,16 @@ class PreparedRun:
 
     def _redundant(self, native: NativeScene, k: Vector, initial: InitialState) -> Iterator[str]:
         """The note on constraints that depend on each other. Raises SimulationError if the integrator needs others."""
+        integrator = self.settings.integrator
         note = dependence_note(native, k, initial.t, initial.q, initial.v, self.model.outputs)
-        if note and self.settings.integrator not in RESOLVING:
-            raise SimulationError(
-                f"{note}\n{self.settings.integrator} solves for reactions, which have to be unique; choose one of "
-                f"{names_text(sorted(RESOLVING))}"
-            )
+        if note and integrator not in PASSING:
+            in_all_states = isinstance(dependence(native, k, initial.t, initial.q), RedundantConstraints)
+            able = RESOLVING if in_all_states else PASSING
+            if integrator not in able:
+                raise SimulationError(
+                    f"{note}\n{integrator} solves for reactions, which have to be unique; choose one of "
+                    f"{names_text(sorted(able))}"
+                )
         if note:
             yield note
         elif self.model.proximal and self.scene.redundant == "auto":

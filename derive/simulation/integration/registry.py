@@ -95,6 +95,9 @@ generalised-alpha method, and IDA without Python between its steps."""
 
 EXPLICIT = frozenset(("adaptive", "dop853", "scipy", "rk45", "rk4"))
 """The integrators that call accelerations alone, and no function of implicit methods."""
-RESOLVING = EXPLICIT | {"generalised-alpha"}
-"""The integrators that follow motions with redundant joints: accelerations resolve them, and so does the proximal term
-of the generalised-alpha method; IDA factorises a matrix that is singular there."""
+PASSING = EXPLICIT | {"generalised-alpha"}
+"""The integrators that pass singular positions: accelerations resolve them, and so does the proximal term of the
+generalised-alpha method."""
+RESOLVING = PASSING | {"ida"}
+"""The integrators that follow motions with redundant joints. The proximal term that IDA has in Python does not bring it
+through singular positions, and in C it factorises a matrix that is singular."""

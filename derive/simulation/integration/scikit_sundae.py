@@ -12,11 +12,11 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from scipy.sparse import csc_array
 
-from derive.ir.patterns import Pattern
 from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
+from derive.simulation.integration.implicit_forms import Form, ProximalForm
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 from derive.simulation.integration.stop_event import StopEvent
 from derive.simulation.integration.time_segments import smooth_ends
@@ -28,19 +28,6 @@ step, rounding errors of q and v change the multipliers by more than any useful 
 STALL_STEPS, STALL_PROGRESS = 2000, 1e-9
 """The number of steps in which IDA has to advance by this fraction of the whole time. IDA itself continues even if its
 steps no longer change the time."""
-
-
-class Form(Protocol):
-    """A form F(t, y, ydot) = 0 of `NativeScene.dae`: y = [q; v; lambda], or [q; v; lambda; mu] if stabilised."""
-
-    size: int
-    pattern: Pattern
-
-    def residual(self, t: float, y: Vector, ydot: Vector, k: Vector) -> Vector:
-        """The residual F (size,)."""
-
-    def jacobian(self, t: float, y: Vector, ydot: Vector, cj: float, k: Vector) -> Vector:
-        """The values of the iteration matrix dF/dy + cj dF/dydot by columns."""
 
 
 class ImplicitSystem(ConstrainedSystem, Protocol):
@@ -81,6 +68,8 @@ def integrate_ida(
     them. projected: whether rows are projected, and the state from which IDA starts anew at a break; its internal
     state never is. max_step: in s, 0 for none.
 
+    Where joints are redundant, a proximal term keeps the iteration matrix regular; singular positions stop IDA.
+
     Raises IdaMissing without the package scikit-sundae, and what `integrate` raises.
     """
     began = time.process_time()
@@ -90,6 +79,7 @@ def integrate_ida(
     absolute, notes = absolute_tolerances(native, tolerance, size, q), rounding_note(tolerance, q)
     t, y, mark = float(instants[0]), np.concatenate([q, v]), float(instants[0])
     steps, calls, done = 0, 0, list[_Segment]()
+    equations = ProximalForm(native.dae[form], len(y)) if native.proximal else native.dae[form]
 
     def cost() -> Cost:
         evaluations, jacobians = (sum(getattr(segment.result, name) for segment in done) for name in ("nfev", "njev"))
@@ -100,9 +90,9 @@ def integrate_ida(
         while rows.count < len(instants):
             end = ends.pop(0)
             latest = float(np.nextafter(end, t)) if ends else end
-            segment = _Segment(_solver(native.dae[form], k, tolerance, absolute, order, max_step, latest), end, len(y))
+            segment = _Segment(_solver(equations, k, tolerance, absolute, order, max_step, latest), end, len(y))
             done.append(segment)
-            segment.start(t, *_initial(native, k, t, y[: native.nq], y[native.nq :], native.dae[form].size))
+            segment.start(t, *_initial(native, k, t, y[: native.nq], y[native.nq :], equations.size))
             while t < end:
                 before, calls = t, calls + 1
                 reached, state = segment.step(min(rows.following, end))
