@@ -17,6 +17,7 @@ from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Requirement, Store
 from derive.lowering.loops.assignments import NOTHING
 from derive.lowering.loops.context import LoopContext
+from derive.lowering.loops.gradient import derivative
 from derive.mechanics.symbols import Family, I, J, quantity
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import RUN_FLAGS, WITHOUT_BATCHES
@@ -231,6 +232,13 @@ def test_a_matrix_with_a_factor_that_is_a_sum_is_stored_at_the_end() -> None:
     program.phase("test", "", "a product", pairs=[(target, inertia * entry, sp.S.Zero), (target, 2 * entry, sp.S.Zero)])
     order = [(s.name, [type(item) for item in s.body if not isinstance(item, Let)]) for s in program.sections]
     assert order == [("tables", [MatVec, MatrixStore]), ("sums", [Accumulate]), ("test_i", [MatrixStore])]
+
+
+def test_derivatives_of_polynomials_are_those_of_sympy() -> None:
+    x, y, z = sp.symbols("x y z")
+    for expr in (3 * x**3 * y * (x - y * x**2) ** 2 - x / y + 5, y + sp.Rational(1, 2), x * sp.sin(x * y), sp.S(2)):
+        for symbol in (x, y, z):
+            assert sp.expand(derivative(expr, symbol) - expr.diff(symbol)) == 0
 
 
 JACOBIAN_OPERATIONS = {"given": 1316, "mean": 709}
