@@ -79,7 +79,6 @@ class Result:
 def run(command: list[str] | str, tree: Path) -> Result:
     """Run a command in a process of its own in the copy, with the package of the copy."""
     environment = {**os.environ, "PYTHONPATH": str(tree)}
-    environment.pop("CC", None)  # as a reader has it, who compiles what runs with optimisation
     shell = isinstance(command, str)
     done = subprocess.run(command, shell=shell, cwd=tree, capture_output=True, text=True, env=environment, check=False)
     return Result(done.returncode, done.stdout, done.stderr)

@@ -502,7 +502,7 @@ between = ["bob.end", "link.left"]
 
 [drives.motor]
 joint = "axle"
-motion = "A*exp(-(t - 1/2)^2)*tanh(t) + step(t, 0.2, 3*Te)/3 + abs(sin(t) - 2)"
+motion = "A*exp(-(t - 1/2)^2)*tanh(t) + step(1.1*t, 0.2, 3*Te)/3 + abs(sin(t) - 2)"
 
 [drives.servo]
 joint = "crank"

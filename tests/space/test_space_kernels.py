@@ -21,7 +21,6 @@ FEW = (1, 8, 14, 24, 46, 101)
 def test_random_scenes(seed: int, tmp_path: Path) -> None:
     model = space_model(random_scene(seed, tmp_path), complete=False)
     assert disagreements(model, seed) == []
-    assert disagreements(model, seed + 1000) == []
 
 
 def test_they_have_all_kinds_of_joints(tmp_path: Path) -> None:
@@ -109,4 +108,3 @@ def test_dense_bodies_of_one_file(tmp_path: Path) -> None:
     path.write_text(head + body.format("one") + body.format("two") + joint)
     model = space_model(path, complete=False)
     assert disagreements(model, 1) == []
-    assert disagreements(model, 2) == []
