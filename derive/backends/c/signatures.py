@@ -18,6 +18,11 @@ def parameters(kernel: Kernel, outputs: str = "double *") -> list[str]:
     return [*(f"{_type(a)}{a.name}" for a in kernel.arguments), *(f"{outputs}{o.name}" for o in kernel.outputs)]
 
 
+def parameters_by_name(kernel: Kernel) -> dict[str, str]:
+    """The parameters of a kernel by the names of its arguments and outputs."""
+    return dict(zip(names(kernel), parameters(kernel), strict=True))
+
+
 def _type(argument: Argument) -> str:
     """The type of an argument, before its name."""
     if argument.scalar:

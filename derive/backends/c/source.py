@@ -12,6 +12,7 @@ from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers,
 from derive.backends.c.beginnings import beginnings, calling, shared_signature, without_last
 from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.forms import form_call, form_signature, shared_forms
+from derive.backends.c.function_parts import DividedFunction, NumberedNodes, divided_function
 from derive.backends.c.linear_sums import KernelSums, LinearSums, linear_sums
 from derive.backends.c.loop_text import vector_starts
 from derive.backends.c.nests import CNests
@@ -33,12 +34,13 @@ from derive.backends.description import (
 from derive.backends.source_map import SourceBuilder, SourceLine, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.ir.analysis import expressions, names_read
+from derive.ir.expansion import expand
 from derive.ir.expressions import Expr, Operation, Operator, walk
 from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import For, Node, every, expressions_of
 from derive.ir.model import Model, Variable
-from derive.ir.statements import Statement
+from derive.ir.statements import Let, Statement
 from derive.ir.variants import Variants
 from derive.rendering import render
 from derive.roles import Role
@@ -95,7 +97,9 @@ class CBackend:
                     builder.function(kernel, _of_form(model, kernel, of))
                 else:
                     head, own = _signature_of(model, kernel), sums.kernels.get(kernel.name)
-                    builder.function(kernel, _function(kernel, head, sections, sums=own))
+                    parts = _divided(model, kernel, own)
+                    lines = _function_in_parts(parts, head, own) if parts else None
+                    builder.function(kernel, lines or _function(kernel, head, sections, sums=own))
                 builder.text("\n")
             builder.text("#endif\n\n" if part else "")
         builder.text(render("c/epilogue.c.jinja", values))
@@ -224,8 +228,7 @@ def _function(
     """
     named = _arguments(kernel, kernel.used)
     lines = [*plain(*head, "{", *named), *(sums.lines if sums else ())]
-    statements = sums.parts.sections if sums else (tuple(enumerate(section.body)) for section in kernel.sections)
-    sections = [_in_lanes(body) for body in statements]
+    sections = [_in_lanes(body) for body in _numbered_statements(kernel, sums)]
     nodes = [node for section in sections for _, part in section for node in part]
     starts = vector_starts(nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
@@ -268,6 +271,46 @@ def _sines_of_many(nodes: Iterable[Node]) -> bool:
     loops = (node for node in every(nodes) if isinstance(node, For) and (node.count or 0) >= MANY)
     parts = (part for loop in loops for line in every(loop.body) for e in expressions_of(line) for part in walk(e))
     return any(map(_is_sine, parts))
+
+
+def _divided(model: Model, kernel: Kernel, sums: KernelSums | None) -> DividedFunction | None:
+    """The parts of a long function in straight-line code, which compilers take less time for."""
+    if model.lowering != "flat":
+        return None
+    body = [
+        NumberedNodes(k, number, tuple(expand(statement)))
+        for k, section in enumerate(_numbered_statements(kernel, sums))
+        for number, statement in section
+    ]
+    arrays = (array for array, _ in sums.arrays) if sums else ()
+    return divided_function(f"{model.name}_{kernel.name}", kernel, body, arrays)
+
+
+def _function_in_parts(function: DividedFunction, head: Sequence[str], sums: KernelSums | None) -> list[SourceLine]:
+    """The static functions of the parts of a kernel, and the function of the kernel, which calls them."""
+    kernel, lines = function.kernel, list[SourceLine]()
+    section = -1
+    for part in function.parts:
+        nests = CNests({o.name for o in kernel.outputs})
+        loads = _element_loads(kernel)
+        loads |= {name: f"    const double {name} = {function.kept}[{place}];" for name, place in part.loaded.items()}
+        body: list[SourceLine] = []
+        for item in part.body:
+            if item.section != section:
+                section = item.section
+                heading = comment([section_text(kernel.sections[section])], "    ")
+                body += plain(*([""] if body else []), *heading)
+            body += _section([(item.statement, item.nodes)], section, nests, loads)
+            for node in item.nodes:
+                if isinstance(node, Let) and node.name in part.stored:
+                    body += plain(f"    {function.kept}[{part.stored[node.name]}] = {node.name};")
+        lines += function.function(part, body)
+    return [*lines, *plain(*head, "{"), *(sums.lines if sums else ()), *function.calls(), *plain("    return 0;", "}")]
+
+
+def _numbered_statements(kernel: Kernel, sums: KernelSums | None) -> Iterable[Sequence[tuple[int, Statement]]]:
+    """The statements of the sections with their numbers, without the sums of a table."""
+    return sums.parts.sections if sums else [tuple(enumerate(section.body)) for section in kernel.sections]
 
 
 def _in_lanes(body: Sequence[tuple[int, Statement]]) -> list[tuple[int, tuple[Node, ...]]]:
