@@ -158,7 +158,8 @@ class _Merging:
             output = next((o for o in self.kernels[number].outputs if o.name == node.target.array), None)
             column: object = None
             if output and output.pattern:
-                position = self.positions(loop, body, node.target.index)[0]
+                first = replace(loop, stop=loop.start.plus(loop.step))
+                (position,) = self.positions(first, body, node.target.index)
                 column = bisect_right(output.pattern.colptr, position) - 1
             result[node.target.array, column].append((n, (node.operator, body.number(node.expr))))
         return result

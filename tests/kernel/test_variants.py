@@ -134,7 +134,7 @@ def number(value: int) -> Number:
 
 
 def test_assignments_to_one_element_stay_in_order() -> None:
-    """What all kernels do to an element is not done before what one of them does to it first."""
+    """An element gets what all kernels do to it behind what one of them does to it first."""
     first, second = (Element("F", constant(k)) for k in range(2))
     start = [Assign(element, number(1)) for element in (first, second)]
     sets, adds = StoreElement(first, number(3)), StoreElement(first, number(1), Operator.ADD)
