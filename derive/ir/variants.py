@@ -13,6 +13,7 @@ from collections import defaultdict
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
+from derive.ir.analysis import names_read, reads
 from derive.ir.body_values import BodyValues, Numbers, Scope, matched
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, ScalarRef, TableValue, walk
@@ -43,6 +44,12 @@ class Variants:
     def differ(self) -> bool:
         """Whether there is anything to select."""
         return bool(self.tables) or any(isinstance(node, If) for node in every(self.nodes))
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """The names that the kernels read."""
+        before = (name for own in self.before for statement in own for name in reads(statement))
+        return frozenset((*names_read(self.nodes), *before))
 
 
 def variants(kernels: Sequence[Kernel]) -> Variants | None:
@@ -151,7 +158,8 @@ class _Merging:
             output = next((o for o in self.kernels[number].outputs if o.name == node.target.array), None)
             column: object = None
             if output and output.pattern:
-                position = self.positions(loop, body, node.target.index)[0]
+                first = replace(loop, stop=loop.start.plus(loop.step))
+                (position,) = self.positions(first, body, node.target.index)
                 column = bisect_right(output.pattern.colptr, position) - 1
             result[node.target.array, column].append((n, (node.operator, body.number(node.expr))))
         return result
@@ -216,20 +224,20 @@ class _Placing:
     def _moved(self, indices: list[ElementIndex]) -> tuple[IndexTerm, ...]:
         """The terms of an index that is one of these indices."""
         variable = self.loop.variable
-        if any(term != IndexTerm(term.stride, variable, Of.VALUE) for index in indices for term in index.terms):
-            values = [
-                self.merging.positions(self.loop, body, of) for body, of in zip(self.bodies, indices, strict=True)
-            ]
-            return (self._integer("place", *self.merging.array(values, variable, self.loop.start.offset)),)
+        own: tuple[IndexTerm, ...] = indices[0].terms
+        distances = [index.offset for index in indices]
         strides = tuple(index.stride(variable) for index in indices)
-        offsets = [index.offset for index in indices]
-        if len(set(strides)) == 1:
-            own: tuple[IndexTerm, ...] = indices[0].terms
-        else:
+        if any(term != IndexTerm(term.stride, variable, Of.VALUE) for index in indices for term in index.terms):
+            values = [self.merging.positions(self.loop, *of) for of in zip(self.bodies, indices, strict=True)]
+            distances = [of[0] - values[0][0] for of in values]
+            moved = [[value + distance for value in values[0]] for distance in distances]
+            if values != moved:
+                return (self._integer("place", *self.merging.array(values, variable, self.loop.start.offset)),)
+        elif len(set(strides)) > 1:
             if strides not in self._steps:
                 self._steps[strides] = self._integer("step", *self.merging.row(strides), times=variable).variable
             own = (IndexTerm(1, self._steps[strides]),)
-        return (*own, *([self._integer("place", *self.merging.row(offsets))] if any(offsets) else []))
+        return (*own, *([self._integer("place", *self.merging.row(distances))] if any(distances) else []))
 
     def _integer(self, name: str, array: str, index: ElementIndex, times: str = "") -> IndexTerm:
         """The term of an integer that is named before the assignment."""

@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from random_graphs import graph
+from random_graphs import graph, ring_of_rods
 from toolchain import C99, WARNINGS
 
+from derive.artifacts import write
 from derive.backends.c.forms import KINDS, shared_forms
 from derive.backends.c.nests import CNests
 from derive.backends.c.source import CBackend
@@ -29,13 +31,15 @@ from derive.ir.variants import Variants, variants
 from derive.runtime.compiler import compile_c
 
 FORMS = ("", "_ggl", "_index1")
-SEEDS = ((0, False), (9, False), (57, True))
-"""Seeds, and whether their joints are varying: bodies at equal distances of places, at others, and with forces."""
+RING = 500
+"""The number of a ring of rods whose elements are not equally spaced in the iteration matrices."""
+SEEDS = ((0, False), (9, False), (57, True), (RING, False))
+"""Seeds, and whether their joints are varying."""
 
 
 @cache
 def loops(seed: int, varying: bool) -> Model:
-    return graph(seed, 4, varying=varying).instances
+    return (ring_of_rods(5, [0, 2, 1, 3, 4]) if seed == RING else graph(seed, 4, varying=varying)).instances
 
 
 def kernels(model: Model, kind: str) -> list[Kernel]:
@@ -54,7 +58,8 @@ def selected(
     """The results of the statements of all kernels for one of them; first: statements before these."""
     kernel, selector = of.kernels[number], Argument(of.selector, (), "the kernel", scalar=True, integer=True)
     before = (node for statement in of.before[number] for node in expand(statement))
-    whole = replace(kernel, arguments=(selector, *kernel.arguments), constants=(*kernel.constants, *of.tables))
+    constants = dict.fromkeys(array for own in of.kernels for array in own.constants)
+    whole = replace(kernel, arguments=(selector, *kernel.arguments), constants=(*constants, *of.tables))
     return interpret(whole, {**arguments, of.selector: number}, nodes=[*first, *before, *of.nodes])
 
 
@@ -98,15 +103,13 @@ def test_the_functions_of_the_forms_call_one_function() -> None:
     assert not shared_forms(replace(model, lowering="flat"))
 
 
-def test_a_form_alone_has_no_warnings(tmp_path: Any) -> None:
-    """Compilers find nothing unused where the other forms are left out."""
-    model = loops(9, False)
-    files = CBackend().files(model, "a test")
-    for file in files:
-        (tmp_path / file.path).parent.mkdir(exist_ok=True)
-        (tmp_path / file.path).write_text(file.text)
+@pytest.mark.parametrize("flags", [(), ("-DTISSERAND_WITHOUT_REDUCED_FORMS",)], ids=["all forms", "one form"])
+def test_there_are_no_warnings(flags: tuple[str, ...], tmp_path: Path) -> None:
+    """Compilers find nothing unused: no table of a form that the table of all forms replaces, and no selector."""
+    model = loops(RING, False)
+    write(CBackend().files(model, "a test"), tmp_path)
     source, library = tmp_path / model.name / f"{model.name}.c", tmp_path / "model.so"
-    compile_c([source], library, [*C99, *WARNINGS, "-O1", "-shared", "-fPIC", "-DTISSERAND_WITHOUT_REDUCED_FORMS"])
+    compile_c([source], library, [*C99, *WARNINGS, "-O0", "-shared", "-fPIC", *flags])
 
 
 def test_loops_that_do_not_match_share_nothing() -> None:
@@ -131,7 +134,7 @@ def number(value: int) -> Number:
 
 
 def test_assignments_to_one_element_stay_in_order() -> None:
-    """What all kernels do to an element is not done before what one of them does to it first."""
+    """An element gets what all kernels do to it behind what one of them does to it first."""
     first, second = (Element("F", constant(k)) for k in range(2))
     start = [Assign(element, number(1)) for element in (first, second)]
     sets, adds = StoreElement(first, number(3)), StoreElement(first, number(1), Operator.ADD)
@@ -151,13 +154,14 @@ def test_a_name_of_the_kernels_is_no_name_of_the_selector() -> None:
     assert shared(named).selector == "variant_2"
 
 
-def test_places_of_the_iterations_of_some_kernels_come_from_tables() -> None:
-    """A table has the differences of places for each kernel, also where a place depends on the iteration."""
-    of = shared(kernels(loops(9, False), "jacobian"))
-    tables = {table.name: table.values for table in of.tables}
-    assert all(len(values) % len(FORMS) == 0 for values in tables.values())
-    integers = [node for node in every(of.nodes) if isinstance(node, Integer) and node.array in tables]
-    assert integers and all(node.index.stride(of.selector) for node in integers)
+def test_places_of_the_iterations_come_from_tables_where_distances_differ() -> None:
+    """A row of the first table has a number for each kernel; the others have the places of all iterations in each."""
+    assert len(shared(kernels(loops(0, False), "jacobian")).tables) == 1
+    of = shared(kernels(loops(RING, False), "jacobian"))
+    (first, *others) = of.tables
+    strides = {node.array: node.index.stride(of.selector) for node in every(of.nodes) if isinstance(node, Integer)}
+    assert len(first.values) % len(FORMS) == 0 and strides[first.name] == 1
+    assert {strides[table.name] for table in others} == {3}  # the rods that have one loop
 
 
 def test_an_integer_may_be_multiplied_by_the_variable_of_a_loop() -> None:

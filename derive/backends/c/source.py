@@ -72,7 +72,8 @@ class CBackend:
         """`NAME.h`, and `NAME.c` with its source map; `fingerprint` is that of the specification."""
         header, source = self.file_names(model.name)
         sums = linear_sums(model)
-        values = _template_values(model, fingerprint, sums)
+        forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
+        values = _template_values(model, fingerprint, sums, forms)
         builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
         shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
@@ -81,7 +82,6 @@ class CBackend:
             builder.text("".join(f"{line.text}\n" for line in [*section.function(), *plain("")]))
         for table in sums.tables:
             builder.text("".join(f"{line.text}\n" for line in table.function()))
-        forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
@@ -114,7 +114,9 @@ class Declaration:
     signature: str
 
 
-def _template_values(model: Model, fingerprint: str, sums: LinearSums) -> dict[str, object]:
+def _template_values(
+    model: Model, fingerprint: str, sums: LinearSums, forms: Mapping[str, Variants]
+) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
     tables += [("lambda", model.multipliers)] if model.bodies else []
@@ -133,7 +135,7 @@ def _template_values(model: Model, fingerprint: str, sums: LinearSums) -> dict[s
         "roles": Role,
         "title": "\n".join(comment((*mark, f"{text_of_model.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(text_of_model)))),
-        "helpers": _helpers(model, sums),
+        "helpers": _helpers(model, sums, forms),
         "defaults": defaults_text(model),
         "start": _start_text(model),
         "declarations": [
@@ -187,14 +189,19 @@ def enumerated(names: Sequence[str]) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _helpers(model: Model, sums: LinearSums) -> str:
-    """The macros and static functions that the functions of a model call."""
-    statements = [s for kernel in model.kernels for s in kernel.statements]
+def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants]) -> str:
+    """The macros, static functions and constant arrays that the functions of a model use."""
+    every = [s for kernel in model.kernels for s in kernel.statements]
     parts = ["lanes"] if model.lowering != "flat" or sums.tables else []
     parts += ["instances"] if model.lowering == "instances" else []
     sines = ["sine", *(["sine_apart"] if model.lowering == "instances" else [])]
-    parts += ["states", *(sines if any(map(_has_sine, statements)) else [])]
-    constants = (*model.constant_arrays, *(table.array for table in sums.tables))
+    parts += ["states", *(sines if any(map(_has_sine, every)) else [])]
+    used = {array.name for kernel in model.kernels if kernel.name not in forms for array in kernel.constants}
+    used |= {name for of in forms.values() for name in of.reads}
+    constants = (
+        *(array for array in model.constant_arrays if array.name in used),
+        *(table.array for table in sums.tables),
+    )
     arrays = (line for array in constants for line in _constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
 
