@@ -14,16 +14,16 @@ import derive
 from derive.backends.c.source import CBackend
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load_scene
-from emit.test_text_of_instances import FEW, chain
+from emit.test_text_of_instances import FEW, MANY, chain
 
-FIRST, SECOND, LAST = 2, 7, 5 * FEW - 3
+FIRST, SECOND, LAST = 2, 7, 5 * MANY - 3
 """The angles of three beams in q: a single one, the first of those in one loop, and a single one."""
 
 
 @cache
 def files() -> tuple[derive.File, ...]:
     """A chain, of whose functions all but the constraints are empty."""
-    model = chain(FEW)[0]
+    model = chain(MANY)[0]
     kept = ("setup", "constraints")
     kernels = (k if k.name in kept else replace(k, sections=(), constants=()) for k in model.kernels)
     return CBackend().files(replace(model, kernels=tuple(kernels)), "")
@@ -34,6 +34,12 @@ def constraints(compiler: str, q: np.ndarray, *flags: str) -> np.ndarray:
         patch.setenv("CC", tool(compiler))
         scene = load_scene(files(), (*FLAGS, WITHOUT_BATCHES, *flags))
     return scene.constraints(0.0, q, scene.setup())
+
+
+def test_short_chains_have_no_calls() -> None:
+    """Where single bodies are a tenth of all, calls would take more than they are worth."""
+    (source,) = (file.text for file in chain(FEW)[1] if file.path.endswith(".c"))
+    assert "_APART(link" not in source and "tisserand_cos(link" in source
 
 
 def test_single_bodies_call_the_function_and_loops_over_many_do_not() -> None:
@@ -49,7 +55,7 @@ def test_single_bodies_call_the_function_and_loops_over_many_do_not() -> None:
 @pytest.mark.parametrize("angle", [0.7, -2.5, 1e6, -1e300])
 def test_bits_are_those_of_loops_and_of_the_library(compiler: str, angle: float) -> None:
     """The sums of positions are those of a beam in a loop, near zero and where the library computes the sine."""
-    q = np.zeros(5 * FEW)
+    q = np.zeros(5 * MANY)
     q[[FIRST, SECOND, LAST]] = angle
     found = constraints(compiler, q)
     assert found.tobytes() == constraints(compiler, q, "-DTISSERAND_NO_VECTORS").tobytes()
