@@ -1,4 +1,4 @@
-"""Loops from both ends of a path: a step has one test of its requirements, which fails for each of them and each end."""
+"""Loops from both ends of a path: a step has one test, which fails for each requirement of each end."""
 
 from __future__ import annotations
 
