@@ -32,6 +32,7 @@ from derive.ir.model import Model
 from derive.ir.patterns import Pattern
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
+from derive.spec.model.scene import BeamBody
 
 TOLERANCE = 1e-13
 OF_CONDITION = 1e-15
@@ -50,8 +51,9 @@ VARYING = (53, 31)
 TWINS = (31, 14)
 LATER = pytest.mark.long
 """Further seeds of the tests of small graphs."""
-GENERATED = ((0, False), (9, False), (57, True))
-"""Seeds, and whether their joints are varying."""
+IN_PIECES = (15, 7)
+GENERATED = ((0, False, False), (9, False, False), (57, True, False), (15, False, True))
+"""Seeds, whether their joints are varying, and whether beams are in pieces."""
 
 
 def results(of: Graph, model: Model, name: str) -> dict[str, np.ndarray]:
@@ -226,8 +228,26 @@ def test_a_chain_in_which_each_body_slides_along_the_one_before(driven: bool) ->
 
 
 @cache
-def small(seed: int, varying: bool = False) -> Graph:
-    return graph(seed, FEW, varying=varying)
+def small(seed: int, varying: bool = False, pieces: bool = False) -> Graph:
+    return graph(seed, FEW, varying=varying, pieces=pieces)
+
+
+@pytest.mark.parametrize("seed", [*IN_PIECES[:1], *(pytest.param(seed, marks=LATER) for seed in IN_PIECES[1:])])
+def test_graphs_with_beams_in_pieces(seed: int) -> None:
+    """Pieces are bodies that welds connect; damping couples them, and loads act on each."""
+    of = small(seed, False, True)
+    assert any(body.pieces > 1 for body in of.scene.bodies if isinstance(body, BeamBody))
+    check(of)
+
+
+@LATER
+def test_pieces_of_a_rod_with_damping_loads_energies_and_powers() -> None:
+    check(graph(3, 2, ports=True, pieces=True))
+
+
+@pytest.mark.parametrize("seed", random_cases(300, long=6, further=60))
+def test_more_graphs_with_beams_in_pieces(seed: int) -> None:
+    check(graph(seed, FEW, ports=seed % 4 == 0, varying=seed % 3 == 0, pieces=True))
 
 
 def test_rods_that_meet_their_joints_in_either_order() -> None:
@@ -332,12 +352,12 @@ def evaluated(*of: int) -> list[str]:
     return [name for name in names if name.partition("_")[0] not in ("setup", "marker", "load")]
 
 
-@pytest.mark.parametrize(("seed", "varying"), [pytest.param(*GENERATED[0], marks=LATER), *GENERATED[1:]])
-def test_python_has_the_bits_of_the_interpreter(seed: int, varying: bool) -> None:
-    of = small(seed, varying)
-    for name in evaluated(seed, varying):
+@pytest.mark.parametrize(("seed", "varying", "pieces"), [pytest.param(*GENERATED[0], marks=LATER), *GENERATED[1:]])
+def test_python_has_the_bits_of_the_interpreter(seed: int, varying: bool, pieces: bool) -> None:
+    of = small(seed, varying, pieces)
+    for name in evaluated(seed, varying, pieces):
         given = [x if isinstance(x, float) else np.array(x) for x in of.arguments(name).values()]
-        found = getattr(module(seed, varying), name)(*given)
+        found = getattr(module(seed, varying, pieces), name)(*given)
         expected = results(of, of.instances, name).values()
         for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
             assert a.tobytes() == b.tobytes(), name
@@ -349,14 +369,14 @@ SINES: Mapping[str, Callable[[float], float]] = {
 }
 
 
-@pytest.mark.parametrize(("seed", "varying"), GENERATED)
-def test_c_has_the_bits_of_the_interpreter(seed: int, varying: bool) -> None:
+@pytest.mark.parametrize(("seed", "varying", "pieces"), GENERATED)
+def test_c_has_the_bits_of_the_interpreter(seed: int, varying: bool, pieces: bool) -> None:
     """With the sines of C."""
-    of = small(seed, varying)
-    for name in evaluated(seed, varying):
+    of = small(seed, varying, pieces)
+    for name in evaluated(seed, varying, pieces):
         kernel, given = of.instances.kernel(name), of.arguments(name)
         expected = interpret(kernel, given, functions=SINES).values()
-        found = in_c(native(seed, varying), name)(*given.values())
+        found = in_c(native(seed, varying, pieces), name)(*given.values())
         for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
             assert np.ravel(a).tobytes() == np.array(b, float).tobytes(), name
 
@@ -372,10 +392,10 @@ def in_c(scene: NativeScene, name: str) -> Any:
 BATCHES = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
 
 
-@pytest.mark.parametrize(("seed", "varying"), GENERATED)
-def test_batches_have_the_bits_of_single_states(seed: int, varying: bool) -> None:
-    scene, rng = native(seed, varying), np.random.default_rng(seed)
-    q = np.array(small(seed, varying).state["q"]) * rng.uniform(0.5, 1.0, (11, scene.nq))
+@pytest.mark.parametrize(("seed", "varying", "pieces"), GENERATED)
+def test_batches_have_the_bits_of_single_states(seed: int, varying: bool, pieces: bool) -> None:
+    scene, rng = native(seed, varying, pieces), np.random.default_rng(seed)
+    q = np.array(small(seed, varying, pieces).state["q"]) * rng.uniform(0.5, 1.0, (11, scene.nq))
     v, k = rng.uniform(-1, 1, (11, scene.nv)), scene.setup()
     for name in BATCHES:
         given = {"mass": (q,)}.get(name, (q, v))
