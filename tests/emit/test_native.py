@@ -15,6 +15,7 @@ from toolchain import special, tool
 import beams
 import derive
 import free_block
+from conftest import QUICK
 from derive.backends.c.source import ABI
 from derive.roles import Role
 from derive.runtime import compiler as compiler_module
@@ -84,7 +85,7 @@ def test_describes_the_model() -> None:
 
 
 def test_a_model_may_have_no_markers() -> None:
-    assert derive.load(special("no_markers").files).markers == ()
+    assert derive.load(special("no_markers").files, QUICK).markers == ()
 
 
 def test_a_body_alone_is_a_scene_without_constraints_and_ports() -> None:
@@ -102,7 +103,7 @@ def test_a_body_alone_is_a_scene_without_constraints_and_ports() -> None:
 
 def test_models_live_side_by_side() -> None:
     """All are called model.so in folders that are gone; none may be taken for another."""
-    names = [derive.load(beams.made(frame, 2).files) for frame in ("mean", "point", "mean")]
+    names = [derive.load(beams.made(frame, 2).files, QUICK) for frame in ("mean", "point", "mean")]
     assert [native.name for native in names] == ["beam_mean_2", "beam_point_2", "beam_mean_2"]
 
 
@@ -279,7 +280,7 @@ def test_constants_of_another_model_are_refused() -> None:
     """Constants of another model are refused even if they are as many. Arrays that no setup returned are accepted."""
     model = beams.native("point", 2)
     k = model.setup()
-    other = derive.load(beams.build(beams.beam("point", 2, mass={**beams.MASS, "default": 5.0})).files)
+    other = derive.load(beams.build(beams.beam("point", 2, mass={**beams.MASS, "default": 5.0})).files, QUICK)
     foreign = other.setup()
     assert (other.name, len(foreign)) == (model.name, len(k))
     for wrong in (foreign, 2 * foreign, foreign.copy()):
@@ -287,4 +288,4 @@ def test_constants_of_another_model_are_refused() -> None:
             with pytest.raises(ValueError, match="beam_point_2: the constants k come from the setup of another model"):
                 call(Q if call is model.mass else [Q], wrong)
     assert np.array_equal(model.mass(Q, k), model.mass(Q, list(k)))
-    assert np.array_equal(model.mass(Q, k.copy()), derive.load(beams.made("point", 2).files).mass(Q, k))
+    assert np.array_equal(model.mass(Q, k.copy()), derive.load(beams.made("point", 2).files, QUICK).mass(Q, k))
