@@ -66,7 +66,7 @@ def defining(texts: Iterable[str], name: str) -> list[SourceLine]:
 
 @dataclass(frozen=True)
 class FunctionLines:
-    """The lines of the function of one kernel, from its signature to its end.
+    """The lines of the function of one kernel, from its signature to its end; of a long one, with its parts before it.
 
     first: the number of its first line in the file, from 1.
     """

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_c67333a6c64dda4c
+#ifndef BLOCK_HASH_563f3aa15ab99ba0
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -2207,17 +2207,14 @@ int block_residual(
     return 0;
 }
 
-int block_jacobian(
-    double t,
+/* Part 1 of 4 of jacobian. */
+TISSERAND_SHARED int block_jacobian_part_1(
     const double *TISSERAND_RESTRICT y,
     const double *TISSERAND_RESTRICT ydot,
     double cj,
-    const double *TISSERAND_RESTRICT k,
-    double *jac)
+    double *jac,
+    double *TISSERAND_RESTRICT kept)
 {
-    (void) t;
-    (void) k;
-
     /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = y[3];
     const double e1 = y[4];
@@ -2229,13 +2226,19 @@ int block_jacobian(
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    kept[0] = oo_11;
     const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    kept[1] = oo_12;
     const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
+    kept[2] = oo_13;
     const double oo_22 = omega2 * omega2;
+    kept[3] = oo_22;
     const double oo_23 = omega2 * omega3;
+    kept[4] = oo_23;
     const double oo_33 = omega3 * omega3;
+    kept[5] = oo_33;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
     const double alpha1 = y[7];
@@ -2243,104 +2246,180 @@ int block_jacobian(
     const double alpha8 = y[14];
     const double t2 = 0.0526587076325526 * alpha8;
     const double S_1_11 = t1 + t2;
+    kept[6] = S_1_11;
     const double alpha3 = y[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
+    kept[7] = S_1_12;
     const double t3 = 0.9995777759514879 * alpha1;
     const double t4 = 0.00021667253526842326 * alpha8;
     const double S_1_22 = t3 + t4;
+    kept[8] = S_1_22;
     const double alpha2 = y[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
+    kept[9] = S_1_23;
     const double t5 = 0.07747607894019715 * alpha1;
     const double t6 = (-0.05287538016782101) * alpha8;
     const double S_1_33 = t5 + t6;
+    kept[10] = S_1_33;
     const double S_2_11 = 0.8385822755284659 * alpha2;
+    kept[11] = S_2_11;
     const double S_2_13 = 0.17281858343053574 * alpha3;
+    kept[12] = S_2_13;
     const double S_2_22 = 0.1617571164547129 * alpha2;
+    kept[13] = S_2_22;
     const double t7 = (-0.4396173773693272) * alpha1;
+    kept[14] = t7;
     const double t8 = (-0.02992582521388207) * alpha8;
+    kept[15] = t8;
     const double S_2_23 = t7 + t8;
+    kept[16] = S_2_23;
     const double S_2_33 = 0.9996606080168212 * alpha2;
+    kept[17] = S_2_33;
     const double S_3_11 = 0.9959824929644516 * alpha3;
+    kept[18] = S_3_11;
     const double t9 = (-0.06983677418017273) * alpha1;
+    kept[19] = t9;
     const double t10 = 0.05213396507997798 * alpha8;
+    kept[20] = t10;
     const double S_3_12 = t9 + t10;
+    kept[21] = S_3_12;
     const double S_3_13 = 0.17281858343053574 * alpha2;
+    kept[22] = S_3_13;
     const double S_3_22 = 0.7416169147200682 * alpha3;
+    kept[23] = S_3_22;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    kept[24] = S_3_33;
     const double alpha4 = y[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    kept[25] = S_4_11;
     const double alpha7 = y[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    kept[26] = S_4_12;
     const double alpha6 = y[12];
     const double t11 = 0.06612677259881924 * alpha6;
+    kept[27] = t11;
     const double S_4_13 = -0.006948727887756916 + t11;
+    kept[28] = S_4_13;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    kept[29] = S_4_22;
     const double alpha5 = y[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
+    kept[30] = S_4_23;
     const double S_4_33 = 0.13301478065162953 * alpha4;
+    kept[31] = S_4_33;
     const double S_5_11 = 0.7757986416100022 * alpha5;
+    kept[32] = S_5_11;
     const double t12 = (-0.08100155107836308) * alpha6;
+    kept[33] = t12;
     const double S_5_12 = 0.019222459468399348 + t12;
+    kept[34] = S_5_12;
     const double S_5_13 = (-0.17116304786243786) * alpha7;
+    kept[35] = S_5_13;
     const double S_5_22 = 0.22560185358382823 * alpha5;
+    kept[36] = S_5_22;
     const double S_5_23 = 0.40905294172354 * alpha4;
+    kept[37] = S_5_23;
     const double S_5_33 = 0.9985995048061699 * alpha5;
+    kept[38] = S_5_33;
     const double t13 = 0.008120450003726742 * alpha6;
+    kept[39] = t13;
     const double S_6_11 = 0.006949696462346222 + t13;
+    kept[40] = S_6_11;
     const double S_6_12 = (-0.08100155107836308) * alpha5;
+    kept[41] = S_6_12;
     const double S_6_13 = 0.06612677259881924 * alpha4;
+    kept[42] = S_6_13;
     const double t14 = 0.9938488193551677 * alpha6;
+    kept[43] = t14;
     const double S_6_22 = -0.2888453299117188 + t14;
+    kept[44] = S_6_22;
     const double S_6_23 = (-0.009791878445593954) * alpha7;
+    kept[45] = S_6_23;
     const double t15 = 0.998030730641106 * alpha6;
+    kept[46] = t15;
     const double S_6_33 = -0.28541913668350255 + t15;
+    kept[47] = S_6_33;
     const double S_7_11 = 0.9836361321701889 * alpha7;
+    kept[48] = S_7_11;
     const double S_7_12 = (-0.07653897132838097) * alpha4;
+    kept[49] = S_7_12;
     const double S_7_13 = (-0.17116304786243786) * alpha5;
+    kept[50] = S_7_13;
     const double S_7_22 = 0.7598894642705915 * alpha7;
+    kept[51] = S_7_22;
     const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    kept[52] = S_7_23;
     const double S_7_33 = 0.2564744035592197 * alpha7;
+    kept[53] = S_7_33;
     const double t16 = 0.0526587076325526 * alpha1;
+    kept[54] = t16;
     const double t17 = 0.8351337820732403 * alpha8;
+    kept[55] = t17;
     const double S_8_11 = t16 + t17;
+    kept[56] = S_8_11;
     const double S_8_12 = 0.05213396507997798 * alpha3;
+    kept[57] = S_8_12;
     const double t18 = 0.00021667253526842326 * alpha1;
+    kept[58] = t18;
     const double t19 = 0.994122776779808 * alpha8;
+    kept[59] = t19;
     const double S_8_22 = t18 + t19;
+    kept[60] = S_8_22;
     const double S_8_23 = (-0.02992582521388207) * alpha2;
+    kept[61] = S_8_23;
     const double t20 = (-0.05287538016782101) * alpha1;
+    kept[62] = t20;
     const double t21 = 0.17074344114695217 * alpha8;
+    kept[63] = t21;
     const double S_8_33 = t20 + t21;
+    kept[64] = S_8_33;
 
     /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
     const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+    kept[65] = d3_2_1;
     const double d3_3_2 = 0.3434623359074803 * alpha2;
+    kept[66] = d3_3_2;
     const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+    kept[67] = d3_3_3;
     const double d3_5_1 = 0.8146287617076164 * alpha4;
+    kept[68] = d3_5_1;
     const double d3_6_2 = (-0.13286677220194004) * alpha4;
+    kept[69] = d3_6_2;
     const double d3_6_3 = (-0.17320212202534865) * alpha5;
+    kept[70] = d3_6_3;
     const double d3_7_1 = 0.03812757101123808 * alpha6;
+    kept[71] = d3_7_1;
     const double d3_7_2 = (-0.3338704835108587) * alpha5;
+    kept[72] = d3_7_2;
     const double d3_7_3 = 0.16411826642656863 * alpha4;
+    kept[73] = d3_7_3;
     const double d3_8_1 = 0.06014933573656158 * alpha2;
+    kept[74] = d3_8_1;
     const double d3_8_3 = 0.10707341325868729 * alpha3;
+    kept[75] = d3_8_3;
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
         + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
         + S_7_11 * alpha7 + S_8_11 * alpha8);
+    kept[76] = J_11;
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    kept[77] = J_12;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    kept[78] = J_13;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
         + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
         + S_7_22 * alpha7 + S_8_22 * alpha8);
+    kept[79] = J_22;
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    kept[80] = J_23;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
         + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
         + S_8_33 * alpha8);
+    kept[81] = J_33;
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -2357,51 +2436,80 @@ int block_jacobian(
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
+    kept[82] = Sdot_11;
     const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
         + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+    kept[83] = Sdot_12;
     const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
         + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+    kept[84] = Sdot_13;
     const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
         + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
         + alpha8dot * S_8_22;
+    kept[85] = Sdot_22;
     const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
         + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+    kept[86] = Sdot_23;
     const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
         + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
         + alpha8dot * S_8_33;
+    kept[87] = Sdot_33;
 
     /*
      * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
      *     rdot . e3
      */
     const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    kept[88] = c7dot_1_1;
     const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    kept[89] = c7dot_1_3;
     const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    kept[90] = c7dot_2_1;
     const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    kept[91] = c7dot_2_2;
     const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    kept[92] = c7dot_3_3;
     const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    kept[93] = c7dot_4_1;
     const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    kept[94] = c7dot_4_2;
     const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    kept[95] = c7dot_4_3;
     const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    kept[96] = c7dot_5_2;
     const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    kept[97] = c7dot_5_3;
     const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+    kept[98] = c7dot_6_1;
 
     /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
     const double t22 = 0.8146287617076164 * alpha4dot;
+    kept[99] = t22;
     const double t23 = 0.03812757101123808 * alpha6dot;
+    kept[100] = t23;
     const double t24 = 0.06014933573656158 * alpha2dot;
+    kept[101] = t24;
     const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
         - alpha5 * t22 + alpha6 * c7dot_6_1 - alpha7 * t23 - alpha8 * t24;
+    kept[102] = d3dot_1;
     const double t25 = 0.3434623359074803 * alpha2dot;
+    kept[103] = t25;
     const double t26 = (-0.13286677220194004) * alpha4dot;
+    kept[104] = t26;
     const double t27 = (-0.3338704835108587) * alpha5dot;
+    kept[105] = t27;
     const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t25 + alpha4 * c7dot_4_2
         + alpha5 * c7dot_5_2 - alpha6 * t26 - alpha7 * t27;
+    kept[106] = d3dot_2;
     const double t28 = (-0.17320212202534865) * alpha5dot;
+    kept[107] = t28;
     const double t29 = 0.16411826642656863 * alpha4dot;
+    kept[108] = t29;
     const double t30 = 0.10707341325868729 * alpha3dot;
+    kept[109] = t30;
     const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
         + alpha5 * c7dot_5_3 - alpha6 * t28 - alpha7 * t29 - alpha8 * t30;
+    kept[110] = d3dot_3;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;
@@ -2431,14 +2539,22 @@ int block_jacobian(
     jac[18] = cj;
     jac[19] = cj;
     const double t37 = t1 + S_1_11 + t2;
+    kept[111] = t37;
     const double t38 = 2.0 * S_1_12;
+    kept[112] = t38;
     const double t39 = oo_22 - oo_33;
+    kept[113] = t39;
     const double t40 = 2.0 * S_1_23;
+    kept[114] = t40;
     const double t41 = t5 + S_1_33 + t6;
+    kept[115] = t41;
     const double t42 = 2.0 * omega1;
+    kept[116] = t42;
     const double t43 = 2.0 * omega2;
+    kept[117] = t43;
     const double t44 = (-0.06983677418017273) * alpha3dot;
     const double t45 = t3 + S_1_22 + t4;
+    kept[118] = t45;
     const double omega1dot = ydot[18];
     const double omega2dot = ydot[19];
     const double alpha2ddot = ydot[22];
@@ -2446,19 +2562,54 @@ int block_jacobian(
         + t42 * (0.9229461451083147 * alpha1dot + 0.0526587076325526 * alpha8dot) + t43 * t44)
         + ((-0.8784787837749884) * alpha2ddot + (omega2 * c7dot_1_3 - oo_13 * t38 - oo_23 * t45));
     const double t46 = 2.0 * omega3;
+    kept[119] = t46;
     const double t47 = (-0.4396173773693272) * alpha2dot;
+    kept[120] = t47;
     const double omega3dot = ydot[20];
     jac[21] = oo_13 * t37 + omega1dot * t38 + oo_23 * t38 + omega2dot * t45 + (omega3dot * t40
         + t42 * t44 + t43 * (0.9995777759514879 * alpha1dot + 0.00021667253526842326 * alpha8dot)
         + t46 * t47) + (omega3 * c7dot_1_1 - oo_12 * t40 - oo_13 * t41 - omega1 * c7dot_1_3);
+    return 0;
+}
+
+/* Part 2 of 4 of jacobian. */
+TISSERAND_SHARED void block_jacobian_part_2(
+    const double *TISSERAND_RESTRICT y,
+    const double *TISSERAND_RESTRICT ydot,
+    double cj,
+    double *jac,
+    double *TISSERAND_RESTRICT kept)
+{
+    const double oo_11 = kept[0];
+    const double oo_22 = kept[3];
     const double t48 = oo_11 - oo_22;
+    kept[121] = t48;
+    const double t38 = kept[112];
+    const double oo_12 = kept[1];
+    const double t45 = kept[118];
+    const double omega2dot = ydot[19];
+    const double t40 = kept[114];
+    const double oo_13 = kept[2];
+    const double omega3dot = ydot[20];
+    const double t41 = kept[115];
+    const double t43 = kept[117];
+    const double t47 = kept[120];
+    const double t46 = kept[119];
+    const double alpha1dot = y[21];
+    const double alpha8dot = y[28];
     const double alpha3ddot = ydot[23];
+    const double t37 = kept[111];
+    const double omega2 = y[19];
+    const double c7dot_1_1 = kept[88];
     jac[22] = t48 * t38 + oo_12 * t45 + omega2dot * t40 + oo_13 * t40 + (omega3dot * t41 + t43 * t47
         + t46 * (0.07747607894019715 * alpha1dot + (-0.05287538016782101) * alpha8dot))
         + (0.14213269823254854 * alpha3ddot - (oo_12 * t37 + omega2 * c7dot_1_1));
+    const double oo_33 = kept[5];
     jac[23] = 132785871.23214255 - 0.9229461451083147 * oo_11 - (0.9995777759514879 * oo_22
         + 0.07747607894019715 * oo_33);
+    const double omega1dot = ydot[18];
     const double t49 = (-0.8784787837749884) * omega1dot;
+    const double oo_23 = kept[4];
     const double t50 = (-0.8792347547386544) * oo_23;
     jac[24] = t49 - t50;
     const double t51 = 0.14213269823254854 * omega3dot;
@@ -2466,24 +2617,42 @@ int block_jacobian(
     jac[25] = t51 - t52;
     const double t53 = (-0.0526587076325526) * oo_11 - (0.00021667253526842326 * oo_22
         + (-0.05287538016782101) * oo_33);
+    kept[122] = t53;
     jac[26] = t53;
     jac[27] = cj;
+    const double S_2_11 = kept[11];
     const double t54 = 2.0 * S_2_11;
+    const double S_2_13 = kept[12];
     const double t55 = 2.0 * S_2_13;
+    kept[123] = t55;
+    const double t7 = kept[14];
+    const double S_2_23 = kept[16];
+    const double t8 = kept[15];
     const double t56 = t7 + S_2_23 + t8;
+    const double S_2_33 = kept[17];
     const double t57 = 2.0 * S_2_33;
+    const double alpha3dot = y[23];
     const double t58 = 0.17281858343053574 * alpha3dot;
+    const double S_2_22 = kept[13];
     const double t59 = 2.0 * S_2_22;
+    const double t39 = kept[113];
+    const double t42 = kept[116];
+    const double alpha2dot = y[22];
     const double alpha1ddot = ydot[21];
     const double alpha8ddot = ydot[28];
+    const double omega3 = y[20];
+    const double c7dot_2_2 = kept[91];
     jac[28] = omega1dot * t54 + omega3dot * t55 + oo_12 * t55 + t39 * t56 + (oo_23 * t57
         + t42 * (0.8385822755284659 * alpha2dot) + t46 * t58 - (-0.8784787837749884) * alpha1ddot)
         + (0.06014933573656158 * alpha8ddot - oo_23 * t59 - omega3 * c7dot_2_2);
     const double t60 = oo_33 - oo_11;
+    kept[124] = t60;
     const double t61 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot;
+    const double c7dot_2_1 = kept[90];
     jac[29] = oo_13 * t54 + t60 * t55 + omega2dot * t59 + (omega3dot * t56
         + t43 * (0.1617571164547129 * alpha2dot) + t46 * t61) + (0.3434623359074803 * alpha3ddot
         + (omega3 * c7dot_2_1 - oo_12 * t56 - oo_13 * t57));
+    const double omega1 = y[18];
     jac[30] = omega1dot * t55 + oo_12 * t59 + omega2dot * t56 + oo_13 * t56 + (omega3dot * t57
         + t42 * t58 + t43 * t61 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
         - oo_12 * t54 - oo_23 * t55 - omega2 * c7dot_2_1);
@@ -2494,19 +2663,32 @@ int block_jacobian(
     const double t63 = 0.3456371668610715 * oo_13;
     jac[33] = t62 - t63;
     const double t64 = 0.06014933573656158 * omega1dot;
+    kept[125] = t64;
     const double t65 = (-0.05985165042776414) * oo_23;
+    kept[126] = t65;
     jac[34] = t64 - t65;
     jac[35] = cj;
+    const double S_3_11 = kept[18];
     const double t66 = 2.0 * S_3_11;
+    const double t9 = kept[19];
+    const double S_3_12 = kept[21];
+    const double t10 = kept[20];
     const double t67 = t9 + S_3_12 + t10;
+    const double S_3_13 = kept[22];
     const double t68 = 2.0 * S_3_13;
+    kept[127] = t68;
+    const double S_3_33 = kept[24];
     const double t69 = 2.0 * S_3_33;
     const double t70 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot;
     const double t71 = 0.17281858343053574 * alpha2dot;
+    const double S_3_22 = kept[23];
     const double t72 = 2.0 * S_3_22;
+    const double c7dot_3_3 = kept[92];
+    const double t25 = kept[103];
     jac[36] = omega1dot * t66 + omega2dot * t67 + omega3dot * t68 + oo_12 * t68 + (oo_23 * t69
         + t42 * (0.9959824929644516 * alpha3dot) + t43 * t70 + t46 * t71) + (omega2 * c7dot_3_3
         - oo_13 * t67 - oo_23 * t72 + omega3 * t25);
+    const double alpha2ddot = ydot[22];
     jac[37] = oo_13 * t66 + omega1dot * t67 + oo_23 * t67 + t60 * t68 + omega2dot * t72 + (t42 * t70
         + t43 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot) - (oo_13 * t69
         + omega1 * c7dot_3_3);
@@ -2518,24 +2700,42 @@ int block_jacobian(
     jac[41] = 424127787.13520163 - 0.9959824929644516 * oo_11 - (0.7416169147200682 * oo_22
         + 0.26240059231547974 * oo_33);
     const double t73 = 0.10707341325868729 * omega3dot;
+    kept[128] = t73;
     const double t74 = 0.10426793015995596 * oo_12;
+    kept[129] = t74;
     jac[42] = t73 - t74;
     jac[43] = cj;
+    const double S_4_11 = kept[25];
     const double t75 = 2.0 * S_4_11;
+    const double S_4_12 = kept[26];
     const double t76 = 2.0 * S_4_12;
+    kept[130] = t76;
+    const double S_4_13 = kept[28];
+    const double t11 = kept[27];
     const double t77 = -0.006948727887756916 + S_4_13 + t11;
+    const double S_4_23 = kept[30];
     const double t78 = 2.0 * S_4_23;
+    kept[131] = t78;
+    const double S_4_33 = kept[31];
     const double t79 = 2.0 * S_4_33;
+    const double alpha7dot = y[27];
     const double t80 = (-0.07653897132838097) * alpha7dot;
+    const double alpha6dot = y[26];
     const double t81 = 0.06612677259881924 * alpha6dot;
+    const double S_4_22 = kept[29];
     const double t82 = 2.0 * S_4_22;
+    const double alpha4dot = y[24];
     const double alpha5ddot = ydot[25];
+    const double c7dot_4_3 = kept[95];
+    const double c7dot_4_2 = kept[94];
     jac[44] = omega1dot * t75 + omega2dot * t76 + omega3dot * t77 + oo_12 * t77 + t39 * t78
         + (oo_23 * t79 + t42 * (0.8691692710140388 * alpha4dot) + t43 * t80 + t46 * t81)
         + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t76 - oo_23 * t82
         - omega3 * c7dot_4_2));
+    const double alpha5dot = y[25];
     const double t83 = 0.40905294172354 * alpha5dot;
     const double alpha6ddot = ydot[26];
+    const double c7dot_4_1 = kept[93];
     jac[45] = oo_13 * t75 + omega1dot * t76 + oo_23 * t76 + t60 * t77 + omega2dot * t82
         + (omega3dot * t78 + t42 * t80 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t83)
         + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t78 - oo_13 * t79
@@ -2551,26 +2751,42 @@ int block_jacobian(
     const double t85 = 0.81810588344708 * oo_23;
     jac[48] = t84 - t85;
     const double t86 = (-0.13286677220194004) * omega2dot;
+    kept[132] = t86;
     const double t87 = 0.1322535451976385 * oo_13;
+    kept[133] = t87;
     jac[49] = t86 - t87;
     const double t88 = 0.16411826642656863 * omega3dot;
+    kept[134] = t88;
     const double t89 = (-0.15307794265676195) * oo_12;
+    kept[135] = t89;
     jac[50] = t88 - t89;
     jac[51] = cj;
+    const double S_5_11 = kept[32];
     const double t90 = 2.0 * S_5_11;
+    const double S_5_12 = kept[34];
+    const double t12 = kept[33];
     const double t91 = 0.019222459468399348 + S_5_12 + t12;
+    const double S_5_13 = kept[35];
     const double t92 = 2.0 * S_5_13;
+    kept[136] = t92;
+    const double S_5_23 = kept[37];
     const double t93 = 2.0 * S_5_23;
+    kept[137] = t93;
+    const double S_5_33 = kept[38];
     const double t94 = 2.0 * S_5_33;
     const double t95 = (-0.08100155107836308) * alpha6dot;
     const double t96 = (-0.17116304786243786) * alpha7dot;
+    const double S_5_22 = kept[36];
     const double t97 = 2.0 * S_5_22;
+    const double c7dot_5_3 = kept[97];
+    const double c7dot_5_2 = kept[96];
     const double alpha4ddot = ydot[24];
     jac[52] = omega1dot * t90 + omega2dot * t91 + omega3dot * t92 + oo_12 * t92 + t39 * t93
         + (oo_23 * t94 + t42 * (0.7757986416100022 * alpha5dot) + t43 * t95 + t46 * t96)
         + (omega2 * c7dot_5_3 - oo_13 * t91 - oo_23 * t97 - omega3 * c7dot_5_2
         - 0.8146287617076164 * alpha4ddot);
     const double t98 = 0.40905294172354 * alpha4dot;
+    const double t22 = kept[99];
     jac[53] = oo_13 * t90 + omega1dot * t91 + oo_23 * t91 + t60 * t92 + omega2dot * t97
         + (omega3dot * t93 + t42 * t95 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t98)
         + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t93 + oo_13 * t94
@@ -2582,55 +2798,119 @@ int block_jacobian(
     jac[55] = -(t84 + t85);
     jac[56] = 1482944676.1858206 - 0.7757986416100022 * oo_11 - (0.22560185358382823 * oo_22
         + 0.9985995048061699 * oo_33);
+}
+
+/* Part 3 of 4 of jacobian. */
+TISSERAND_SHARED void block_jacobian_part_3(
+    const double *TISSERAND_RESTRICT y,
+    const double *TISSERAND_RESTRICT ydot,
+    double cj,
+    double *jac,
+    double *TISSERAND_RESTRICT kept)
+{
+    const double omega3dot = ydot[20];
     const double t99 = (-0.17320212202534865) * omega3dot;
+    const double oo_12 = kept[1];
     const double t100 = (-0.16200310215672617) * oo_12;
     jac[57] = t99 - t100;
+    const double omega2dot = ydot[19];
     const double t101 = (-0.3338704835108587) * omega2dot;
+    const double oo_13 = kept[2];
     const double t102 = (-0.3423260957248757) * oo_13;
     jac[58] = t101 - t102;
     jac[59] = cj;
+    const double t13 = kept[39];
+    const double S_6_11 = kept[40];
     const double t103 = 0.006949696462346222 + (t13 + S_6_11);
+    const double S_6_12 = kept[41];
     const double t104 = 2.0 * S_6_12;
+    kept[120] = t104;
+    const double S_6_13 = kept[42];
     const double t105 = 2.0 * S_6_13;
+    kept[118] = t105;
+    const double S_6_23 = kept[45];
     const double t106 = 2.0 * S_6_23;
+    kept[115] = t106;
+    const double t15 = kept[46];
+    const double S_6_33 = kept[47];
     const double t107 = -0.28541913668350255 + (t15 + S_6_33);
+    const double alpha5dot = y[25];
     const double t108 = (-0.08100155107836308) * alpha5dot;
+    const double alpha4dot = y[24];
     const double t109 = 0.06612677259881924 * alpha4dot;
+    const double t14 = kept[43];
+    const double S_6_22 = kept[44];
     const double t110 = -0.2888453299117188 + (t14 + S_6_22);
+    const double omega1dot = ydot[18];
+    const double t39 = kept[113];
+    const double oo_23 = kept[4];
+    const double t42 = kept[116];
+    const double alpha6dot = y[26];
+    const double t43 = kept[117];
+    const double t46 = kept[119];
+    const double alpha7ddot = ydot[27];
+    const double omega3 = y[20];
+    const double t26 = kept[104];
+    const double omega2 = y[19];
+    const double t28 = kept[107];
     jac[60] = omega1dot * t103 + omega2dot * t104 + omega3dot * t105 + oo_12 * t105 + t39 * t106
         + (oo_23 * t107 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t108 + t46 * t109)
         + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t104
         + oo_23 * t110)));
+    const double alpha7dot = y[27];
     const double t111 = (-0.009791878445593954) * alpha7dot;
+    const double t60 = kept[124];
+    const double c7dot_6_1 = kept[98];
+    const double omega1 = y[18];
+    const double alpha4ddot = ydot[24];
     jac[61] = oo_13 * t103 + omega1dot * t104 + oo_23 * t104 + t60 * t105 + omega2dot * t110
         + (omega3dot * t106 + t42 * t108 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t111)
         + (omega3 * c7dot_6_1 - oo_12 * t106 - oo_13 * t107 + omega1 * t28
         - (-0.13286677220194004) * alpha4ddot);
+    const double t48 = kept[121];
+    const double alpha5ddot = ydot[25];
     jac[62] = t48 * t104 + omega1dot * t105 + oo_12 * t110 + omega2dot * t106 + oo_13 * t106
         + (omega3dot * t107 + t42 * t109 + t43 * t111 + t46 * (0.998030730641106 * alpha6dot))
         - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t103 + oo_23 * t105
         + omega2 * c7dot_6_1));
+    const double t86 = kept[132];
+    const double t87 = kept[133];
     jac[63] = -(t86 + t87);
     jac[64] = -(t99 + t100);
+    const double oo_11 = kept[0];
+    const double oo_22 = kept[3];
+    const double oo_33 = kept[5];
     jac[65] = 1586764292.5824752 - 0.008120450003726742 * oo_11 - (0.9938488193551677 * oo_22
         + 0.998030730641106 * oo_33);
     const double t112 = 0.03812757101123808 * omega1dot;
     const double t113 = (-0.01958375689118791) * oo_23;
     jac[66] = t112 - t113;
     jac[67] = cj;
+    const double S_7_11 = kept[48];
     const double t114 = 2.0 * S_7_11;
+    const double S_7_12 = kept[49];
     const double t115 = 2.0 * S_7_12;
+    kept[111] = t115;
+    const double S_7_13 = kept[50];
     const double t116 = 2.0 * S_7_13;
+    kept[33] = t116;
+    const double S_7_23 = kept[52];
     const double t117 = S_7_23 + S_7_23;
+    const double S_7_33 = kept[53];
     const double t118 = 2.0 * S_7_33;
     const double t119 = (-0.07653897132838097) * alpha4dot;
     const double t120 = (-0.17116304786243786) * alpha5dot;
+    const double S_7_22 = kept[51];
     const double t121 = 2.0 * S_7_22;
+    const double t27 = kept[105];
+    const double t29 = kept[108];
+    const double alpha6ddot = ydot[26];
     jac[68] = omega1dot * t114 + omega2dot * t115 + omega3dot * t116 + oo_12 * t116 + t39 * t117
         + (oo_23 * t118 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t119 + t46 * t120)
         + (omega3 * t27 - (omega2 * t29 + oo_13 * t115 + oo_23 * t121)
         - 0.03812757101123808 * alpha6ddot);
     const double t122 = (-0.009791878445593954) * alpha6dot;
+    const double t23 = kept[100];
     jac[69] = oo_13 * t114 + omega1dot * t115 + oo_23 * t115 + t60 * t116 + omega2dot * t121
         + (omega3dot * t117 + t42 * t119 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t122)
         + (omega1 * t29 - (omega3 * t23 + oo_12 * t117 + oo_13 * t118)
@@ -2639,30 +2919,58 @@ int block_jacobian(
         + (omega3dot * t118 + t42 * t120 + t43 * t122 + t46 * (0.2564744035592197 * alpha7dot))
         + (omega2 * t23 - (omega1 * t27 + oo_12 * t114 + oo_23 * t116)
         - 0.16411826642656863 * alpha4ddot);
+    const double t88 = kept[134];
+    const double t89 = kept[135];
     jac[71] = -(t88 + t89);
     jac[72] = -(t101 + t102);
     jac[73] = -(t112 + t113);
     jac[74] = 1703959547.9391162 - 0.9836361321701889 * oo_11 - (0.7598894642705915 * oo_22
         + 0.2564744035592197 * oo_33);
     jac[75] = cj;
+    const double t16 = kept[54];
+    const double t17 = kept[55];
+    const double S_8_11 = kept[56];
     const double t123 = t16 + (t17 + S_8_11);
+    const double S_8_12 = kept[57];
     const double t124 = 2.0 * S_8_12;
+    kept[27] = t124;
+    const double S_8_23 = kept[61];
     const double t125 = 2.0 * S_8_23;
+    kept[20] = t125;
+    const double t20 = kept[62];
+    const double t21 = kept[63];
+    const double S_8_33 = kept[64];
     const double t126 = t20 + (t21 + S_8_33);
+    const double alpha3dot = y[23];
     const double t127 = 0.05213396507997798 * alpha3dot;
+    const double t18 = kept[58];
+    const double t19 = kept[59];
+    const double S_8_22 = kept[60];
     const double t128 = t18 + (t19 + S_8_22);
+    const double alpha1dot = y[21];
+    const double alpha8dot = y[28];
+    const double alpha2ddot = ydot[22];
+    const double t30 = kept[109];
     jac[76] = omega1dot * t123 + omega2dot * t124 + t39 * t125 + (oo_23 * t126
         + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t127)
         - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t124 + oo_23 * t128));
+    const double alpha2dot = y[22];
     const double t129 = (-0.02992582521388207) * alpha2dot;
+    const double t24 = kept[101];
     jac[77] = oo_13 * t123 + omega1dot * t124 + oo_23 * t124 + omega2dot * t128 + (omega3dot * t125
         + t42 * t127 + t43 * (0.00021667253526842326 * alpha1dot + 0.994122776779808 * alpha8dot)
         + t46 * t129) + (omega1 * t30 - (omega3 * t24 + oo_12 * t125 + oo_13 * t126));
+    const double alpha3ddot = ydot[23];
     jac[78] = t48 * t124 + oo_12 * t128 + omega2dot * t125 + oo_13 * t125 + (omega3dot * t126
         + t43 * t129 + t46 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot))
         + (omega2 * t24 - oo_12 * t123 - 0.10707341325868729 * alpha3ddot);
+    const double t53 = kept[122];
     jac[79] = t53;
+    const double t64 = kept[125];
+    const double t65 = kept[126];
     jac[80] = -(t64 + t65);
+    const double t73 = kept[128];
+    const double t74 = kept[129];
     jac[81] = -(t73 + t74);
     jac[82] = 2561832557.220976 - 0.8351337820732403 * oo_11 - (0.994122776779808 * oo_22
         + 0.17074344114695217 * oo_33);
@@ -2673,103 +2981,263 @@ int block_jacobian(
     jac[86] = t130;
     jac[87] = -1.0;
     jac[88] = t130;
+    const double e1 = y[4];
     const double t131 = 0.5 * e1;
+    kept[19] = t131;
     jac[89] = t131;
+    const double e0 = y[3];
     const double t132 = (-0.5) * e0;
+    kept[15] = t132;
     jac[90] = t132;
+    const double e3 = y[6];
     const double t133 = 0.5 * e3;
+    kept[14] = t133;
     jac[91] = -t133;
+    const double e2 = y[5];
     const double t134 = 0.5 * e2;
+    kept[138] = t134;
     jac[92] = t134;
+    const double J_13 = kept[78];
     const double t135 = J_13 * omega2;
+    kept[139] = t135;
+    const double J_12 = kept[77];
     const double t136 = J_12 * omega3;
+    kept[140] = t136;
+    const double Sdot_11 = kept[82];
+    const double J_11 = kept[76];
     jac[93] = t135 + 2.0 * Sdot_11 - t136 + cj * J_11;
+    const double Sdot_12 = kept[83];
     const double t137 = 2.0 * Sdot_12;
+    const double J_33 = kept[81];
     const double t138 = J_33 * omega3;
     const double t139 = cj * J_12;
+    const double J_23 = kept[80];
+    const double d3dot_3 = kept[110];
     jac[94] = J_11 * omega3 - J_13 * t42 + t137 - (J_23 * omega2 + t138 + d3dot_3) + t139;
+    const double J_22 = kept[79];
     const double t140 = J_22 * omega2;
+    kept[141] = t140;
+    const double Sdot_13 = kept[84];
     const double t141 = 2.0 * Sdot_13;
+    kept[142] = t141;
     const double t142 = cj * J_13;
+    kept[143] = t142;
+    const double d3dot_2 = kept[106];
     jac[95] = J_12 * t42 + t140 + J_23 * omega3 + t141 + (d3dot_2 - J_11 * omega2) + t142;
+    const double alpha2 = y[8];
     const double t143 = (-0.8784787837749884) * alpha2;
+    kept[144] = t143;
     const double t144 = cj * t143;
+    kept[145] = t144;
+    const double S_1_11 = kept[6];
+    const double t38 = kept[112];
+    const double c7dot_1_1 = kept[88];
     jac[96] = -(S_1_11 * t42) - t38 * omega2 - 2.0 * c7dot_1_1 - t144;
+    const double d3_2_1 = kept[65];
     const double t145 = cj * d3_2_1;
+    kept[146] = t145;
+    const double S_2_11 = kept[11];
+    const double t55 = kept[123];
+    const double c7dot_2_1 = kept[90];
     jac[97] = t145 - (S_2_11 * t42 + t55 * omega3 + 2.0 * c7dot_2_1);
+    const double S_3_12 = kept[21];
     const double t146 = 2.0 * S_3_12;
+    kept[147] = t146;
+    const double S_3_11 = kept[18];
+    const double t68 = kept[127];
     jac[98] = -(S_3_11 * t42) - t146 * omega2 - t68 * omega3;
+    const double S_4_13 = kept[28];
     const double t147 = 2.0 * S_4_13;
+    kept[148] = t147;
+    const double alpha5 = y[11];
     const double t148 = 0.8146287617076164 * alpha5;
+    kept[149] = t148;
     const double t149 = cj * t148;
+    kept[150] = t149;
+    const double S_4_11 = kept[25];
+    const double t76 = kept[130];
+    const double c7dot_4_1 = kept[93];
     jac[99] = -(S_4_11 * t42) - t76 * omega2 - (t147 * omega3 + 2.0 * c7dot_4_1) - t149;
+    const double d3_5_1 = kept[68];
     const double t150 = cj * d3_5_1;
+    kept[151] = t150;
+    const double S_5_12 = kept[34];
     const double t151 = 2.0 * S_5_12;
+    kept[152] = t151;
+    const double S_5_11 = kept[32];
+    const double t92 = kept[136];
+    const double t22 = kept[99];
     jac[100] = t150 - (S_5_11 * t42 + t151 * omega2 + (t92 * omega3 - 2.0 * t22));
+    const double alpha7 = y[13];
     const double t152 = 0.03812757101123808 * alpha7;
+    kept[153] = t152;
     const double t153 = cj * t152;
+    kept[154] = t153;
     jac[101] = -(S_6_11 * t42) - t104 * omega2 - (t105 * omega3 + 2.0 * c7dot_6_1) - t153;
+    const double d3_7_1 = kept[71];
     const double t154 = cj * d3_7_1;
+    kept[155] = t154;
     jac[102] = t154 - (S_7_11 * t42 + t115 * omega2 + (t116 * omega3 - 2.0 * t23));
+    const double d3_8_1 = kept[74];
     const double t155 = cj * d3_8_1;
+    kept[156] = t155;
     jac[103] = 2.0 * t24 - (S_8_11 * t42 + t124 * omega2) + t155;
     jac[104] = t134;
     jac[105] = t133;
     jac[106] = t132;
     jac[107] = -t131;
     jac[108] = J_13 * omega1 + J_23 * t43 + (t138 + t137) + (d3dot_3 - J_22 * omega3) + t139;
+}
+
+/* Part 4 of 4 of jacobian. */
+TISSERAND_SHARED void block_jacobian_part_4(
+    const double *TISSERAND_RESTRICT y,
+    double cj,
+    double *jac,
+    const double *TISSERAND_RESTRICT kept)
+{
+    const double J_23 = kept[80];
+    const double omega1 = y[18];
     const double t156 = J_23 * omega1;
+    const double t136 = kept[140];
+    const double Sdot_22 = kept[85];
+    const double J_22 = kept[79];
     jac[109] = t136 + 2.0 * Sdot_22 - t156 + cj * J_22;
+    const double Sdot_23 = kept[86];
     const double t157 = 2.0 * Sdot_23;
+    const double J_11 = kept[76];
     const double t158 = J_11 * omega1;
     const double t159 = cj * J_23;
+    const double J_12 = kept[77];
+    const double t43 = kept[117];
+    const double J_13 = kept[78];
+    const double omega3 = y[20];
+    const double d3dot_1 = kept[102];
     jac[110] = J_22 * omega1 - J_12 * t43 + t157 - (t158 + J_13 * omega3 + d3dot_1) + t159;
+    const double t38 = kept[112];
+    const double S_1_22 = kept[8];
+    const double t40 = kept[114];
     jac[111] = -(t38 * omega1) - (S_1_22 * t43 + t40 * omega3);
+    const double S_2_23 = kept[16];
     const double t160 = 2.0 * S_2_23;
+    const double alpha3 = y[9];
     const double t161 = 0.3434623359074803 * alpha3;
     const double t162 = cj * t161;
+    const double S_2_22 = kept[13];
+    const double c7dot_2_2 = kept[91];
     jac[112] = -(S_2_22 * t43) - t160 * omega3 - 2.0 * c7dot_2_2 - t162;
+    const double d3_3_2 = kept[66];
     const double t163 = cj * d3_3_2;
+    const double t146 = kept[147];
+    const double S_3_22 = kept[23];
+    const double t25 = kept[103];
     jac[113] = t163 - (t146 * omega1 + (S_3_22 * t43 - 2.0 * t25));
+    const double alpha6 = y[12];
     const double t164 = (-0.13286677220194004) * alpha6;
     const double t165 = cj * t164;
+    const double t76 = kept[130];
+    const double S_4_22 = kept[29];
+    const double t78 = kept[131];
+    const double c7dot_4_2 = kept[94];
     jac[114] = -(t76 * omega1) - (S_4_22 * t43 + t78 * omega3 + 2.0 * c7dot_4_2) - t165;
+    const double alpha7 = y[13];
     const double t166 = (-0.3338704835108587) * alpha7;
     const double t167 = cj * t166;
+    const double t151 = kept[152];
+    const double S_5_22 = kept[36];
+    const double t93 = kept[137];
+    const double c7dot_5_2 = kept[96];
     jac[115] = -(t151 * omega1) - (S_5_22 * t43 + t93 * omega3 + 2.0 * c7dot_5_2) - t167;
+    const double d3_6_2 = kept[69];
     const double t168 = cj * d3_6_2;
+    const double t104 = kept[120];
+    const double S_6_22 = kept[44];
+    const double t106 = kept[115];
+    const double t26 = kept[104];
     jac[116] = t168 - (t104 * omega1 + (S_6_22 * t43 + t106 * omega3 - 2.0 * t26));
+    const double d3_7_2 = kept[72];
     const double t169 = cj * d3_7_2;
+    const double S_7_23 = kept[52];
     const double t170 = 2.0 * S_7_23;
+    const double t115 = kept[111];
+    const double S_7_22 = kept[51];
+    const double t27 = kept[105];
     jac[117] = t169 - (t115 * omega1 + (S_7_22 * t43 + t170 * omega3 - 2.0 * t27));
+    const double t124 = kept[27];
+    const double S_8_22 = kept[60];
+    const double t125 = kept[20];
     jac[118] = -(t124 * omega1) - (S_8_22 * t43 + t125 * omega3);
+    const double t133 = kept[14];
     jac[119] = t133;
+    const double t134 = kept[138];
     jac[120] = -t134;
+    const double t131 = kept[19];
     jac[121] = t131;
+    const double t132 = kept[15];
     jac[122] = t132;
+    const double J_33 = kept[81];
+    const double omega2 = y[19];
+    const double t141 = kept[142];
+    const double t46 = kept[119];
+    const double t140 = kept[141];
+    const double d3dot_2 = kept[106];
+    const double t142 = kept[143];
     jac[123] = J_33 * omega2 + t141 - J_23 * t46 - (J_12 * omega1 + t140 + d3dot_2) + t142;
     jac[124] = t158 + J_12 * omega2 + J_13 * t46 + t157 + (d3dot_1 - J_33 * omega1) + t159;
+    const double Sdot_33 = kept[87];
+    const double t135 = kept[139];
     jac[125] = t156 + 2.0 * Sdot_33 - t135 + cj * J_33;
     const double t171 = 0.14213269823254854 * alpha3;
     const double t172 = cj * t171;
+    const double S_1_33 = kept[10];
+    const double c7dot_1_3 = kept[89];
     jac[126] = -(t40 * omega2) - S_1_33 * t46 - 2.0 * c7dot_1_3 - t172;
+    const double t55 = kept[123];
+    const double S_2_33 = kept[17];
     jac[127] = -(t55 * omega1) - (t160 * omega2 + S_2_33 * t46);
+    const double d3_3_3 = kept[67];
     const double t173 = cj * d3_3_3;
+    const double t68 = kept[127];
+    const double S_3_33 = kept[24];
+    const double c7dot_3_3 = kept[92];
     jac[128] = t173 - (t68 * omega1 + S_3_33 * t46 + 2.0 * c7dot_3_3);
     const double t174 = 0.16411826642656863 * alpha7;
     const double t175 = cj * t174;
+    const double t147 = kept[148];
+    const double S_4_33 = kept[31];
+    const double c7dot_4_3 = kept[95];
     jac[129] = -(t147 * omega1) - t78 * omega2 - S_4_33 * t46 - 2.0 * c7dot_4_3 - t175;
     const double t176 = (-0.17320212202534865) * alpha6;
     const double t177 = cj * t176;
+    const double t92 = kept[136];
+    const double S_5_33 = kept[38];
+    const double c7dot_5_3 = kept[97];
     jac[130] = -(t92 * omega1) - t93 * omega2 - S_5_33 * t46 - 2.0 * c7dot_5_3 - t177;
+    const double d3_6_3 = kept[70];
     const double t178 = cj * d3_6_3;
+    const double t105 = kept[118];
+    const double S_6_33 = kept[47];
+    const double t28 = kept[107];
     jac[131] = t178 - (t105 * omega1 + t106 * omega2 + S_6_33 * t46 - 2.0 * t28);
+    const double d3_7_3 = kept[73];
     const double t179 = cj * d3_7_3;
+    const double t116 = kept[33];
+    const double S_7_33 = kept[53];
+    const double t29 = kept[108];
     jac[132] = t179 - (t116 * omega1 + t170 * omega2 + S_7_33 * t46 - 2.0 * t29);
+    const double d3_8_3 = kept[75];
     const double t180 = cj * d3_8_3;
+    const double S_8_33 = kept[64];
+    const double t30 = kept[109];
     jac[133] = t180 - (t125 * omega2 + S_8_33 * t46 - 2.0 * t30);
     jac[134] = -1.0;
+    const double t42 = kept[116];
+    const double S_1_11 = kept[6];
+    const double S_1_12 = kept[7];
+    const double t144 = kept[145];
     jac[135] = t42 * S_1_11 + t43 * S_1_12 - omega2 * t171 - t144;
+    const double S_1_23 = kept[9];
+    const double t143 = kept[144];
     jac[136] = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t171 - omega3 * t143);
     jac[137] = t43 * S_1_23 + t46 * S_1_33 + omega2 * t143 - t172;
     jac[138] = cj;
@@ -2778,7 +3246,11 @@ int block_jacobian(
     const double t182 = 0.14213269823254854 * t46;
     jac[140] = t182;
     jac[141] = -1.0;
+    const double S_2_11 = kept[11];
+    const double S_2_13 = kept[12];
+    const double t145 = kept[146];
     jac[142] = t42 * S_2_11 + t46 * S_2_13 + omega3 * t161 + t145;
+    const double d3_2_1 = kept[65];
     jac[143] = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t162;
     jac[144] = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t161 + omega2 * d3_2_1);
     jac[145] = -t181;
@@ -2788,6 +3260,9 @@ int block_jacobian(
     const double t184 = 0.06014933573656158 * t42;
     jac[148] = t184;
     jac[149] = -1.0;
+    const double S_3_11 = kept[18];
+    const double S_3_12 = kept[21];
+    const double S_3_13 = kept[22];
     jac[150] = t42 * S_3_11 + t43 * S_3_12 + t46 * S_3_13 + (omega2 * d3_3_3 - omega3 * d3_3_2);
     jac[151] = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t163;
     jac[152] = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t173;
@@ -2797,7 +3272,13 @@ int block_jacobian(
     const double t185 = 0.10707341325868729 * t46;
     jac[156] = t185;
     jac[157] = -1.0;
+    const double S_4_11 = kept[25];
+    const double S_4_12 = kept[26];
+    const double S_4_13 = kept[28];
+    const double t149 = kept[150];
     jac[158] = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t164 - omega2 * t174) - t149;
+    const double S_4_23 = kept[30];
+    const double t148 = kept[149];
     jac[159] = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t174 - omega3 * t148) - t165;
     jac[160] = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t148 - omega1 * t164) - t175;
     jac[161] = cj;
@@ -2808,7 +3289,13 @@ int block_jacobian(
     const double t188 = 0.16411826642656863 * t46;
     jac[164] = t188;
     jac[165] = -1.0;
+    const double S_5_11 = kept[32];
+    const double S_5_12 = kept[34];
+    const double S_5_13 = kept[35];
+    const double t150 = kept[151];
     jac[166] = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t166 - omega2 * t176) + t150;
+    const double S_5_23 = kept[37];
+    const double d3_5_1 = kept[68];
     jac[167] = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t176)
         - t167;
     jac[168] = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t166 + omega2 * d3_5_1)
@@ -2820,8 +3307,14 @@ int block_jacobian(
     const double t190 = (-0.3338704835108587) * t43;
     jac[172] = t190;
     jac[173] = -1.0;
+    const double S_6_11 = kept[40];
+    const double S_6_12 = kept[41];
+    const double S_6_13 = kept[42];
+    const double t153 = kept[154];
     jac[174] = t42 * S_6_11 + t43 * S_6_12 + t46 * S_6_13 + (omega2 * d3_6_3 - omega3 * d3_6_2)
         - t153;
+    const double S_6_23 = kept[45];
+    const double t152 = kept[153];
     jac[175] = t42 * S_6_12 + t43 * S_6_22 + t46 * S_6_23 - (omega3 * t152 + omega1 * d3_6_3)
         + t168;
     jac[176] = t42 * S_6_13 + t43 * S_6_23 + t46 * S_6_33 + (omega1 * d3_6_2 + omega2 * t152)
@@ -2832,8 +3325,13 @@ int block_jacobian(
     const double t191 = 0.03812757101123808 * t42;
     jac[180] = t191;
     jac[181] = -1.0;
+    const double S_7_11 = kept[48];
+    const double S_7_12 = kept[49];
+    const double S_7_13 = kept[50];
+    const double t154 = kept[155];
     jac[182] = t42 * S_7_11 + t43 * S_7_12 + t46 * S_7_13 + (omega2 * d3_7_3 - omega3 * d3_7_2)
         + t154;
+    const double d3_7_1 = kept[71];
     jac[183] = t42 * S_7_12 + t43 * S_7_22 + t46 * S_7_23 + (omega3 * d3_7_1 - omega1 * d3_7_3)
         + t169;
     jac[184] = t42 * S_7_13 + t43 * S_7_23 + t46 * S_7_33 + (omega1 * d3_7_2 - omega2 * d3_7_1)
@@ -2843,12 +3341,41 @@ int block_jacobian(
     jac[187] = -t191;
     jac[188] = cj;
     jac[189] = -1.0;
+    const double S_8_11 = kept[56];
+    const double S_8_12 = kept[57];
+    const double t155 = kept[156];
     jac[190] = t42 * S_8_11 + t43 * S_8_12 + omega2 * d3_8_3 + t155;
+    const double S_8_23 = kept[61];
+    const double d3_8_1 = kept[74];
     jac[191] = t42 * S_8_12 + t43 * S_8_22 + t46 * S_8_23 + (omega3 * d3_8_1 - omega1 * d3_8_3);
     jac[192] = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t180;
     jac[193] = -t184;
     jac[194] = -t185;
     jac[195] = cj;
+}
+
+int block_jacobian(
+    double t,
+    const double *TISSERAND_RESTRICT y,
+    const double *TISSERAND_RESTRICT ydot,
+    double cj,
+    const double *TISSERAND_RESTRICT k,
+    double *jac)
+{
+    (void) t;
+    (void) k;
+    double kept[157];
+    {
+        const int failed = block_jacobian_part_1(
+            y, ydot, cj, jac, kept);
+        if (failed) return failed;
+    }
+    block_jacobian_part_2(
+        y, ydot, cj, jac, kept);
+    block_jacobian_part_3(
+        y, ydot, cj, jac, kept);
+    block_jacobian_part_4(
+        y, cj, jac, kept);
     return 0;
 }
 

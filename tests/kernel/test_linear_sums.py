@@ -12,6 +12,7 @@ import pytest
 
 import derive
 from conftest import ROOT
+from derive.backends.c import function_parts
 from derive.backends.c.linear_sums import NO_SUMS, TOGETHER, KernelSums, LinearSums, linear_sums
 from derive.backends.c.source import CBackend
 from derive.derivation import lower
@@ -145,6 +146,20 @@ def test_batches_have_the_bits_of_single_calls(alike: Summed) -> None:
         for b, row in enumerate(batch):
             single = getattr(native, name)(*(x if isinstance(x, float) else x[b] for x in given), k)
             assert row.tobytes() == single.tobytes(), name
+
+
+def test_parts_of_a_function_read_the_sums(alike: Summed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the bits of the function in one part."""
+    flags = ("-std=c99", "-O0", "-ffp-contract=off", "-DTISSERAND_WITHOUT_BATCHES")
+    whole = load_scene(CBackend().files(alike.model, "a test"), flags)
+    monkeypatch.setattr(function_parts, "LENGTH", 100)
+    monkeypatch.setattr(function_parts, "LONG", 200)
+    files = CBackend().files(alike.model, "a test")
+    assert any("clouds_accel_part_3(" in file.text for file in files)
+    parts = load_scene(files, flags)
+    rng = np.random.default_rng(3)
+    q, v, k = rng.uniform(-1, 1, whole.nq), rng.uniform(-1, 1, whole.nv), whole.setup()
+    assert parts.accel(0.5, q, v, k).tobytes() == whole.accel(0.5, q, v, k).tobytes()
 
 
 def test_bodies_with_few_integrals_keep_straight_line_code() -> None:
