@@ -12,7 +12,7 @@ import swinging_rod as rod
 from numpy.polynomial import legendre
 from scipy.sparse import csr_array
 
-from derive.export.exudyn.floating_frame import floating_frame_arguments
+from derive.export.exudyn.floating_frame_arguments import floating_frame_arguments
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.reduction.integrals import antisymmetric, shape_integrals
 

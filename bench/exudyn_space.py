@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import space_scenes as scenes
 
-from derive.export.exudyn.floating_frame import floating_frame_arguments
+from derive.export.exudyn.floating_frame_arguments import floating_frame_arguments
 from derive.spec.model.spatial_scene import SpatialScene
 
 CALLS, ROUNDS = 200, 15

@@ -13,14 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 from exudyn_systems import LADEN, MODELS, added, compiled, exported, host_of, solved
-from host_models import PUSHED, SPATIAL, STEERED, prepared
+from host_models import PUSHED, STEERED
 from programs import package, run
 
 import derive
 from conftest import ROOT
 from derive.errors import SpecError
-from derive.export.interface import exported_files
-from derive.export.registry import INTERFACES
 from derive.spec.toml.read import parse
 
 pytestmark = pytest.mark.hosts
@@ -231,10 +229,3 @@ def test_outputs_in_space(exu: ModuleType, folder: Path) -> None:
     expected = np.array([own[name][-1] for name in names])
     assert names[-1] == "hub_torque3"
     assert np.allclose(body.outputs(mbs), expected, rtol=0, atol=2e-3 * max(abs(expected)))
-
-
-def test_the_body_of_exudyn_takes_no_scene() -> None:
-    with pytest.raises(
-        SpecError, match=r"is a single body, without the joints.*export the whole scene with --to exudyn"
-    ):
-        exported_files(prepared(SPATIAL), "exudyn-ffrf", INTERFACES["exudyn-ffrf"])

@@ -19,12 +19,14 @@ from scipy.sparse import kron
 
 import derive
 from conftest import ROOT
+from derive.cli.main import main
 from derive.errors import SpecError
-from derive.export.exudyn.floating_frame import floating_frame_arguments
+from derive.export.exudyn.floating_frame_arguments import floating_frame_arguments
 from derive.reduction.body import prepare, reduce
 from derive.reduction.integrals import antisymmetric, shape_integrals
 from derive.sid.read import read
 from derive.sid.write import write
+from derive.simulation.space.poses import SpatialPoses
 from derive.spec.toml.read import parse
 
 pytestmark = pytest.mark.hosts
@@ -42,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("ffrf")
 
 
-def module_of(spec: derive.NodalBody, folder: Path) -> ModuleType:
+def module_of(spec: Any, folder: Path) -> ModuleType:
     derive.write(derive.exported(spec, "exudyn-ffrf"), folder)
     path = folder / f"{spec.name}-exudyn-ffrf/{spec.name}_ffrf.py"
     found = importlib.util.spec_from_file_location(f"{spec.name}_ffrf", path)
@@ -192,6 +194,144 @@ def test_a_body_of_an_sid_file_has_the_same_arguments() -> None:
     ours, given = (floating_frame_arguments(of) for of in (body, read(write(body))))
     for name, array in ours.items():
         assert np.allclose(given[name], array, rtol=1e-12, atol=1e-12 * np.max(np.abs(array), initial=0)), name
+
+
+ALL_JOINTS = """
+name = "all_joints"
+scene.gravity = [1, 2, -9]
+[ground.markers]
+base = { at = [0.1, 0, 0.2], rotation = { axis = [1, 2, 3], angle = 0.4 } }
+rail = { at = [1, 0, 0], rotation = { axis = [0, 1, 3], angle = 0.7 } }
+table = { at = [0, 2, 0], rotation = { axis = [1, 0, 0.3], angle = 0.2 } }
+hook = [3, 0, 1]
+"""
+BODY = """
+[bodies.NAME]
+mass = 1.5
+centre = [0.02, -0.03, 0.05]
+inertia = [0.03, 0.04, 0.05, 0.004, -0.003, 0.002]
+markers.near = { at = [0.1, 0, 0], rotation = { axis = [0, 2, 1], angle = 0.3 } }
+markers.far = { at = [-0.2, 0.1, 0], rotation = { axis = [1, 0, 2], angle = -0.5 } }
+start = { guess = true, position = PLACE }
+"""
+PAIRS = {
+    "chain": {
+        "revolute": ("ground.base", "a.near"),
+        "universal": ("a.far", "b.near"),
+        "spherical": ("b.far", "c.near"),
+    },
+    "guides": {
+        "prismatic": ("ground.rail", "a.near"),
+        "planar": ("a.far", "b.near"),
+        "distance": ("ground.hook", "c.far"),
+    },
+}
+LOADS = """
+[springs.strut]
+between = ["a.far", "c.near"]
+stiffness = 30
+damping = 0.5
+rest = 0.4
+[forces.push]
+at = "c.far"
+force = [1, 2, 3]
+[torques.twist]
+on = "b.near"
+torque = [0.1, -0.2, 0.05]
+[simulation]
+duration = 0.05
+output = 0.05
+tolerance = 1e-10
+"""
+
+
+def poses(own: derive.Trajectory, body: str) -> tuple[Any, Any]:
+    """The position and the rotation of a body at the end."""
+    motion = own.motion
+    at = SpatialPoses(motion.native, motion.k, float(own.t[-1]), own.q[-1], 1.0)
+    return at.position(body), at.rotation(body)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_the_joints_of_a_scene_are_those_of_exudyn(name: str, exu: ModuleType, folder: Path) -> None:
+    """Rigid bodies with a spring, a force and a torque; the error is that of the trapezoidal rule."""
+    places = {"a": [0, 0, 0.2], "b": [0.3, 0.1, 0.2], "c": [0.6, 0.2, 0.2]}
+    text = ALL_JOINTS.replace("all_joints", name)
+    text += "".join(BODY.replace("NAME", body).replace("PLACE", str(at)) for body, at in places.items())
+    for kind, markers in PAIRS[name].items():
+        text += f'[joints.{kind}]\nkind = "{kind}"\nbetween = {list(markers)}\n'.replace("'", '"')
+        text += "distance = 2.5\n" if kind == "distance" else ""
+    spec = parse(text + LOADS)
+    own, module, apart = derive.simulate(spec), module_of(spec, folder), []
+    for steps in (50, 100):
+        mbs = exu.SystemContainer().AddSystem()
+        mechanism = module.add(mbs)
+        mbs.Assemble()
+        solved(exu, mbs, 0.05, steps)
+        found = [(mechanism.pose(mbs, body), poses(own, body)) for body in places]
+        apart.append(max(np.abs(a - b).max() for pair in found for a, b in zip(*pair, strict=True)))
+    assert 3.5 < apart[0] / apart[1] < 4.5 and apart[1] < 1e-5, apart
+
+
+def test_the_slider_crank_with_a_flexible_rod_moves_as_in_exudyn(exu: ModuleType, folder: Path) -> None:
+    """By a method of index 3: the angular velocities of markers on sets of nodes are not exact in Exudyn."""
+    spec = derive.read(ROOT / "examples/spatial_crank_slider.toml")
+    own = derive.simulate(spec, duration=0.01, output=0.01, tolerance=1e-9)
+    mbs = exu.SystemContainer().AddSystem()
+    mechanism = module_of(spec, folder).add(mbs)
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    integration = settings.timeIntegration
+    integration.numberOfSteps, integration.endTime, integration.verboseMode = 500, 0.01, 0
+    integration.generalizedAlpha.spectralRadius, settings.solution.file.write = 0.9, False
+    mbs.SolveDynamic(settings)
+    for body in ("crank", "rod", "slider"):
+        assert mechanism.pose(mbs, body)[0] == pytest.approx(poses(own, body)[0], abs=2e-6), body
+    bent = own.q[-1][[name.startswith("rod_alpha") for name in own.motion.native.coordinates]]
+    assert mechanism.amplitudes(mbs, "rod") == pytest.approx(bent, abs=0.02 * np.abs(bent).max())
+
+
+UNKNOWN = """
+[joints.screw]
+kind = "screw"
+between = ["ground.base", "a.near"]
+pitch = 0.1
+[drives.motor]
+joint = "screw"
+motion = "t"
+[springs.mount]
+kind = "bushing"
+between = ["ground.rail", "b.near"]
+stiffness = [1, 1, 1, 1, 1, 1]
+[forces.wind]
+at = "b.far"
+force = ["sin(t)", 0, 0]
+[torques.brake]
+on = "b.far"
+torque = [0, 0, 1]
+against = "a.far"
+[simulation]
+duration = 0.05
+output = 0.05
+"""
+
+
+def test_what_exudyn_has_no_item_for_is_named_by_its_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = ALL_JOINTS + "".join(BODY.replace("NAME", name).replace("PLACE", "[0, 0, 0]") for name in "ab") + UNKNOWN
+    path = folder / "unknown.toml"
+    path.write_text(text)
+    assert main(["export", str(path), "--to", "exudyn-ffrf", "--out", str(folder / "unknown")]) == 2
+    error, lines = capsys.readouterr().err, text.splitlines()
+    for header, key in (
+        ("[joints.screw]", "joints.screw.kind: Exudyn has no joint"),
+        ("[drives.motor]", "drives.motor: drives are"),
+        ("[springs.mount]", "springs.mount.kind: a bushing spring"),
+        ("[forces.wind]", "forces.wind: a load"),
+        ("[torques.brake]", "torques.brake: a load"),
+    ):
+        line = lines.index(header) + 1 + (".kind" in key)
+        assert f"unknown.toml:{line}: {key}" in error
+    assert not (folder / "unknown").exists()
 
 
 def test_what_is_refused(folder: Path) -> None:

@@ -133,14 +133,23 @@ def test_the_page_needs_nothing_from_outside(trajectory: Trajectory) -> None:
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
 def test_it_plays_in_a_browser(trajectory: Trajectory, tmp_path: Path) -> None:
-    """From the front e1 points to the right and e3 upwards: node 0 is drawn there, as far from the middle as it is."""
+    """From the front e1 points to the right and e3 upwards: node 0 is drawn there, as far from the middle as it is.
+
+    The names of markers that lie on each other are written behind each other.
+    """
     data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
+    body = data["bodies"][0]
+    far = int(np.argmax(np.linalg.norm(np.array(body["nodes"]) - body["nodes"][0], axis=1)))
+    body["markers"] = [
+        {"name": name, "node": node} for name, node in (("pin", 0), ("end", far), ("eye", 0), ("pin", 0))
+    ]
     path = tmp_path / "page.html"
     path.write_text(spatial_player_page(data))
     dom = browsed(path, "t=0.013&yaw=0&pitch=0", "1000,900")
     assert "t = <b>0.01300</b> s" in dom
     x, y = map(float, re.search(r'data-corner="([-\d.]+) ([-\d.]+)"', dom).groups())
     width, height = map(int, re.search(r'data-size="(\d+) (\d+)"', dom).groups())
+    assert 'data-names="pin, eye; end"' in dom
     scale = 0.45 * min(width, height) / data["reach"]
     wanted = node_positions(data, 13)[0] - data["centre"]
     assert x == pytest.approx(width / 2 + scale * wanted[0], abs=0.02)

@@ -4,83 +4,67 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
 from derive.backends.wrapping import prefixed
 from derive.errors import Problem, SpecError
+from derive.export.exudyn.floating_frame_arguments import floating_frame_arguments
+from derive.export.exudyn.floating_frame_scene import scene_values
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.mechanics.bodies.modal_body import Array, ModalBody
+from derive.mechanics.bodies.modal_body import Array
 from derive.reduction.body import reduce
 from derive.rendering import render
-from derive.spec.model.body import NodalBody
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 
 IN_SPACE = "the floating-frame body of Exudyn is one in space: give the body by its nodes, or use --to exudyn"
-ALONE = (
-    "a floating-frame body of Exudyn is a single body, without the joints and forces of a scene: write the "
-    "finite-element body as [body] in a specification of its own, or export the whole scene with --to exudyn"
-)
 NO_MODES = "the floating-frame body of Exudyn has modes and nodes: give the body a mode and a marker at least"
 FIRST_ORDER = "the floating-frame body of Exudyn has displacements of first order: order = 1, or use --to exudyn"
 
 
-def floating_frame_arguments(body: ModalBody) -> dict[str, Array]:
-    """The arguments of ObjectFFRFreducedOrder that a body of first order with N modes determines, by their names.
-
-    With a~ b = a x b, Exudyn has the integrals of X~^T Phi_i = -X x Phi_i, of X~^T Phi_i~ = (X . Phi_i) I - Phi_i X,
-    and of the same with Phi_j in place of X, as blocks of matrices. The nodes of its mode basis are the points.
-    """
-    n = body.modes
-    return {
-        "mass": np.array(body.mass),
-        "centerOfMass": body.c1 / body.mass,
-        "inertia": body.C3,
-        "massMatrixReduced": body.c8,
-        "stiffnessMatrixReduced": body.stiffness,
-        "dampingMatrixReduced": body.damping,
-        "mPhitTPsi": body.c2.T,
-        "mPhitTPsiTilde": np.hstack([_skew(c2) for c2 in body.c2]),
-        "mXRefTildePsi": -body.c6.T,
-        "mXRefTildePsiTilde": np.hstack(list(body.C4)),
-        "mPsiTildePsi": -body.c7.transpose(0, 2, 1).reshape(3 * n, n),
-        "mPsiTildePsiTilde": body.C5.transpose(1, 2, 0, 3).reshape(3 * n, 3 * n),
-        "referencePositions": np.array([point.position for point in body.points]).reshape(-1),
-        "modeBasis": np.array([point.shapes.T for point in body.points]).reshape(-1, n),
-    }
-
-
-def _skew(a: Array) -> Array:
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
-
-
 def floating_frame_files(host: HostModel) -> tuple[File, ...]:
-    """The module that adds the body. Raises SpecError for a scene and for a body of second order or without modes."""
+    """The module that adds the body, or the scene in space.
+
+    Raises SpecError for a scene in the plane, for a body of second order or without modes, and for elements of a scene
+    that have no item of Exudyn.
+    """
     spec = host.spec
-    if not isinstance(spec, NodalBody):
-        raise SpecError((Problem("", IN_SPACE if isinstance(spec, Scene) else ALONE),))
+    if isinstance(spec, Scene):
+        raise SpecError((Problem("", IN_SPACE),))
+    if isinstance(spec, SpatialScene):
+        return _files(host, "floating_frame_scene", {"scene": literal(scene_values(host, spec))})
     if spec.second_order:
         raise SpecError((Problem("body.order", FIRST_ORDER),))
     body = reduce(spec)
     if not body.modes or not body.points:
         raise SpecError((Problem("body", NO_MODES),))
     values = {
-        "mark": MARK,
-        "licence": LICENCE,
-        "name": host.name,
-        "title": host.model.doc,
         "points": [point.name for point in body.points],
         "arguments": [(name, _literal(array)) for name, array in floating_frame_arguments(body).items()],
         "gravity": [_number(component) for component in spec.gravity or ()],
-        "host": host,
     }
+    return _files(host, "floating_frame", values)
+
+
+def _files(host: HostModel, template: str, values: dict[str, object]) -> tuple[File, ...]:
+    common = {"mark": MARK, "licence": LICENCE, "name": host.name, "title": host.model.doc, "host": host}
     return (
-        File(f"{host.name}_ffrf.py", render("export/exudyn/floating_frame.py.jinja", values)),
+        File(f"{host.name}_ffrf.py", render(f"export/exudyn/{template}.py.jinja", common | values)),
         File("manifest.json", host.manifest.text),
     )
+
+
+def literal(value: object, indent: str = "") -> str:
+    """Nested tables of a module, a line for each entry and row."""
+    inner = indent + "    "
+    if isinstance(value, dict) and value:
+        lines = [f"{inner}{key!r}: {literal(of, inner)},".replace("'", '"') for key, of in value.items()]
+        return "\n".join(["{", *lines, indent + "}"])
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        return "\n".join(["[", *(f"{inner}{row!r}," for row in value), indent + "]"])
+    return repr(value).replace("'", '"')
 
 
 def _number(component: Quantity) -> float:
