@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
 from derive.export.exudyn.floating_frame_arguments import floating_frame_arguments
 from derive.export.host_model import HostModel
-from derive.lowering.redundancy import enumeration
 from derive.mechanics.bodies.modal_body import ModalPoint
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
