@@ -191,9 +191,7 @@ def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
     if not ends:
         return
     second = draws.choice(ends)
-    other = draft.vector(draft.size)
-    other[2] += 2 * draft.size
-    first = draft.marker(draft.ground, other, draft.rotation())
+    first = _far_marker(draft)
     stiffness = rounded(force / draft.size * draws.between(1, 5), 2)
     table: Table = {"kind": kind, "between": [first, second]}
     if kind in SPATIAL_BUSHINGS:
@@ -212,17 +210,23 @@ def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
     draft.section("springs")[draft.name("springs")] = table
 
 
+def _far_marker(draft: SpatialDraft) -> str:
+    """A new marker of the ground that no body reaches."""
+    at = draft.vector(draft.size)
+    at[2] += 2 * draft.size
+    return draft.marker(draft.ground, at, draft.rotation())
+
+
 def _outputs(draft: SpatialDraft, at: list[str]) -> None:
     """Outputs of any kind that is registered, each key from what its type declares."""
     draws = draft.draws
     for kind in draws.some([*SPATIAL_OUTPUTS], 0.2):
         table: Table = {"kind": kind}
         for key in SPATIAL_OUTPUTS[kind].keys:
-            options = _options(draft, at, kind, key)
-            if key.required:
-                table[key.name] = draws.choice(options) if options else None
-            elif options and draws.chance(0.4):
-                table[key.name] = draws.choice(options)
+            if key.required or draws.chance(0.4):
+                options = _options(draft, at, kind, key)
+                if options or key.required:
+                    table[key.name] = draws.choice(options) if options else None
         if None not in table.values():
             draft.section("outputs")[draft.name("outputs")] = table
 
@@ -235,6 +239,10 @@ def _options(draft: SpatialDraft, at: list[str], kind: str, key: Key) -> list[An
             return [marker for marker in at if "nodes" in draft.section("bodies")[marker.split(".")[0]]]
         case KeyType.MARKER:
             return turning if key.name == "frame" or "rotation" in kind or kind.startswith("angular_") else at
+        case KeyType.MARKER_PAIR if kind == "deflection":
+            return [[_far_marker(draft), draft.draws.choice(at)]]
+        case KeyType.POSITIVE:
+            return [rounded(draft.size, 2)]
         case KeyType.MARKER_PAIR:
             bodies = {marker.split(".")[0]: marker for marker in at}
             return [[*bodies.values()][:2]] if len(bodies) > 1 else []
