@@ -71,6 +71,7 @@ def in_point_frame(q: Array, v: Array) -> tuple[Array, Array]:
     )
 
 
+@pytest.mark.long
 def test_the_states_agree_to_first_order() -> None:
     """Positions and velocities of the markers, at a spin: what is left falls with the square of the amplitude."""
     left = []
@@ -111,6 +112,7 @@ def orders(values: list[float] | list[list[float]]) -> Array:
     return np.array([np.log2(np.divide(big, small)) for big, small in pairwise(values)])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("spin", [lambda a: 0.0, lambda a: 1.5e5 * a], ids=["not spinning", "in step with amplitude"])
 def test_markers_differ_by_the_square_of_the_amplitude(spin: Callable[[float], float]) -> None:
     """Seen: 1.17, 0.293, 0.0732 mm without spin; 1.13, 0.289, 0.0728 mm with 600, 300, 150 rad/s."""

@@ -23,6 +23,7 @@ def orders(errors: Sequence[float] | Array) -> Array:
     return np.array([np.log2(big / small) for big, small in pairwise(errors)])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("frame", "lowering"), MODELS)
 def test_drift_falls_with_the_fifth_power_of_the_step(frame: str, lowering: str) -> None:
     """Energy, since a fourth-order method damps an oscillation by a term of one order more; the rest with 4 to 5.
@@ -52,6 +53,7 @@ def test_drift_falls_with_the_fifth_power_of_the_step(frame: str, lowering: str)
         assert np.all((orders(linear) > 3.9) & (orders(linear) < 4.5)), linear
 
 
+@pytest.mark.long
 def test_the_state_itself_converges_with_the_fourth_power() -> None:
     """The differences between steps of 4, 2, 1 us give 4.0, 3.9, 3.3, 4.2 for e, alpha, omega, alphadot."""
     block = native()
@@ -144,6 +146,7 @@ def test_the_intermediate_axis_flips_with_and_without_flexibility() -> None:
     assert np.allclose(flipped["soft"], [0.45, 0.97, 1.45, 1.92], atol=0.02)
 
 
+@pytest.mark.long
 def test_damping_takes_it_to_the_axis_of_largest_inertia() -> None:
     """Damping is an inner force: energy falls all the time, momentum stays, and what is left is the slowest rotation.
 
@@ -188,6 +191,7 @@ def test_a_rigid_block_is_eulers_top() -> None:
     assert np.allclose(vs[:, 3:], euler(INERTIA, SLOW, 1e-3, 400), rtol=1e-11, atol=1e-11)
 
 
+@pytest.mark.long
 def test_stiff_it_comes_to_eulers_top_like_one_over_the_stiffness() -> None:
     """K of 10^-4 aluminium, 100 times and 10^4 times that, deformed at first as its spin holds it.
 

@@ -95,6 +95,28 @@ PACKAGES = {"jax_identification": "jax"}
 """The packages that examples need beside Tisserand and its dependencies."""
 
 
+SLOW = {
+    "andrews_squeezer",
+    "batch_of_states",
+    "block_tumbling",
+    "crank_slider_frames",
+    "double_pendulum_energy",
+    "free_beam_frequencies",
+    "screw_jack",
+    "stiffness_from_motion",
+    "crank_slider_beams",
+    "dense_and_sparse",
+    "monomial_conditioning",
+    "optimal_slewing",
+    "spin_softening",
+    "spinning_solid_beam",
+    "spun_up_cantilever",
+    "static_equilibrium",
+    "symbolic_body",
+}
+"""Examples of a second and more, whose functions and figures other tests have as well."""
+
+
 def load(path: Path) -> Any:
     """The module of an example."""
     spec = importlib.util.spec_from_file_location(f"example_{path.stem}", path)
@@ -136,9 +158,13 @@ def test_index_of_the_examples(compare_or_update: Callable[[Path, str], None]) -
     compare_or_update(EXAMPLES / "README.md", INDEX + "".join(rows))
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.hosts if name in PACKAGES else ()) for name in sorted(CHECKS)]
-)
+def marked(name: str) -> Any:
+    """The parameter of an example: a few of those that take longest are run by `make test-long`."""
+    mark = pytest.mark.hosts if name in PACKAGES else pytest.mark.long if name in SLOW else ()
+    return pytest.param(name, marks=mark)
+
+
+@pytest.mark.parametrize("name", [marked(name) for name in sorted(CHECKS)])
 def test_example(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -38,7 +38,11 @@ from test_cloud import gravity, times, turned
 
 N, POINTS = 3, 8
 GRAVITY = (0.7, -0.3, -9.81)
-KINDS = ("given flat", "given loops", pytest.param("mean flat", marks=pytest.mark.long), "mean loops")
+KINDS = (
+    *(pytest.param(f"{frame} flat", marks=pytest.mark.long) for frame in ("given", "mean")),
+    "given loops",
+    "mean loops",
+)
 """In the mean frame some sums vanish."""
 Vector = list[Any]
 

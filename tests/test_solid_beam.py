@@ -184,6 +184,7 @@ def test_a_column_buckles_under_its_weight_and_under_a_force() -> None:
     assert critical(standing) / size == pytest.approx(GREENHILL, rel=1.5e-3)
 
 
+@pytest.mark.long
 def test_a_run_conserves_energy_and_momenta() -> None:
     """Spun twice as fast as a body of first order withstands, bent by 2 % of its length: 12 turns.
 

@@ -81,6 +81,7 @@ def test_drift_falls_with_the_tolerance() -> None:
     assert drifts[0] > 10 * drifts[1] > 100 * drifts[2]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flexible", [False, True], ids=["rigid", "flexible"])
 def test_the_intermediate_axis_flips_and_the_others_do_not(flexible: bool) -> None:
     """Moments of inertia grow from axis 1 to axis 3 here, so axis 2 is the intermediate one."""

@@ -180,6 +180,7 @@ def test_bits_of_a_state_whose_angle_is_left_to_the_c_library(angle: float, name
                     assert row.tobytes() == values.tobytes()
 
 
+@pytest.mark.long
 def test_narrow_blocks_have_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Models with many shapes have them, for the sake of the stack."""
     monkeypatch.setattr(c_batch, "WIDTHS", {4: None})

@@ -10,7 +10,9 @@ from toolchain import MODELS, run, text_of, tool, written
 
 
 @pytest.mark.parametrize("command", [("gcc", "-O0"), ("clang", "-O3")], ids=" ".join)
-@pytest.mark.parametrize("name", ["mean_2", "mean_3_loops", "given_2_flat", "given_13_loops"])
+@pytest.mark.parametrize(
+    "name", ["mean_2", "mean_3_loops", "given_2_flat", pytest.param("given_13_loops", marks=pytest.mark.long)]
+)
 def test_functions_take_no_more_than_is_stated(name: str, command: tuple[str, str], tmp_path: Path) -> None:
     """tests/hosts has more levels of optimisation, models, and a processor with 32 bits."""
     made = MODELS[name]()

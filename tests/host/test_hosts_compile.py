@@ -87,6 +87,7 @@ def test_program_with_ida(tmp_path: Path) -> None:
     assert np.array_equal(rows[:, 1:], np.hstack([found.q, found.v, found.lam]))
 
 
+@pytest.mark.long
 def test_program_with_generalised_alpha(tmp_path: Path) -> None:
     found = alpha().run(LEVEL, REST, step=1e-2, steps=100, every=10)
     made = program(FILES, tmp_path / "pendulum", ["alpha"])
@@ -111,6 +112,7 @@ def test_program_says_what_is_wrong(arguments: tuple[str, ...], message: str, ex
         run(explicit, *arguments, cwd=tmp_path)
 
 
+@pytest.mark.long
 def test_program_is_clean_under_valgrind(tmp_path: Path) -> None:
     ida()
     made = program(FILES, tmp_path / "pendulum", ["ida", "alpha"], flags=["-g"])

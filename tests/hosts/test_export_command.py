@@ -112,6 +112,7 @@ def test_faults_have_the_line_of_their_key(toy: object, tmp_path: Path, capsys: 
 OWN = {"sample": "petsc", "adaptive": "fortran", "reference": "sundials", "Sample": "sundials", "test": "cmake"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", OWN)
 def test_names_that_an_export_needs_itself_are_refused(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -89,6 +89,7 @@ def test_every_result_of_a_scene_is_checked(lowering: str) -> None:
     assert caught.value.code == 2
 
 
+@pytest.mark.long
 def test_the_predicted_time_of_loops_follows_their_operations() -> None:
     """0.022 ns for each operation, 1 ns for each mode, and 27 ns; the model counts those that grow with n^2."""
     for n in (30, 60):

@@ -78,6 +78,7 @@ FIRST = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("frame", "n"), FIRST)
 def test_a_body_of_first_order_pays_nothing(frame: str, n: int) -> None:
     """Its counts are those that it had before there was a second order, and none of its numbers belongs to that."""

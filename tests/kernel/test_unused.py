@@ -81,7 +81,11 @@ TREE = {"joint_0": ["link_0.right", "link_1.left"], "joint_1": ["link_0.middle",
 
 
 @pytest.mark.parametrize("kind", ["weld", "revolute"])
-@pytest.mark.parametrize("pairs", [{}, {"joint_0": CHAIN["joint_0"]}, CHAIN, TREE], ids=["0", "1", "5", "tree"])
+@pytest.mark.parametrize(
+    "pairs",
+    [{}, pytest.param({"joint_0": CHAIN["joint_0"]}, marks=pytest.mark.long), CHAIN, TREE],
+    ids=["0", "1", "5", "tree"],
+)
 def test_loops_compile_without_warnings(tmp_path: Path, pairs: dict[str, list[str]], kind: str) -> None:
     """With markers, batches and forms: of a body alone, of paths, and of joints in any graph."""
     mechanism = derive.derive(beams(pairs, kind))

@@ -72,7 +72,11 @@ def carried_out(equations: Equations, of_form: sp.Expr, shape: int) -> sp.Expr:
 
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("n", [1, 2, 3])
-@pytest.mark.parametrize("masses", [{}, {"tip": {"at": 1, "mass": 2, "inertia": 3}}], ids=["bare", "with a mass"])
+@pytest.mark.parametrize(
+    "masses",
+    [pytest.param({}, marks=pytest.mark.long), {"tip": {"at": 1, "mass": 2, "inertia": 3}}],
+    ids=["bare", "with a mass"],
+)
 def test_sums_of_a_beam_are_the_expanded_ones(frame: str, n: int, masses: dict) -> None:
     shapes = ["1", "xi", *(f"xi^{k}" for k in range(2, n + 2))]
     spec = derive.planar_beam("beam", ansatz=shapes, frame=FRAMES[frame], orthogonal=False, masses=masses)

@@ -34,6 +34,7 @@ def off(stiffer: float) -> float:
     return float(np.abs(np.array(ends) - rigid(angle)).max())
 
 
+@pytest.mark.long
 def test_the_rest_to_rigid_kinematics_goes_like_one_over_the_stiffness() -> None:
     """It is 1.8 mm for links four times as stiff as those of the scene, and halves as they are twice as stiff."""
     found = [off(stiffer) for stiffer in (4, 8, 16)]

@@ -20,7 +20,11 @@ SEED = 1
 SEEDS = (SEED, *random_cases(SEED + 1, long=1, further=0))
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 
-pytestmark = pytest.mark.parametrize("name", ZOO)
+KEPT = "KEPT"
+"""The scene whose bodies keep their coordinates, which `test_scene_ways.py` compares with others."""
+pytestmark = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name == KEPT else ()) for name in ZOO]
+)
 
 
 @cache

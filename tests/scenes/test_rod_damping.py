@@ -80,6 +80,7 @@ def test_a_ratio_is_that_of_stretching_as_well() -> None:
     np.testing.assert_allclose(found, 0.03, rtol=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("support", "damping"),
     [("clamped", {"ratio": 0.02}), pytest.param("pinned", {"mass": 0.3}, marks=pytest.mark.long)],
@@ -91,6 +92,7 @@ def test_damping_does_not_depend_on_the_number_of_pieces(damping: dict[str, floa
         assert of_three[0] == pytest.approx(0.072 * 0.02, rel=0.01), "what docs/theory.md states"
 
 
+@pytest.mark.long
 def test_the_factor_of_the_mass_against_a_closed_form() -> None:
     """mass/(2 omega) times the part of the kinetic energy that is not that of a rigid motion.
 

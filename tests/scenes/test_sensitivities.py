@@ -117,10 +117,10 @@ SCENES: dict[str, Callable[[], Any]] = {
     "reduced": lambda: parse(zoo.REDUCED),
     "space": lambda: parse(SPACE),
 }
-LOOPED = [f"looped {name}" for name in ("functions", "loads", "tables", "stretching", "reduced")]
+LOOPED = [f"looped {name}" for name in ("functions", "loads", "tables", "stretching")]
 """Scenes with loops over their bodies, of which there are fewer than loops are worth."""
-FLAT = [name for name in SCENES if name not in ("loads", "reduced")]
-LONG = pytest.param("loads", marks=pytest.mark.long)
+FLAT = [name for name in SCENES if name not in ("loads", "reduced", "full")]
+LONG = [pytest.param(name, marks=pytest.mark.long) for name in ("loads", "full")]
 FUNCTIONS = {f: getattr(mpmath, f) for f in ("sin", "cos", "sqrt", "exp", "log", "tanh", "atan2")}
 
 
@@ -167,7 +167,7 @@ def exact(model: Model, pu: np.ndarray, given: dict[str, Any]) -> np.ndarray:
     return np.array(columns).T
 
 
-@pytest.mark.parametrize("name", [*FLAT, LONG, *LOOPED])
+@pytest.mark.parametrize("name", [*FLAT, *LONG, *LOOPED, pytest.param("looped reduced", marks=pytest.mark.long)])
 def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
     model, files, native = made(name)
     rng = np.random.default_rng(5)
@@ -192,7 +192,7 @@ def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
         assert structural.sum() == (np.abs(expected.astype(float)) > 0).sum()
 
 
-@pytest.mark.parametrize("name", [LONG, "stretching", "point", "space", "looped loads", "looped stretching"])
+@pytest.mark.parametrize("name", [LONG[0], "stretching", "point", "space", "looped loads", "looped stretching"])
 def test_the_solution_satisfies_its_equations(name: str) -> None:
     model, files, native = made(name)
     t, q = state(native, 4)[0], 0.3 * state(native, 4)[1]  # far enough from where M is not definite

@@ -46,6 +46,7 @@ def frequencies(of: Scene) -> np.ndarray:
     return result
 
 
+@pytest.mark.long
 def test_a_free_bar_rings_at_its_frequencies() -> None:
     """n pi sqrt(EA/(m l)); a polynomial of degree 7 has the first two to 1e-8 and 1e-4."""
     ansatz = [f"xi^{n}" for n in range(1, 8)]

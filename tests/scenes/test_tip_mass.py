@@ -64,6 +64,7 @@ def exact(b: float) -> float:
     return first[0] * second[1] - first[1] * second[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("mass", "frame"),
     [
@@ -160,6 +161,7 @@ def test_an_attached_mass_moves_like_a_welded_one_at_second_order() -> None:
     close(*momentum, 1e-12)
 
 
+@pytest.mark.long
 def test_a_truncated_mass_on_a_rod_that_stretches_has_energy_and_momentum_to_second_order() -> None:
     """The tip turns by -v' u' as well, with the inertia of the mass: what is truncated falls with the third power.
 

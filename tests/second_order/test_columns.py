@@ -112,7 +112,7 @@ def test_a_pinned_column_of_first_order_knows_the_load_by_its_number_of_beams_al
         (2, TANGENT, 80.245),
         pytest.param(3, TANGENT, 20.2567, marks=pytest.mark.long),
         pytest.param(4, "mean", 20.3961, marks=pytest.mark.long),
-        (5, TANGENT, 20.0511),
+        pytest.param(5, TANGENT, 20.0511, marks=pytest.mark.long),
     ],
 )
 def test_the_column_of_beck_flutters(shapes: int, frame: Any, expected: float) -> None:

@@ -48,6 +48,7 @@ def test_a_free_beam_keeps_its_energy_and_its_momenta(terms: str) -> None:
     assert np.ptp(momenta, axis=0).max() < 1e-9 * np.abs(momenta).max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("terms", [pytest.param("truncated", marks=pytest.mark.long), "full"])
 def test_a_pendulum_that_turns_over_keeps_its_energy(terms: str) -> None:
     """On a hinge under gravity: to 1e-8 of the work of the weight; in the chord frame, where no moment vanishes."""

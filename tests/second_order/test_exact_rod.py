@@ -67,6 +67,7 @@ def error(model: RodModel, size: float) -> float:
     )
 
 
+@pytest.mark.long
 def test_second_order_converges_to_the_exact_rod_with_the_square_of_the_deflection() -> None:
     """In the mean frame its error passes 1 % at a deflection of 0.03 of the length: it is of the next order."""
     model = RodModel("free", "mean", "truncated")
@@ -82,6 +83,7 @@ def test_first_order_does_not_come_to_the_exact_rod_under_spin() -> None:
     assert error(model, 0.02) == pytest.approx(1.28, abs=0.05)
 
 
+@pytest.mark.long
 def test_a_load_across_the_tip_of_a_cantilever_up_to_large_deflections() -> None:
     """P l^3/(3 EI) to first order; the second-order model in the tangent frame yields the same."""
     model = RodModel("clamped", "mean", "truncated")

@@ -50,6 +50,7 @@ def changed(pieces: int, ansatz: str, order: str, keys: str = "") -> Scene:
 FIRST, TRUNCATED, FULL = "", 'order = 2\nterms = "truncated"', 'order = 2\nterms = "full"'
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("pieces", "ansatz", "order", "keys", "rms", "worst"),
     [

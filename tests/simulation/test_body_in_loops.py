@@ -17,6 +17,7 @@ def table(out: Path) -> dict[str, list[float]]:
     return {name: list(map(float, column)) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
 
 
+@pytest.mark.long
 def test_columns_and_numbers_are_the_same(tmp_path: Path) -> None:
     (tmp_path / "block.npz").symlink_to(ROOT / "scenes" / "block.npz")
     text = (ROOT / "scenes" / "block.toml").read_text()

@@ -40,6 +40,7 @@ def deflections(made: Compiled, found: Solution) -> np.ndarray:
     return np.array(result)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("pieces", "frame"), [pytest.param(*case, marks=pytest.mark.long if case == (2, "mean") else ()) for case in TABLE]
 )

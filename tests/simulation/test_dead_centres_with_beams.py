@@ -96,6 +96,7 @@ def test_a_beam_that_its_pins_hold_straight_moves_as_a_rod(shapes: str, spin: fl
         assert of[f"{crank}_phi"] == pytest.approx(expected, abs=1e-7)
 
 
+@pytest.mark.long
 def test_a_beam_that_vibrates_between_its_pins_passes_as_well() -> None:
     of = moved(VIBRATING, -1, 1e-8)
     expected = motion(of.t, -1, True)

@@ -61,6 +61,7 @@ def test_the_motion_is_that_of_straight_line_code(kind: str) -> None:
     np.testing.assert_allclose(rows[0].v, rows[1].v, rtol=0, atol=1e-6)
 
 
+@pytest.mark.long
 def test_a_chain_of_twenty_beams_keeps_its_energy_and_its_joints() -> None:
     scene = chain(20, "weld")
     run = derive.simulate(scene)

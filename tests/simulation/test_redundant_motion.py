@@ -220,6 +220,7 @@ IN_LINE = (
 )
 
 
+@pytest.mark.long
 def test_four_bars_start_in_line_along_their_velocities() -> None:
     moving = (
         (IN_LINE[0], (IN_LINE[1][0], IN_LINE[1][1])),
@@ -236,6 +237,7 @@ def test_four_bars_at_rest_in_line_can_go_on_in_several_ways() -> None:
         simulated(four_bars(2, *IN_LINE))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [pytest.param(2, marks=pytest.mark.long), 4])
 def test_a_further_rod_between_parallel_cranks_is_redundant(count: int) -> None:
     """Its pins are in the middle of the first two cranks; it moves as a mass on a circle of half a metre."""
@@ -307,6 +309,7 @@ between = ["rod.right", "roller.pin"]
 """
 
 
+@pytest.mark.long
 def test_a_beam_that_is_held_twice_along_its_axis_moves_as_on_a_roller() -> None:
     """In the chord frame, where deflections do not change the distance of its ends."""
     shapes = 'frame = "chord"\nansatz = ["1", "xi", "xi^2", "xi^3"]'

@@ -251,6 +251,7 @@ def pushed(highest: int, pieces: int) -> Trajectory:
 PLACES = (-0.8, -0.4, 0.1, 0.5, 0.8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("highest", "pieces"),
     [(4, 1), *(pytest.param(*case, marks=pytest.mark.long) for case in ((3, 1), (3, 2)))],
@@ -270,6 +271,7 @@ def test_a_column_far_from_buckling_is_silent() -> None:
     assert not column(-0.2).warnings
 
 
+@pytest.mark.long
 def test_the_published_rod_is_silent_in_three_beams_and_at_second_order() -> None:
     assert not rod(3).warnings
     accurate = rod(1, highest=4, second_order=True)
@@ -304,6 +306,7 @@ def test_a_spin_up_is_silent_with_two_shapes_where_its_error_is_small(frame: str
     assert error / 2 < max(m.error for m in trajectory.validity) < 2 * error
 
 
+@pytest.mark.long
 def test_a_four_bar_linkage_with_enough_shapes_is_silent() -> None:
     shapes = ("\nmass = ", '\nansatz = ["1", "xi", "xi^2", "xi^3", "xi^4", "xi^5"]\norder = 2\nmass = ')
     trajectory = run(changed("four_bar", shapes), 0.6, 0.01)

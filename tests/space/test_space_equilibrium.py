@@ -110,6 +110,7 @@ def cantilever_tip() -> np.ndarray:
     return np.asarray(tip @ np.linalg.solve(kkt, loads)[:12])
 
 
+@pytest.mark.long
 def test_the_tip_of_a_finite_element_cantilever() -> None:
     """Linear statics of its modes; few modes of a free rod are stiffer than the clamped beam, by a third across."""
     run, expected = derive.simulate(parse(CANTILEVER)), cantilever_tip()

@@ -252,6 +252,7 @@ tolerance = 1e-9
 """
 
 
+@pytest.mark.long
 def test_a_planetary_gear_between_bodies_that_turn_with_the_carrier() -> None:
     """Willis: (omega_planet - omega_carrier)/(omega_sun - omega_carrier) = - z_sun/z_planet, about an inclined axis."""
     trajectory = PreparedRun(parse(PLANETS), complete=False).trajectory()

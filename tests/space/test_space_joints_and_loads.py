@@ -77,7 +77,7 @@ def run(kind: str, keep: bool = False, swapped: bool = False, more: str = "") ->
     return PreparedRun(parse(text), complete=False).trajectory()
 
 
-@pytest.mark.parametrize("kind", ["universal", "planar"])
+@pytest.mark.parametrize("kind", [pytest.param("universal", marks=pytest.mark.long), "planar"])
 def test_minimal_coordinates_and_constraints_are_one_motion(kind: str) -> None:
     minimal, kept = run(kind), run(kind, keep=True)
     assert minimal.motion.native.nlambda == 3
@@ -94,6 +94,7 @@ def test_a_joint_whose_bodies_are_swapped_keeps_coordinates_as_well() -> None:
     assert swapped["tip_3"] == pytest.approx(kept["tip_3"], abs=1e-7)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["universal", pytest.param("planar", marks=pytest.mark.long)])
 def test_springs_and_bushings_conserve_energy(kind: str) -> None:
     trajectory = run(kind, more=ROTATIONAL)

@@ -15,9 +15,11 @@ from derive.errors import SpecError
 
 FEW = (1, 8, 14, 24, 46, 101)
 """Scenes with all kinds of joints, drives, and flexible bodies."""
+LATER = (14, 46, 101)
+"""Those whose joints and bodies the others have, in other places."""
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", [pytest.param(s, marks=pytest.mark.long if s in LATER else ()) for s in FEW])
 def test_random_scenes(seed: int, tmp_path: Path) -> None:
     model = space_model(random_scene(seed, tmp_path), complete=False)
     assert disagreements(model, seed) == []
@@ -90,6 +92,7 @@ def test_a_body_on_a_body_that_a_drive_carries(kind: str, ends: str, tmp_path: P
     assert disagreements(model, 1) == [] and disagreements(model, 2) == []
 
 
+@pytest.mark.long
 def test_dense_bodies_of_one_file(tmp_path: Path) -> None:
     """Five modes whose integrals do not vanish: their sums are rows of a table that both bodies read."""
     rng = np.random.default_rng(3)

@@ -167,6 +167,7 @@ drive = "up"
 PITCH = 0.3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("keep", [False, True])
 def test_what_a_lift_takes(keep: bool) -> None:
     """A force m (g + a) along z; on a thread a torque, of which the weight is the part that the pitch gives it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import derive
 from derive.simulation.initial.start_state import start_state
@@ -39,6 +40,7 @@ output = 0.1
 """
 
 
+@pytest.mark.long
 def test_it_comes_back_to_the_constraints() -> None:
     """Rotations need all digits that Newton's method works with: in doubles they do not follow its last steps."""
     spec = parse(GEARED)

@@ -105,6 +105,7 @@ def whirl(spin: float) -> tuple[float, float]:
     return float(forward), float(backward)
 
 
+@pytest.mark.long
 def test_the_whirl_of_a_rotor(tmp_path: Path) -> None:
     """In axes that rotate along the rotation shifts the frequencies of circles; `whirls` are those in inertial axes."""
     shaft(tmp_path / "shaft.npz")

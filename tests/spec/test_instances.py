@@ -257,6 +257,7 @@ def test_code_and_columns_have_identifiers_and_texts_have_names():
     assert [pose.name for pose in equations.poses][1] == "link[1]"
 
 
+@pytest.mark.long
 def test_a_scene_moves_like_the_one_with_other_names():
     """The same scene with the names of the identifiers: the code is the same, and so is every digit."""
 
@@ -551,6 +552,7 @@ def test_faults_of_the_derivation_have_the_line_of_their_table(tmp_path: Path):
     assert str(with_lines(SpecError((problem,)), path)) == f"{path}:4: bodies.arm: for i = 1: it has no mass"
 
 
+@pytest.mark.long
 def test_hash_seed_does_not_matter():
     code = "import sys, derive\nfrom derive.spec.toml.read import parse\ntext = sys.stdin.read()\n"
     code += "print(repr(parse(text)), derive.derive(parse(text)))\n"

@@ -313,6 +313,7 @@ def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
     assert {label for label, values in found.items() if len(values) > 1 and values[1] > 0.2} == wrong
 
 
+@pytest.mark.long
 def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ever finer models that agree: here two small ones, whose difference is the error."""
     coarse = (LadderModel(Shapes.POLYNOMIALS, 3, TRUNCATED), LadderModel(Shapes.POLYNOMIALS, 4, TRUNCATED))

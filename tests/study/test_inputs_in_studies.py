@@ -70,7 +70,10 @@ def both(tmp_path: Path) -> list[Path]:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["study", "accuracy", "--own-reference", "--shapes", "2", "--pieces", "1", "--tolerances", "1e-4"],
+        pytest.param(
+            ["study", "accuracy", "--own-reference", "--shapes", "2", "--pieces", "1", "--tolerances", "1e-4"],
+            marks=pytest.mark.long,
+        ),
         pytest.param(["study", "methods", "--steps", "100", "--states", "5"], marks=pytest.mark.long),
         ["study", "pivots", "--pieces", "1", "--states", "5"],
     ],

@@ -41,6 +41,7 @@ def test_estimates_hold_at_any_phase_of_a_vibration() -> None:
         assert control.row < 2.5 < control.interpolated
 
 
+@pytest.mark.long
 def test_multipliers_ring_unless_rho_is_less_than_1() -> None:
     runs = ringing()
     assert [run.rho for run in runs] == [1.0, 0.9, 0.8, 0.5]

@@ -174,6 +174,7 @@ output = 0.01
 """
 
 
+@pytest.mark.long
 def test_the_methods_of_a_rigid_mechanism(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A double pendulum: no limit of steps, which resolve the motion; drift, formulations and conditioning."""
     (tmp_path / "pendulum.toml").write_text(PENDULUM)

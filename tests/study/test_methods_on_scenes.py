@@ -95,6 +95,7 @@ def hermite_frequency(elements: int) -> float:
     return float(np.sqrt(eigh(K, M, eigvals_only=True)[-1]))
 
 
+@pytest.mark.long
 def test_explicit_steps_are_stable_up_to_their_limit_alone() -> None:
     of = crank_slider()
     frequency = highest_frequency(of, of.motion(13).states)
@@ -148,6 +149,7 @@ def test_a_run_that_diverges_keeps_what_it_has_reached(monkeypatch: pytest.Monke
     assert cut.t[-1] == pytest.approx(0.02) and cut.energy[-1] < 1e-4
 
 
+@pytest.mark.long
 def test_a_scene_that_dissipates_has_no_energy_to_keep() -> None:
     text = (ROOT / "scenes/spinning_beam.toml").read_text()
     text = text[: text.index("[plots.")].replace('frame = "mean"', 'frame = "mean"\ndamping = { stiffness = 1e-3 }')

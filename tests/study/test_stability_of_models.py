@@ -62,6 +62,7 @@ def path(
     return made
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("frame", "second"), [("mean", np.sqrt(8400)), ("point", np.sqrt(8400 / 6.25))])
 def test_a_spinning_beam_of_first_order_is_lost_at_the_same_spin_in_both_frames_and_then_at_another(
     frame: str, second: float
@@ -83,6 +84,7 @@ def test_a_spinning_beam_of_second_order_is_not_lost() -> None:
         assert point.eigenvalues.frequencies[0] == pytest.approx(np.sqrt(720 + 2 * point.value**2), rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_rotating_cantilever_of_first_order_is_lost_at_its_natural_frequency() -> None:
     """3.5160 sqrt(EI/(m l^3)) in the frame of the hub, from above; of second order it is not lost."""
     made = path(CANTILEVER, "speed", 0, 10, polynomials(4, FIRST, "tangent"))
@@ -97,7 +99,7 @@ def test_a_rotating_cantilever_of_first_order_is_lost_at_its_natural_frequency()
         (LadderModel(Shapes.SINES, 1, SECOND, "chord"), 1.0),  # the exact mode of buckling
         (polynomials(1, SECOND, "chord"), 12 / EULER),
         pytest.param(polynomials(4, SECOND, "mean"), 1.00056, marks=pytest.mark.long),
-        (polynomials(2, SECOND, "mean", 2), 1.00752),
+        pytest.param(polynomials(2, SECOND, "mean", 2), 1.00752, marks=pytest.mark.long),
         pytest.param(polynomials(2, FIRST, "mean", 2), 1.21888, marks=pytest.mark.long),
         (polynomials(4, FIRST, "mean"), None),
         (LadderModel(Shapes.RIGID), None),
@@ -329,6 +331,7 @@ def test_with_a_converged_reference_verdicts_are_given() -> None:
     assert of.wrong(lost_at(polynomials(2, FIRST), 19.6)) == ()  # within the error of the reference
 
 
+@pytest.mark.long
 def test_the_column_of_beck_with_damping_of_the_mass_is_lost_at_the_same_load_in_pieces() -> None:
     """Damping of the deformation makes it flutter at 4.54 N already; it must not depend on the number of pieces."""
     scene = read_scene(BECK)

@@ -25,6 +25,7 @@ EXPECTED = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("frame", "pieces"), EXPECTED)
 def test_counts(frame: str, pieces: int) -> None:
     """A smaller number is progress: write it above."""

@@ -160,6 +160,7 @@ def test_nothing_names_the_machine_or_a_path() -> None:
     assert not any("/" in known[key] or not known[key] for key in ("flags", "machine"))
 
 
+@pytest.mark.long
 def test_the_chart_has_the_same_bytes_each_time() -> None:
     code = DRAW.format(here=str(Path(__file__).parent))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)

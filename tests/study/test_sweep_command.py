@@ -199,6 +199,7 @@ def test_pictures_are_lines_and_maps() -> None:
     assert sweep_svg(made_up(grid({"x": x, "y": y, "z": [1, 2]}))) is None
 
 
+@pytest.mark.long
 def test_pictures_do_not_depend_on_the_last_bits_of_values() -> None:
     """The bar's colours change at limits of rounding, which its bytes would show."""
     result = made_up(grid({"a.x": np.linspace(1, 2, 5), "b.y": np.geomspace(1, 100, 5)}))

@@ -65,6 +65,7 @@ def test_a_sample_that_kills_its_workers_is_named() -> None:
     assert np.isnan(result.values).sum() == len(OUTPUTS)
 
 
+@pytest.mark.long
 def test_the_command_takes_the_address_of_a_scheduler(
     cluster: LocalCluster, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,6 +12,8 @@ from derive.report.document.page import Hyperlink
 from derive.report.notation.expressions import notation
 from derive.report.sections.term_lines import rank_in_row
 
+LATER = ("beam_point_8", "forty", "flat", "loops_given")
+"""Bodies whose pages are longer than those of others, and have the same sections."""
 BODIES = (
     "point",
     "mean",
@@ -40,7 +42,7 @@ def code(name: str) -> dict[str, object]:
     return {line.anchor: line for listing in pages.listings(pages.section(name, "c")) for line in listing.lines}
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("name", [pytest.param(of, marks=pytest.mark.long if of in LATER else ()) for of in BODIES])
 def test_every_term_is_there_once_with_its_name_and_number(name: str) -> None:
     terms = pages.built(name).equations.terms
     blocks = pages.section(name, "motion")
