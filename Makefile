@@ -36,17 +36,19 @@ test-long: $(VENV)/installed-test
 test-hosts: $(VENV)/installed-hosts
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
 
-$(VENV)/installed: pyproject.toml constraints.txt
+$(BIN)/python:
 	@echo "Creating the virtual environment $(VENV) ..."
 	@$(PYTHON) -m venv $(VENV)
+
+$(VENV)/installed: pyproject.toml constraints.txt | $(BIN)/python
 	@echo "Installing Tisserand and its dependencies into $(VENV); the first time this takes about a minute ..."
 	@$(PIP) --editable .
 	@touch $@
 
-$(VENV)/installed-test: $(VENV)/installed
-	@echo "Installing the test tools into $(VENV) ..."
+$(VENV)/installed-test: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing Tisserand and the test tools into $(VENV); the first time this takes about a minute ..."
 	@$(PIP) --editable '.[test]'
-	@touch $@
+	@touch $(VENV)/installed $@
 
 $(VENV)/installed-hosts: $(VENV)/installed-test
 	@echo "Installing the packages of Python for other programs into $(VENV) ..."

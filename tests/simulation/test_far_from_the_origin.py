@@ -67,8 +67,8 @@ tolerance = 1e-7
     [
         ("adaptive", None),
         ("dop853", None),
-        ("rk45", None),
-        ("ida", None),
+        pytest.param("rk45", None, marks=pytest.mark.long),
+        pytest.param("ida", None, marks=pytest.mark.long),
         ("c_ida", None),
         ("rk4", 1e-3),
         ("generalised-alpha", 1e-2),

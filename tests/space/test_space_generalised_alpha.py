@@ -92,7 +92,7 @@ def test_newtons_method_knows_how_rotation_vectors_turn_a_body() -> None:
 @pytest.mark.parametrize(
     ("example", "duration", "steps", "error"),
     [
-        ("spatial_crank_slider_rigid", 0.5, 1000, 6e-5),
+        pytest.param("spatial_crank_slider_rigid", 0.5, 1000, 6e-5, marks=pytest.mark.long),
         pytest.param("spatial_crank_slider", 0.02, 4000, 3e-6, marks=pytest.mark.long),
     ],
 )

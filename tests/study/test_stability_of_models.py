@@ -478,7 +478,9 @@ def driven(drive: str, parameter: str, more: str = "") -> str:
     return f"{text.replace(constant, drive)}\n[parameters]\n{parameter} = {{ default = 0.4 }}\n{more}"
 
 
-@pytest.mark.parametrize("ramp", RAMPS)
+@pytest.mark.parametrize(
+    "ramp", ["speed", *(pytest.param(of, marks=pytest.mark.long) for of in RAMPS if of != "speed")]
+)
 def test_a_ramp_is_linearised_about_the_steady_motion_that_it_leads_to(tmp_path: Path, ramp: str) -> None:
     (tmp_path / "ramp.csv").write_text("t,w\n0,0\n0.1,0.3\n1,1\n")
     table = '[tables]\nramp = { file = "ramp.csv", x = "t", y = "w" }\n' if ramp == "table" else ""
