@@ -27,8 +27,9 @@ checks: $(VENV)/installed-test
 	$(BIN)/lint-imports
 	$(BIN)/tisserand check
 
+# Tests run `make` themselves, which is not to look for the jobs of this one.
 tests: $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
+	MAKEFLAGS= $(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
 
 test-long: $(VENV)/installed-test
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m long

@@ -41,7 +41,7 @@ GRAVITY = (0.7, -0.3, -9.81)
 KINDS = (
     *(pytest.param(f"{frame} flat", marks=pytest.mark.long) for frame in ("given", "mean")),
     "given loops",
-    "mean loops",
+    pytest.param("mean loops", marks=pytest.mark.long),
 )
 """In the mean frame some sums vanish."""
 Vector = list[Any]

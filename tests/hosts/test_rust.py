@@ -75,6 +75,7 @@ def test_the_crate_needs_no_standard_library() -> None:
     assert "\n#![no_std]\n" in library
 
 
+@pytest.mark.long
 def test_words_of_rust_are_no_names() -> None:
     texts = {file.path: file.text for file in rust_files(prepared(NAMED))}
     assert (

@@ -24,7 +24,13 @@ from derive.runtime.compiler import RUN_FLAGS, WITHOUT_BATCHES
 from derive.runtime.native_call import ModelError
 
 SIZES = {"given": (1, 4, 5), "mean": (0, 2, 9)}
-CASES = [(n, frame) for frame, of in SIZES.items() for n in of]
+LATER = (5, "given")
+"""A size of which others have what is different: a whole vector and what is left of one."""
+CASES = [
+    pytest.param(n, frame, marks=pytest.mark.long if (n, frame) == LATER else ())
+    for frame, of in SIZES.items()
+    for n in of
+]
 GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]
 
 

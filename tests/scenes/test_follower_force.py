@@ -70,7 +70,10 @@ def critical(pieces: int, frame: str) -> float:
     return high
 
 
-@pytest.mark.parametrize(("frame", "load", "limit"), [("body", 20.0509, 1e-2), ("inertial", np.pi**2 / 4, 5e-4)])
+@pytest.mark.parametrize(
+    ("frame", "load", "limit"),
+    [pytest.param("body", 20.0509, 1e-2, marks=pytest.mark.long), ("inertial", np.pi**2 / 4, 5e-4)],
+)
 def test_the_column_becomes_unstable_at_the_load_of_beck_and_of_euler(frame: str, load: float, limit: float) -> None:
     """First-order beams know the axial force through their number alone: the error falls with its square."""
     coarse, fine = critical(3, frame), critical(5, frame)

@@ -92,6 +92,7 @@ def test_a_load_across_the_tip_of_a_cantilever_up_to_large_deflections() -> None
         assert model.at_rest(load)[2][1] == pytest.approx(tip[1], rel=limit)
 
 
+@pytest.mark.long
 def test_a_state_at_rest_does_not_need_a_definite_mass_matrix() -> None:
     """The mass matrix of the truncated model in the chord frame is indefinite at a tip deflection of 0.26 l."""
     model = RodModel("clamped", "chord", "truncated")

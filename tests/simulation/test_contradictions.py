@@ -100,6 +100,7 @@ def test_what_is_in_conflict_is_named(more: str, message: str) -> None:
     )
 
 
+@pytest.mark.long
 def test_a_beam_in_pieces_that_bends_is_a_body_like_others() -> None:
     rod = "[bodies.rod]\nmass = 0.07\ninertia = 1e-4\nmarkers = { left = [-0.15, 0], right = [0.15, 0] }\n"
     beam = "[bodies.rod]\nmass = 0.07\nlength = 0.3\nbending_stiffness = 10\npieces = 2\n"

@@ -82,6 +82,7 @@ def test_drift_grows_without_projection_and_is_refused_beyond_the_tolerance() ->
         run(pendulum(), times, tolerance=1e-7, projected=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", [1.0, -1.0])
 def test_a_slider_that_is_pushed_through_a_dead_centre_cannot_follow(speed: float) -> None:
     """Outer dead centre at 0.45 m, inner one at 0.15 m, both 0.15 s away."""

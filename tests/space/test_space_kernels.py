@@ -16,7 +16,7 @@ from derive.errors import SpecError
 FEW = (1, 8, 14, 24, 46, 101)
 """Scenes with all kinds of joints, drives, and flexible bodies."""
 LATER = (14, 46, 101)
-"""Those whose joints and bodies the others have, in other places."""
+"""Scenes of joints and bodies that the others have as well, in other places."""
 
 
 @pytest.mark.parametrize("seed", [pytest.param(s, marks=pytest.mark.long if s in LATER else ()) for s in FEW])

@@ -107,6 +107,7 @@ def kinematic(model: SpaceModel) -> dict[str, float]:
     return {name: every[name] for name in KINEMATIC if name in every}
 
 
+@pytest.mark.long
 def test_constraints_and_markers_are_of_second_order(models: Callable[[int], SpaceModel]) -> None:
     sizes = kinematic(models(2))
     assert set(sizes) >= {"g", "G", "gdot", "gamma"}

@@ -125,6 +125,7 @@ def test_the_whirl_of_a_rotor(tmp_path: Path) -> None:
     assert modes_picture(result, 4).count('<path class="there"') == 4
 
 
+@pytest.mark.long
 def test_the_command_prints_the_whirl(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shaft(tmp_path / "shaft.npz")
     (tmp_path / "rotor.toml").write_text(SCENE)

@@ -113,6 +113,7 @@ def test_a_pinned_column_buckles_at_the_load_of_euler(model: LadderModel, expect
     assert made.loss == (None if expected is None else pytest.approx(expected * EULER, rel=exact))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("model", "expected"), [(polynomials(5, SECOND, "tangent"), 20.0511), (polynomials(4, FIRST, "tangent"), None)]
 )
@@ -382,6 +383,7 @@ def hanging(tmp_path: Path, angle: float) -> Path:
     return file
 
 
+@pytest.mark.long
 def test_an_equilibrium_is_sought_near_the_initial_state_and_then_from_value_to_value(tmp_path: Path) -> None:
     """A rod that hangs: sqrt(3 g/(2 l)); the mass is a parameter of flexible beams, and a number of rigid ones.
 

@@ -48,6 +48,7 @@ def test_joints_are_closed(name: str) -> None:
             assert np.abs(apart).max() < 1e-9, joint.name
 
 
+@pytest.mark.long
 def test_a_mechanism_that_cannot_be_closed_is_drawn_as_guessed() -> None:
     spec = scene("four_bar")
     apart = replace(spec, ground=tuple(replace(p, x=5 * p.x) for p in spec.ground))
