@@ -599,3 +599,14 @@ stiffness = 10
     assert main(["build", str(path), "--out", str(tmp_path)]) == 0
     stands = [line for line in capsys.readouterr().out.splitlines() if "stand[" in line]
     assert len(stands) == 1 and "stand[i], i = 0 to 2: joint stand[i] fixes it to the ground" in stands[0]
+
+
+def test_references_without_an_index_of_their_own_are_checked_beside_a_count_that_is_none() -> None:
+    text = CHAIN.replace("[simulation]", "[bodies.foot]\ncount = 0\nmass = 1\ninertia = 1\n[simulation]")
+    text += '\n[outputs.far]\nkind = "position"\nmarker = "link[7].right"\n'
+    with pytest.raises(SpecError) as raised:
+        parse(text)
+    assert "a count is a whole number from 1 to 10000, not 0" in str(raised.value)
+    assert "outputs.far.marker: there is no link[7]: the count of link is 4, and its index is from 0 to 3" in str(
+        raised.value
+    )

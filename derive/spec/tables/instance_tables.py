@@ -153,8 +153,23 @@ class _Expansion:
                     path = section, instance_name(name, i)
                     result[path[1]] = {k: self._at(v, (*path, k), i) if k in varying else v for k, v in keys.items()}
             else:
+                self._check(table, (section, name))
                 result.setdefault(name, table)
         return result
+
+    def _check(self, value: object, path: KeyPath) -> None:
+        """Add the faults of references to instances in a table that has no count itself."""
+        if isinstance(value, Mapping):
+            for key, item in value.items():
+                self._check(item, (*path, str(key)))
+        elif isinstance(value, (list, tuple)):
+            for k, item in enumerate(value):
+                self._check(item, (*path, k))
+        elif isinstance(value, str) and "[" in value and path[-1] != "symbol":
+            with self.faults.at(*path):
+                instance = reference(value)
+                if instance and not instance.relative and any(name == instance.table for _, name in self.counts):
+                    self._name(instance.table, instance.shift, bool(instance.ending))
 
     def _at(self, value: object, path: KeyPath, i: int) -> object:
         """A value for instance i; FAULTY where it has none."""
