@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -13,7 +12,6 @@ from derive.notes.conditioning import condition_warnings
 from derive.percentages import percent
 from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
-from derive.spec.model.instances import instance_parts
 from derive.spec.model.plots import Plot
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.set_values import SetValue
@@ -173,21 +171,6 @@ def _notes(runs: Sequence[Plain]) -> Iterator[str]:
     """The notes of the runs; warnings of models that are not valid, and of initial states with deformed bodies."""
     for run in runs:
         yield from (f"  note: {note}" for note in run["notes"])
-        yield from _validity_warnings(run.get("validity", ()), run.get("warnings", ()))
+        yield from (f"  warning: {text}" for text in run.get("warnings", ()))
         if run.get("deformed_start"):
             yield "  warning: no undeformed state satisfies the constraints; some bodies are deformed at t = 0"
-
-
-def _validity_warnings(monitors: Sequence[Plain], warnings: Sequence[str]) -> Iterator[str]:
-    """The warnings of the monitors that are passed; on the instances of a table that with the largest error."""
-    groups: dict[tuple[str, str, int], list[tuple[float, str]]] = {}
-    passed = (monitor for monitor in monitors if monitor["passed"])
-    for monitor, warning in zip(passed, warnings, strict=True):
-        table = instance_parts(monitor["beam"]).table
-        group = groups.setdefault((table or monitor["beam"], monitor["quantity"], monitor["pieces"]), [])
-        group.append((monitor["error"] if monitor["error"] == monitor["error"] else math.inf, warning))
-    for (table, _, _), group in groups.items():
-        yield f"  warning: {max(group, key=lambda of: of[0])[1]}"
-        if len(group) > 1:
-            others = f"{len(group) - 1} other{'s' if len(group) > 2 else ''}"
-            yield f"    likewise {others} of {table}, with errors from {percent(min(group)[0])} on; the record has all"
