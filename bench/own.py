@@ -35,10 +35,12 @@ def model(data: str, size: int, lowering: str, name: str) -> tuple[Model, np.nda
 
 
 def function(source: str, name: str) -> str:
-    """The text of a function in the text of a C file."""
+    """The text of a function in the text of a C file, with the static functions of its parts if it has any."""
     match = re.search(rf"^int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
     assert match, name
-    return match.group()
+    part = source.find(f" {name}_part_1(")
+    first = match.start() if part < 0 else source.rindex("\n\n", 0, part)
+    return source[first : match.end()]
 
 
 def main(argv: list[str]) -> None:

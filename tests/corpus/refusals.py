@@ -41,7 +41,9 @@ REFUSALS: dict[str, str] = {
     r"there is no beam here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
     r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",
-    r"a floating-frame body of Exudyn is a single body": "likewise; the message names the one for scenes",
+    r"export the scene with --to exudyn, or leave this out": "the message names the interface for all scenes",
+    r"Exudyn has no joint that removes": "the message names those that it has",
+    r"body of Exudyn (needs mass|has modes|has displacements)": "the message says what to write",
 }
 
 
