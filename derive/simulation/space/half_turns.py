@@ -63,17 +63,17 @@ def _notes(scene: SpatialScene, native: NativeScene, k: Vector, t: Vector, q: Ma
         if start is not None and abs(start) > math.pi:
             raise HalfTurn(spring.name, float(t[0]), start)
         angles, rates = _rotations(scene, native, k, spring, t, q, v)
-        told = True
+        close = True  # rows, so that turns between them are seen
         for i in range(1, len(t)):
             step = t[i] - t[i - 1]
             foreseen = angles[i - 1] + (rates[i - 1] + rates[i]) / 2 * step
             turns = round((foreseen - angles[i]) / (2 * math.pi))
             missed = abs(foreseen - angles[i] - 2 * math.pi * turns)
             if max(abs(rates[i - 1]), abs(rates[i])) * step > SEEN or missed > AGREE:
-                told = False
+                close = False
             elif turns:
                 raise HalfTurn(spring.name, float(t[i]))
-        if not told:
+        if not close:
             yield (
                 f"springs.{spring.name}: nothing counts the turns of its markers, and rows of the output are too far "
                 "apart to tell whether they turn by more than half a turn, where its torque would jump; a smaller "
