@@ -1,4 +1,4 @@
-"""Scenes in space whose bodies, joints and outputs are instances of tables with `count`: the start that they are given."""
+"""Scenes in space whose bodies, joints and outputs are instances of tables with `count`: they start as it is given."""
 
 from __future__ import annotations
 
