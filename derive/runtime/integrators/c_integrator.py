@@ -47,8 +47,8 @@ CONSISTENT = 1e-12
 """The largest |g| (m, rad) and |gdot| (m/s, rad/s) after projection."""
 
 PROXIMAL = 1e-9
-"""The proximal term in the iteration matrix of a model whose joints may be redundant, relative to the compliance of each
-constraint."""
+"""The proximal term in the iteration matrix of a model whose joints may be redundant, relative to the compliance of
+each constraint."""
 
 
 class IntegratorError(TisserandError):

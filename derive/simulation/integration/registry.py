@@ -99,5 +99,5 @@ PASSING = EXPLICIT | {"generalised-alpha"}
 """The integrators that pass singular positions: accelerations resolve them, and so does the proximal term of the
 generalised-alpha method."""
 RESOLVING = PASSING | {"ida", "c_ida"}
-"""The integrators that follow motions with redundant joints. The proximal term of IDA does not bring it through singular
-positions."""
+"""The integrators that follow motions with redundant joints. The proximal term of IDA does not bring it through
+singular positions."""
