@@ -11,7 +11,7 @@ from derive.spec.tables.specification import specification_table
 
 
 def json_schema() -> str:
-    """The JSON schema of all specifications: sections that differ in space may have either form, and those of scenes in space alone are among them."""
+    """The JSON schema of all specifications: sections that differ in space have either form, others are added."""
     planar, spatial = (schema_of(table) for table in (specification_table(), spatial_specification_table()))
     definitions = {**planar["$defs"], **spatial["$defs"]}
     for name, definition in spatial["$defs"].items():
@@ -19,7 +19,7 @@ def json_schema() -> str:
             raise ValueError(f"two tables of the JSON schema are called {name}")
     properties = {name: _either(value, spatial["properties"].get(name)) for name, value in planar["properties"].items()}
     alone = {name: value for name, value in spatial["properties"].items() if name not in properties}
-    needs = {**planar["dependentRequired"], **dict.fromkeys(alone, ["bodies"])}
+    needs = {**planar["dependentRequired"], **{name: ["bodies"] for name in alone}}
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **planar,
