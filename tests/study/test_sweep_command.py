@@ -62,7 +62,7 @@ def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[st
     assert record["notes"] == [] and "warning: at EI = 8, radius = 0.1: rod in 1 beam: its axial force" in output.out
     assert record["failed"] == 3 and record["outputs"][1]["name"] == "final_slider_s"
     before = {path: path.read_bytes() for path in folder.iterdir()}
-    assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json") == 0
+    assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json", "--resume") == 0
     assert json.loads(capsys.readouterr().out)["failures"][0]["samples"] == 3
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
 
