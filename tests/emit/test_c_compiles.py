@@ -33,7 +33,7 @@ longer.
 The first one, which is small, is compiled at every level, and to an object as C++.
 """
 
-WARNED = (*OPTIMISED, "given_2_flat", "crank_slider_3", "folded_point")
+WARNED = (*OPTIMISED, "given_2_flat", "rigid_loops", "crank_slider_3", "folded_point")
 """The models for which gcc looks for values that may be missing, which it does where it optimises: kinds of bodies."""
 
 

@@ -111,6 +111,8 @@ def test_a_finished_sweep_is_not_computed_again(
     assert run(spec, *given) == 0
     first = capsys.readouterr().out
     contents = {path: path.read_bytes() for path in folder.iterdir()}
+    assert run(spec, *given) == 0 and capsys.readouterr().out
+    assert {path: path.read_bytes() for path in folder.iterdir()} == contents
     with monkeypatch.context() as patch:
         patch.setattr(executors, "run_chunk", _interrupt)
         (folder / "sweep.svg").unlink()
