@@ -16,7 +16,7 @@ import sympy as sp
 
 from derive.ir.expressions import Expr, Leaf, Number, Operation, Operator, ScalarRef, TableValue
 from derive.lowering.flat.shared_sums import SharedSums
-from derive.lowering.flat.term_order import Place, TermOrder
+from derive.lowering.flat.term_order import FactorPlace, TermOrder
 from derive.mechanics.time_functions import (
     Absolute,
     Atan2,
@@ -185,7 +185,7 @@ class Symbols:
         """A product: early factors, one division, the number, then the other factors, so that terms share prefixes."""
         order = self.order.product(expr)
         magnitude = order.magnitude
-        factors: dict[Place, list[ca.SX]] = {place: [] for place in Place}
+        factors: dict[FactorPlace, list[ca.SX]] = {place: [] for place in FactorPlace}
         for base, place, root, count in order.factors:
             value = self.call(ca.sqrt, self(base)) if root else self(base)
             factors[place].extend([value] * count)

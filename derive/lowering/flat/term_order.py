@@ -25,7 +25,7 @@ class OrderedSum:
     terms: Sequence[tuple[int, sp.Expr]] = ()
 
 
-class Place(Enum):
+class FactorPlace(Enum):
     """The place of a factor in a product: before the division, behind it, or in its divisor."""
 
     FIRST = 0
@@ -39,7 +39,7 @@ class OrderedProduct:
 
     negative: bool
     magnitude: Fraction
-    factors: Sequence[tuple[sp.Expr, Place, bool, int]]
+    factors: Sequence[tuple[sp.Expr, FactorPlace, bool, int]]
 
 
 class TermOrder:
@@ -95,10 +95,10 @@ class TermOrder:
         for base, exponent in sorted((f.as_base_exp() for f in sp.Mul.make_args(rest)), key=self._order):
             if not (2 * exponent).is_Integer:
                 raise TypeError(f"no lowering for the power {base}**{exponent}")
-            above = Place.FIRST if base in self.early else Place.LAST
+            above = FactorPlace.FIRST if base in self.early else FactorPlace.LAST
             root = not exponent.is_Integer
             count = abs(int(2 * exponent if root else exponent))
-            factors.append((base, above if exponent > 0 else Place.BELOW, root, count))
+            factors.append((base, above if exponent > 0 else FactorPlace.BELOW, root, count))
         return OrderedProduct(weight < 0, abs(Fraction(int(weight.p), int(weight.q))), factors)
 
     def _order(self, factor: tuple[sp.Expr, sp.Expr]) -> tuple[int, tuple[object, ...]]:
