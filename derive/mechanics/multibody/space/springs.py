@@ -208,6 +208,13 @@ SPATIAL_BUSHINGS = {
     )
 }
 """The kinds of bushings, whose keys have six numbers or a matrix each."""
+_UNITS = {"stiffness": ("N/m", "N", "N m/rad"), "damping": ("N s/m", "N s", "N m s/rad")}
+"""The units of the entries of these keys between displacements, of both kinds, and between rotations."""
+
+
+def bushing_unit(key: str, i: int, j: int) -> str:
+    """The unit of the entry in row i and column j of a matrix of a bushing; six numbers are its diagonal."""
+    return _UNITS[key][sum(BUSHING_ROWS[number].unit == "rad" for number in (i, j))]
 
 
 def spring_type(kind: str) -> SpatialSpringType:
