@@ -46,7 +46,7 @@ def tables(model: Model) -> list[TupleConstant]:
         table("UNITS", (v.unit for v in model.parameters)),
         table("CONSTANTS", (v.name for v in model.constants)),
         table("MARKERS", (v.title for v in model.markers)),
-        *((names("MULTIPLIERS", model.multipliers), names("BODIES", bodies)) if model.bodies else ()),
+        *((names("MULTIPLIERS", model.multipliers), names("BODIES", bodies)) if model.is_scene else ()),
     ]
 
 

@@ -15,8 +15,8 @@ from derive.rendering import render
 def acados_files(host: HostModel) -> tuple[File, ...]:
     """The file of a model. Raises SpecError for a model with loops."""
     model = host.model
-    residual = "residual_index1" if model.bodies else "residual"
-    used = ("setup", "rates", "solve" if model.bodies else "accel", "outputs", residual)
+    residual = "residual_index1" if model.is_scene else "residual"
+    used = ("setup", "rates", "solve" if model.is_scene else "accel", "outputs", residual)
     values = {
         "mark": f"# {MARK}. Do not edit.\n# {LICENCE}",
         "model": model,
