@@ -54,8 +54,9 @@ def continued_loops(nodes: Iterable[Node]) -> Iterator[Node]:
     """
     kept: list[Node] = []
     for node in nodes:
-        of_bodies = isinstance(node, For) and node.overlaps
-        item = replace(node, kind=LoopKind.ORDERED, overlaps=False) if of_bodies else node
+        item = node
+        if isinstance(node, For) and node.overlaps:
+            item = replace(node, kind=LoopKind.ORDERED, overlaps=False)
         joined = _one_loop(kept[-1], item) if kept else None
         if joined is None:
             kept.append(item)
