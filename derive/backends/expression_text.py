@@ -74,8 +74,8 @@ class Dialect:
         binding = PRODUCT if value < 0 else ATOM
         if value.denominator == 1 and abs(value.numerator) < 2**53:
             return _Text(BreakableText((f"{value.numerator}{self.suffix}",)), binding, value < 0)
-        large = max(abs(value.numerator), value.denominator) >= 2**53
-        if large or float(value).as_integer_ratio() == value.as_integer_ratio():
+        exact = float(value).as_integer_ratio() == value.as_integer_ratio()
+        if exact or max(abs(value.numerator), value.denominator) >= 2**53:
             return _Text(BreakableText((repr(float(value)),)), binding, value < 0)
         quotient = f"({value.numerator}{self.suffix} / {value.denominator}{self.suffix})"
         return _Text(BreakableText((quotient,)), binding, False)

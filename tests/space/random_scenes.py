@@ -70,11 +70,16 @@ class Writer(RandomBodies):
             self.lines.append(f"pitch = {self.quantity(self.random.choice([-1, 1]) * self.positive())}")
         if kind in DRIVEN and (self.chance(0.4) if driven is None else driven):
             self.drive(name)
-        bodies = [marker.split(".")[0] for marker in between]
-        if name in self.driven or kind == "fixed":
-            for own, other in (bodies, bodies[::-1]):
-                if other in self.prescribed and own not in self.kept | self.flexible_bodies:
-                    self.prescribed.add(own)
+        self.find_prescribed()
+
+    def find_prescribed(self) -> None:
+        """Find the rigid bodies that fixed and driven joints place behind what is prescribed."""
+        for _ in self.joints:
+            for name, (kind, _, between) in self.joints.items():
+                bodies = [marker.split(".")[0] for marker in between]
+                for own, other in (bodies, bodies[::-1]) if name in self.driven or kind == "fixed" else ():
+                    if other in self.prescribed and own not in self.kept | self.flexible_bodies:
+                        self.prescribed.add(own)
 
     @property
     def moving(self) -> list[str]:
@@ -138,6 +143,8 @@ class Writer(RandomBodies):
         """A spring of any kind, of which those of rotations are between the markers of a joint sometimes."""
         hinges = [between for _, _, between in self.joints.values() if {*between} <= self.turning]
         pair = self.pair(self.markers)
+        while any({*pair} == {*between} for _, _, between in self.joints.values()):  # no line is between them
+            pair = self.pair(self.markers)
         kinds = ["linear"]
         if {*pair} <= self.turning or (hinges and self.chance(0.5)):
             kinds = [*SPATIAL_SPRINGS, *SPATIAL_BUSHINGS, *SPATIAL_BUSHINGS]

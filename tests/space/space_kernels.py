@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +27,8 @@ from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 
 LIMIT = 1e-12
 """The largest difference, relative to the sum of the magnitudes of what a number is the sum of."""
-QUICK_SEEDS, COMPLETE_SEED = (3, 6), 10
-LONG_SEEDS, FURTHER_SEEDS = range(11, 21), range(21, 111)
+QUICK_SEEDS, COMPLETE_SEED = (25, 71), 105
+LONG_SEEDS, FURTHER_SEEDS = range(10), range(10, 100)
 RANDOM_SEEDS = (*QUICK_SEEDS, COMPLETE_SEED, *LONG_SEEDS, *FURTHER_SEEDS)
 """The seeds of the random scenes that tests compare."""
 RATES = ("", "dot", "ddot")
@@ -108,7 +109,7 @@ def differences(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tup
 def _solution(
     model: SpaceModel, seen: Mechanics, rows: list[int], t: float, q: Array, v: Array
 ) -> Iterator[tuple[str, float]]:
-    """Accelerations and multipliers, if they are well determined."""
+    """Accelerations and multipliers, if they are well determined: far deformed bodies of second order may have no M."""
     native, k = model.native, model.constants(t)
     M, G = floats(seen.M), floats(seen.G)
     matrix = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
@@ -117,7 +118,7 @@ def _solution(
     if model.oracle.scene.get("scene", {}).get("redundant") == "resolve":
         yield from _residuals(model, seen, rows, t, q, v)
         return
-    if np.linalg.cond(matrix) > CONDITION:
+    if np.linalg.cond(matrix) > CONDITION or np.linalg.eigvalsh(M)[0] <= 0:
         return
     vdot, lam = (floats(x) for x in seen.accelerations())
     found, multipliers = native.solve(t, q, v, k)
@@ -129,9 +130,14 @@ def _solution(
 def _residuals(
     model: SpaceModel, seen: Mechanics, rows: list[int], t: float, q: Array, v: Array
 ) -> Iterator[tuple[str, float]]:
-    """The equations of motion and of constraints, of which some are there twice, with the results of the code."""
-    vdot, lam = model.native.solve(t, q, v, model.constants(t))
+    """The equations of motion and of constraints, of which some are there twice, with the results of the code.
+
+    Nothing is compared where joints contradict each other in a random state.
+    """
     M, h, G, gamma = floats(seen.M), floats(seen.h), floats(seen.G[rows]), floats(seen.gamma[rows])
+    if np.linalg.matrix_rank(np.column_stack([G, gamma]), 1e-9) > np.linalg.matrix_rank(G, 1e-9):
+        return
+    vdot, lam = model.native.solve(t, q, v, model.constants(t))
     size = np.abs(M) @ np.abs(vdot) + floats(seen.force_sizes) + np.abs(G).T @ np.abs(lam)
     yield "residual of motion", float(np.abs(M @ vdot + h - G.T @ lam).max(initial=0) / size.max(initial=1))
     size = np.abs(G) @ np.abs(vdot) + np.abs(gamma)
@@ -167,13 +173,19 @@ def _by_python(
         size = max(1.0, float(np.abs(expected).max(initial=0)))
         return float(np.abs(np.broadcast_to(found, expected.shape) - expected).max(initial=0)) / size
 
-    yield "Python: mass", apart_of(python["mass"](q, k), native.mass(q, k))
-    yield "Python: force", apart_of(python["force"](t, q, v, k), native.force(t, q, v, k))
+    u = k[native.nk - len(native.inputs) :]
+    given = {"t": t, "q": q, "v": v, "u": u, "k": k[: native.nk - len(u)]}
+
+    def called(name: str) -> Array:
+        return python[name](*(given[of] for of in signature(python[name]).parameters))
+
+    yield "Python: mass", apart_of(called("mass"), native.mass(q, k))
+    yield "Python: force", apart_of(called("force"), native.force(t, q, v, k))
     if native.nlambda:
-        yield "Python: g", apart_of(python["constraints"](t, q, k), native.constraints(t, q, k))
-        yield "Python: G", apart_of(python["constraint_jacobian"](t, q, k), native.constraint_jacobian(t, q, k))
-        bias = native.constraint_bias(t, q, v, k)
-        yield "Python: gamma", apart_of(python["constraint_bias"](t, q, v, k), bias)
+        yield "Python: g", apart_of(called("constraints"), native.constraints(t, q, k))
+        yield "Python: G", apart_of(called("constraint_jacobian"), native.constraint_jacobian(t, q, k))
+        yield "Python: gdot", apart_of(called("constraint_rates"), native.constraint_rates(t, q, v, k))
+        yield "Python: gamma", apart_of(called("constraint_bias"), native.constraint_bias(t, q, v, k))
 
 
 def disagreements(model: SpaceModel, seed: int, limit: float = LIMIT) -> list[str]:

@@ -56,7 +56,7 @@ class SpaceOracle(SpringKinematics):
     def see(self, t: float, q: Array, v: Array) -> Mechanics:
         """Everything in one state."""
         with precise():
-            return self._see(number(t), self.columns.state(q), array(v))
+            return self.see_state(number(t), self.columns.state(q), array(v))
 
     def _functions(self, t: Decimal, state: SpaceState) -> tuple[Array, ...]:
         """Points, constraints, frames of forces (12 numbers each), motions of springs, positions of markers."""
@@ -85,7 +85,8 @@ class SpaceOracle(SpringKinematics):
         """References of the markers of all bodies."""
         return [f"{body.name}.{name}" for body in self.bodies.values() for name in body.markers]
 
-    def _see(self, t: Decimal, state: SpaceState, v: Array) -> Mechanics:
+    def see_state(self, t: Decimal, state: SpaceState, v: Array) -> Mechanics:
+        """Everything in a state of decimal numbers, under `precise()`."""
         columns, n = self.columns, self.columns.size
 
         def along(s: Decimal) -> tuple[Array, ...]:

@@ -1,4 +1,4 @@
-"""Scenes in space with instances of tables with `count`, of bodies, joints and outputs: their given start."""
+"""Scenes in space whose bodies, joints and outputs are instances of tables with `count`: they start as it is given."""
 
 from __future__ import annotations
 

@@ -21,11 +21,11 @@ def test_random_scenes(seed: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", [COMPLETE_SEED, *random_cases(LONG_SEEDS[0], len(LONG_SEEDS), len(FURTHER_SEEDS))])
 def test_random_scenes_with_all_kernels(seed: int, tmp_path: Path) -> None:
-    """The C and the Python. Scenes in which all motion is prescribed are refused."""
+    """The C and the Python. Scenes in which drives leave nothing to move, or contradict joints, are refused."""
     try:
         model = space_model(random_scene(seed, tmp_path))
     except SpecError as error:
-        assert "all motion is prescribed" in str(error)
+        assert "all motion is prescribed" in str(error) or "the motion of both bodies is prescribed" in str(error)
         return
     assert disagreements(model, seed) == []
     assert disagreements(model, seed + 1000) == []

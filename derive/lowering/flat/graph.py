@@ -58,7 +58,7 @@ ZERO_DIVISOR = (
 )
 
 
-class Origin(Enum):
+class ConstantSource(Enum):
     """The source of a constant: it is a number, setup computes it, or it is one in which instances differ."""
 
     NUMBER = 0
@@ -83,7 +83,7 @@ class Graph:
         self.nodes: list[Node] = []
         self._index: dict[Node, int] = {}
         self._values: list[Fraction | None] = []
-        self._sources: list[Origin | None] = []
+        self._sources: list[ConstantSource | None] = []
         self._size: list[int] = []
         self._settled: dict[int, int] = {}
 
@@ -128,7 +128,7 @@ class Graph:
         n = self.nodes[node]
         return n.leaf if n.leaf is not None else Operation(n.operator, tuple(self.expr(a) for a in n.args))
 
-    def _intern(self, node: Node, source: Origin | None) -> int:
+    def _intern(self, node: Node, source: ConstantSource | None) -> int:
         """The number of a node, which is added with its source if it is new."""
         number = self._index.setdefault(node, len(self.nodes))  # hashes the node once
         if number == len(self.nodes):
@@ -142,26 +142,26 @@ class Graph:
         """Whether a node depends on numbers and model constants alone."""
         return self._sources[node] is not None
 
-    def _source_of(self, leaf: Leaf) -> Origin | None:
+    def _source_of(self, leaf: Leaf) -> ConstantSource | None:
         """The source of a leaf; None if it is no constant."""
         match leaf:
             case Number():
-                return Origin.NUMBER
+                return ConstantSource.NUMBER
             case ScalarRef(name):
                 known = self.constants
                 if known is None or not (name in known.coefficients or name in known.hoisted.values()):
                     return None
-                return Origin.TABLES if name in known.of_instances else Origin.SETUP
+                return ConstantSource.TABLES if name in known.of_instances else ConstantSource.SETUP
             case Element() | Ends() | LaneSum() | MatrixEntry() | TableValue():
                 return None
 
-    def _common_source(self, nodes: Sequence[int]) -> Origin | None:
+    def _common_source(self, nodes: Sequence[int]) -> ConstantSource | None:
         """The source of an operation on nodes; None unless they are constant, and of setup or of tables alone."""
-        common: Origin | None = Origin.NUMBER
+        common: ConstantSource | None = ConstantSource.NUMBER
         for node in nodes:
             source = self._sources[node]
-            if source is not common and source is not Origin.NUMBER:
-                if source is None or common is not Origin.NUMBER:
+            if source is not common and source is not ConstantSource.NUMBER:
+                if source is None or common is not ConstantSource.NUMBER:
                     return None
                 common = source
         return common

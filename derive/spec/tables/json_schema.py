@@ -11,7 +11,7 @@ from derive.spec.tables.specification import specification_table
 
 
 def json_schema() -> str:
-    """The JSON schema of all specifications: sections that differ in space have either form, others are added."""
+    """The JSON schema of all specifications: sections may have either form, and gears are of scenes in space alone."""
     planar, spatial = (schema_of(table) for table in (specification_table(), spatial_specification_table()))
     definitions = {**planar["$defs"], **spatial["$defs"]}
     for name, definition in spatial["$defs"].items():

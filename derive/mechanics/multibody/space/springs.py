@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import sympy as sp
 
+from derive.errors import Problem, SpecError
 from derive.mechanics.multibody.space.forces import (
     NONE,
     ActionLoads,
@@ -28,10 +29,16 @@ from derive.spec.model.spatial_forces import (
 
 
 def _linear(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
-    """A tension along the line between the markers."""
+    """A tension along the line between the markers. Raises SpecError where a joint makes it a point."""
     name = ElementDefinitions(spring.name, f"spring {spring.name}")
     first, second = frames
     apart = name.vector("apart", second.position - first.position, "vector")
+    if not any(apart):
+        text = (
+            f"a joint keeps {spring.first} and {spring.second} together, so that no line between them has a direction; "
+            "name other markers, or write a rotational spring or a bushing"
+        )
+        raise SpecError((Problem(f"springs.{spring.name}.between", text),))
     length = name("length", sp.sqrt(dot(apart, apart)), "length")
     extension = length - values["rest"]
     tension, dissipation = values["stiffness"] * extension, sp.S.Zero
