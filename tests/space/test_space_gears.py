@@ -13,6 +13,8 @@ from derive.derivation import derive, lower
 from derive.errors import SpecError
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.trajectory import Trajectory
+from derive.spec.as_tables import specification_tables
+from derive.spec.construction import spatial_scene
 from derive.spec.toml.read import parse
 
 SCENE = """
@@ -157,6 +159,12 @@ def test_minimal_coordinates_and_constraints_are_one_motion(kinds: tuple[str, st
         assert minimal[name] == pytest.approx(kept[name], abs=3e-6 * max(1.0, np.abs(kept[name]).max())), name
     for trajectory in (minimal, kept):
         assert np.ptp(trajectory["E_total"]) < 1e-7 * np.ptp(trajectory["E_kinetic"])
+
+
+def test_a_ratio_that_is_a_parameter_is_written_back() -> None:
+    """It has no unit, and none is written."""
+    scene = parse(text().replace('"-3/2"', '{ symbol = "r", default = 2.0 }'))
+    assert spatial_scene(specification_tables(scene)) == scene
 
 
 FALLING = """

@@ -21,9 +21,9 @@ def test_random_scenes(seed: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", [COMPLETE_SEED, *random_cases(LONG_SEEDS[0], len(LONG_SEEDS), len(FURTHER_SEEDS))])
 def test_random_scenes_with_all_kernels(seed: int, tmp_path: Path) -> None:
-    """The C and the Python. Scenes in which drives leave nothing to move, or contradict joints, are refused."""
+    """The C and the Python, of the further scenes one of three. Those whose drives contradict joints are refused."""
     try:
-        model = space_model(random_scene(seed, tmp_path))
+        model = space_model(random_scene(seed, tmp_path), complete=seed not in FURTHER_SEEDS or seed % 3 == 0)
     except SpecError as error:
         assert "all motion is prescribed" in str(error) or "the motion of both bodies is prescribed" in str(error)
         return
