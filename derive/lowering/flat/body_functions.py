@@ -12,6 +12,7 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
+from derive.lowering.flat.quadratic_inertia import quadratic_inertias
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
 from derive.lowering.ldlt import Factorisation
 from derive.lowering.model_functions import ModelFunction, OutputElements
@@ -24,6 +25,8 @@ VANISHING = Fraction(1, 2**44)
 def mass(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of the mass matrix M(q)."""
     symbols = context.symbols(context.q)
+    symbols.fixed.update(quadratic_inertias(context, symbols))
+    symbols.values.update(symbols.fixed)
     return context.kernel(function, {"M": _mass_elements(context)}, symbols, _mass_step(context, symbols))
 
 

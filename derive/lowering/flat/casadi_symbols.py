@@ -47,7 +47,8 @@ class Symbols:
 
     early, late: the symbols that come first and last in products, so that products share sub-expressions: velocities,
     whose products occur in many terms, are early; the rotation, in which the rows of a vector differ, is late.
-    model: the name of the model, with which the functions of its tables begin. sums: what sums share.
+    model: the name of the model, with which the functions of its tables begin. sums: what sums share. fixed: the values
+    of symbols whose definitions a function computes in another way.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Symbols:
         self.values: dict[sp.Symbol, ca.SX] = {}
         self.inputs: list[ca.SX] = []
         self.leaves: list[Leaf] = []
+        self.fixed: dict[sp.Symbol, ca.SX] = {}
         self._numbers: dict[Fraction, ca.SX] = {}
         self._converted: dict[sp.Expr, ca.SX] = {}
 
@@ -77,8 +79,8 @@ class Symbols:
         self.values[symbol] = self._leaf(leaf)
 
     def define(self, symbol: sp.Symbol, expr: sp.Expr) -> ca.SX:
-        """Define the value of a symbol by an expression, and return it."""
-        self.values[symbol] = self(expr)
+        """Define the value of a symbol, by an expression if it is not fixed, and return it."""
+        self.values[symbol] = self.fixed[symbol] if symbol in self.fixed else self(expr)
         return self.values[symbol]
 
     def values_of(self, symbols: Iterable[sp.Symbol]) -> list[ca.SX]:
