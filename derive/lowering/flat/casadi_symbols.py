@@ -211,11 +211,18 @@ class Symbols:
         first: list[ca.SX] = []
         last: list[ca.SX] = []
         below: list[ca.SX] = []
-        for base, exponent in sorted((f.as_base_exp() for f in sp.Mul.make_args(rest)), key=self._order):
+        factors = sorted((f.as_base_exp() for f in sp.Mul.make_args(rest)), key=self._order)
+        multiple = self.sums.multiplied_product(base for base, exponent in factors if exponent == 1)
+        if multiple is not None and magnitude == 2:
+            magnitude = Fraction(1)
+        else:
+            multiple = None
+        for base, exponent in factors:
             if not (2 * exponent).is_Integer:
                 raise TypeError(f"no lowering for the power {base}**{exponent}")
             above = first if base in self.early else last
             value = self(base) if exponent.is_Integer else self.call(ca.sqrt, self(base))
+            value = 2 * value if base == multiple else value
             (above if exponent > 0 else below).extend(
                 [value] * abs(int(exponent if exponent.is_Integer else 2 * exponent))
             )
