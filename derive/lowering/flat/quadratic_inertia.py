@@ -1,8 +1,8 @@
 """Moments of inertia as quadratic forms of the amplitudes, for functions that need nothing else of the sums S.
 
-J = C3 + sum_i (C4_i + S_i) alpha_i with S_i = C4_i + sum_j C5_ij alpha_j. A function that needs the S anyway, as h does,
-computes J from them. M does not: where the C5 are sparse, the products alpha_i alpha_j, which all components of J share,
-take fewer operations. Dense S are sums of a table instead, see `derive.ir.linear_forms`.
+J = C3 + sum_i (C4_i + S_i) alpha_i with S_i = C4_i + sum_j C5_ij alpha_j. A function that needs the S anyway, as h
+does, computes J from them. M does not: where the C5 are sparse, the products alpha_i alpha_j, which all components of J
+share, take fewer operations. Dense S are sums of a table instead, see `derive.ir.linear_forms`.
 """
 
 from __future__ import annotations
