@@ -30,8 +30,8 @@ AMPLITUDES = (4e-3, 2e-3, 1e-3)
 @pytest.mark.parametrize(
     ("frame", "lowering", "nonzeros", "mass", "force", "both"),
     [
-        ("mean", "flat", 60, 153, 514, 538),
-        ("point", "flat", 96, 222, 597, 651),
+        ("mean", "flat", 60, 153, 499, 523),
+        ("point", "flat", 96, 222, 582, 636),
         ("mean", "loops", 68, 1302, 1679, 2063),
         ("point", "loops", 134, 1532, 1909, 2440),
     ],

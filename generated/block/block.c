@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_32c6a88a9edb44f2
+#ifndef BLOCK_HASH_516daa5d7d1e6891
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -344,33 +344,33 @@ int block_force(
     const double t10 = 2.0 * omega1;
     const double t11 = 2.0 * omega2;
     const double t12 = 2.0 * omega3;
-    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-        + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2);
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12 + t11 * Sdot_22
-        + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3);
-    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-        + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
-    const double t13 = 2.0 * oo_12;
-    const double t14 = 2.0 * oo_23;
-    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t13 - S_1_22 * oo_22
-        - S_1_23 * t14 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
-    const double t15 = 2.0 * oo_13;
-    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t15 - S_2_22 * oo_22
-        - S_2_23 * t14 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
-    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t13 - S_3_13 * t15
+    const double t13 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    h[3] = t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13 + omega2 * t13 - omega3 * t14;
+    const double t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    h[4] = t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23 + omega3 * t15 - omega1 * t13;
+    h[5] = t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33 + omega1 * t14 - omega2 * t15;
+    const double t16 = 2.0 * oo_12;
+    const double t17 = 2.0 * oo_23;
+    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t16 - S_1_22 * oo_22
+        - S_1_23 * t17 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
+    const double t18 = 2.0 * oo_13;
+    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t18 - S_2_22 * oo_22
+        - S_2_23 * t17 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
+    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t16 - S_3_13 * t18
         - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
-    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t13 - S_4_13 * t15
-        - S_4_22 * oo_22 - (S_4_23 * t14 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2
+    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t16 - S_4_13 * t18
+        - S_4_22 * oo_22 - (S_4_23 * t17 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2
         + t12 * c7dot_4_3);
-    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t13 - S_5_13 * t15
-        - S_5_22 * oo_22 - (S_5_23 * t14 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
+    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t16 - S_5_13 * t18
+        - S_5_22 * oo_22 - (S_5_23 * t17 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
         + t12 * c7dot_5_3);
-    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t13 - S_6_13 * t15
-        - S_6_22 * oo_22 - (S_6_23 * t14 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
-    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t13 - S_7_13 * t15
-        - S_7_22 * oo_22 - (S_7_23 * t14 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8);
-    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t13 - S_8_22 * oo_22
-        - S_8_23 * t14 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
+    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t16 - S_6_13 * t18
+        - S_6_22 * oo_22 - (S_6_23 * t17 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
+    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t16 - S_7_13 * t18
+        - S_7_22 * oo_22 - (S_7_23 * t17 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8);
+    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t16 - S_8_22 * oo_22
+        - S_8_23 * t17 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     return 0;
 }
 
@@ -598,8 +598,9 @@ int block_mass_force(
         + alpha5 * c7dot_5_3 - alpha6 * t13 - alpha7 * t11 - alpha8 * t6;
 
     /* pi3 (15): force and column of M of pi3 */
-    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t3 * Sdot_13 + t9 * Sdot_23
-        + (t5 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
+    const double t16 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    const double t17 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    h[5] = t3 * Sdot_13 + t9 * Sdot_23 + t5 * Sdot_33 + omega1 * t16 - omega2 * t17;
     M[21] = J_33;
     M[22] = d3_1_3;
     M[23] = d3_3_3;
@@ -610,8 +611,8 @@ int block_mass_force(
     M[28] = d3_8_3;
 
     /* pi2 (15): force and column of M of pi2 */
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t3 * Sdot_12 + t9 * Sdot_22
-        + (t5 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3);
+    const double t18 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    h[4] = t3 * Sdot_12 + t9 * Sdot_22 + t5 * Sdot_23 + omega3 * t17 - omega1 * t18;
     M[13] = J_22;
     M[14] = J_23;
     M[15] = d3_2_2;
@@ -622,8 +623,7 @@ int block_mass_force(
     M[20] = d3_7_2;
 
     /* pi1 (15): force and column of M of pi1 */
-    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t3 * Sdot_11 + t9 * Sdot_12
-        + (t5 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2);
+    h[3] = t3 * Sdot_11 + t9 * Sdot_12 + t5 * Sdot_13 + omega2 * t18 - omega3 * t16;
     M[3] = J_11;
     M[4] = J_12;
     M[5] = J_13;
@@ -859,61 +859,60 @@ int block_accel(
     const double t29 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t25 - S_2_22 * oo_22
         - S_2_23 * t26 - S_2_33 * oo_33 - t27 * c7dot_2_1 - t28 * c7dot_2_2;
     const double t30 = 2.0 * omega3;
-    const double t31 = 2.0 * oo_12;
-    const double t32 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t31 - S_1_22 * oo_22
+    const double t31 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    const double t32 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    const double t33 = 2.0 * oo_12;
+    const double t34 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t33 - S_1_22 * oo_22
         - S_1_23 * t26 - S_1_33 * oo_33 - t27 * c7dot_1_1 - t30 * c7dot_1_3;
-    const double t33 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t31 - S_8_22 * oo_22
+    const double t35 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t33 - S_8_22 * oo_22
         - S_8_23 * t26 - S_8_33 * oo_33 + t27 * t18 + t30 * t24;
-    const double t34 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t31 - S_4_13 * t25
+    const double t36 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t33 - S_4_13 * t25
         - S_4_22 * oo_22 - (S_4_23 * t26 + S_4_33 * oo_33 + t27 * c7dot_4_1 + t28 * c7dot_4_2
         + t30 * c7dot_4_3);
-    const double t35 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t31 - S_5_13 * t25
+    const double t37 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t33 - S_5_13 * t25
         - S_5_22 * oo_22 - (S_5_23 * t26 + S_5_33 * oo_33 - t27 * t16 + t28 * c7dot_5_2
         + t30 * c7dot_5_3);
-    const double t36 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t31 - S_6_13 * t25
+    const double t38 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t33 - S_6_13 * t25
         - S_6_22 * oo_22 - (S_6_23 * t26 + S_6_33 * oo_33 + t27 * c7dot_6_1 - t28 * t20
         - t30 * t22);
-    const double t37 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t31 - S_7_13 * t25
+    const double t39 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t33 - S_7_13 * t25
         - S_7_22 * oo_22 - (S_7_23 * t26 + S_7_33 * oo_33 - t27 * t17 - t28 * t21 - t30 * t23);
-    const double t38 = d3_2_1 * t29 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
-        + t27 * Sdot_11 + t28 * Sdot_12 + (t30 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
-        - J_22 * oo_23 - omega3 * d3dot_2) + t1 * t32) + d3_8_1 * t33 - t2 * t34 + d3_5_1 * t35
-        - t3 * t36 + d3_7_1 * t37;
-    const double t39 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t31 - S_3_13 * t25
+    const double t40 = d3_2_1 * t29 - (t27 * Sdot_11 + t28 * Sdot_12 + t30 * Sdot_13 + omega2 * t31
+        - omega3 * t32 + t1 * t34) + d3_8_1 * t35 - t2 * t36 + d3_5_1 * t37 - t3 * t38
+        + d3_7_1 * t39;
+    const double t41 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t33 - S_3_13 * t25
         - S_3_22 * oo_22 - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3;
-    const double t40 = d3_3_2 * t39 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
-        + t27 * Sdot_12 + t28 * Sdot_22 + (t30 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
-        - J_33 * oo_13 - omega1 * d3dot_3) + t4 * t29) - t5 * t34 - t6 * t35 + d3_6_2 * t36
-        + d3_7_2 * t37 - t8 * t38;
-    const double t41 = (d3_3_3 * t39 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
-        + t27 * Sdot_13 + t28 * Sdot_23 + (t30 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
-        - J_13 * oo_23 - omega2 * d3dot_1) + t9 * t32) + d3_8_3 * t33 - t10 * t34 - t11 * t35
-        + d3_6_3 * t36 + d3_7_3 * t37 - t13 * t38 - t15 * t40) / pivot_pi3;
-    const double t42 = t40 * inverse_pivot_pi2 - t15 * t41;
-    const double t43 = t38 * inverse_pivot_pi1 - t13 * t41 - t8 * t42;
-    vdot[3] = t43;
-    vdot[4] = t42;
-    vdot[5] = t41;
-    const double t44 = t9 * t41 - t32 + t1 * t43;
-    vdot[6] = t44;
-    const double t45 = t4 * t42 - t29 - d3_2_1 * t43;
-    vdot[7] = t45;
-    const double t46 = t39 + d3_3_3 * t41 + d3_3_2 * t42;
-    vdot[8] = -t46;
-    const double t47 = t10 * t41 - t34 + t5 * t42 + t2 * t43;
-    vdot[9] = t47;
-    const double t48 = t11 * t41 - t35 + t6 * t42 - d3_5_1 * t43;
-    vdot[10] = t48;
-    const double t49 = t3 * t43 - (t36 + d3_6_3 * t41 + d3_6_2 * t42);
-    vdot[11] = t49;
-    const double t50 = t37 + d3_7_3 * t41 + d3_7_2 * t42 + d3_7_1 * t43;
-    vdot[12] = -t50;
-    const double t51 = t33 + d3_8_3 * t41 + d3_8_1 * t43;
-    vdot[13] = -t51;
+    const double t42 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    const double t43 = d3_3_2 * t41 - (t27 * Sdot_12 + t28 * Sdot_22 + t30 * Sdot_23 + omega3 * t42
+        - omega1 * t31 + t4 * t29) - t5 * t36 - t6 * t37 + d3_6_2 * t38 + d3_7_2 * t39 - t8 * t40;
+    const double t44 = (d3_3_3 * t41 - (t27 * Sdot_13 + t28 * Sdot_23 + t30 * Sdot_33 + omega1 * t32
+        - omega2 * t42 + t9 * t34) + d3_8_3 * t35 - t10 * t36 - t11 * t37 + d3_6_3 * t38
+        + d3_7_3 * t39 - t13 * t40 - t15 * t43) / pivot_pi3;
+    const double t45 = t43 * inverse_pivot_pi2 - t15 * t44;
+    const double t46 = t40 * inverse_pivot_pi1 - t13 * t44 - t8 * t45;
+    vdot[3] = t46;
+    vdot[4] = t45;
+    vdot[5] = t44;
+    const double t47 = t9 * t44 - t34 + t1 * t46;
+    vdot[6] = t47;
+    const double t48 = t4 * t45 - t29 - d3_2_1 * t46;
+    vdot[7] = t48;
+    const double t49 = t41 + d3_3_3 * t44 + d3_3_2 * t45;
+    vdot[8] = -t49;
+    const double t50 = t10 * t44 - t36 + t5 * t45 + t2 * t46;
+    vdot[9] = t50;
+    const double t51 = t11 * t44 - t37 + t6 * t45 - d3_5_1 * t46;
+    vdot[10] = t51;
+    const double t52 = t3 * t46 - (t38 + d3_6_3 * t44 + d3_6_2 * t45);
+    vdot[11] = t52;
+    const double t53 = t39 + d3_7_3 * t44 + d3_7_2 * t45 + d3_7_1 * t46;
+    vdot[12] = -t53;
+    const double t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46;
+    vdot[13] = -t54;
 
     /* check: check that the result is finite */
-    if (!isfinite(t43 + t42 + (t41 + (t44 + t45)) + (t47 + t48 - t46 + (t49 - (t50
-        + t51))))) return 2; /* an acceleration is not finite */
+    if (!isfinite(t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53
+        + t54))))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -3690,36 +3689,33 @@ static void block_force_states(
         const double t10 = 2.0 * omega1;
         const double t11 = 2.0 * omega2;
         const double t12 = 2.0 * omega3;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11
-            + t11 * Sdot_12 + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2);
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12
-            + t11 * Sdot_22 + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3);
-        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13
-            + t11 * Sdot_23 + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1);
-        const double t13 = 2.0 * oo_12;
-        const double t14 = 2.0 * oo_23;
-        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t13 - S_1_22 * oo_22
-            - S_1_23 * t14 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
-        const double t15 = 2.0 * oo_13;
-        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t15 - S_2_22 * oo_22
-            - S_2_23 * t14 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
-        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t13 - S_3_13 * t15
+        const double t13 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        h[3 * all + b] = t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13 + omega2 * t13 - omega3 * t14;
+        const double t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        h[4 * all + b] = t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23 + omega3 * t15 - omega1 * t13;
+        h[5 * all + b] = t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33 + omega1 * t14 - omega2 * t15;
+        const double t16 = 2.0 * oo_12;
+        const double t17 = 2.0 * oo_23;
+        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t16 - S_1_22 * oo_22
+            - S_1_23 * t17 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
+        const double t18 = 2.0 * oo_13;
+        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t18 - S_2_22 * oo_22
+            - S_2_23 * t17 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
+        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t16 - S_3_13 * t18
             - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
-        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t13 - S_4_13 * t15
-            - S_4_22 * oo_22 - (S_4_23 * t14 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2
+        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t16 - S_4_13 * t18
+            - S_4_22 * oo_22 - (S_4_23 * t17 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2
             + t12 * c7dot_4_3);
-        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t13 - S_5_13 * t15
-            - S_5_22 * oo_22 - (S_5_23 * t14 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
+        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t16 - S_5_13 * t18
+            - S_5_22 * oo_22 - (S_5_23 * t17 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
             + t12 * c7dot_5_3);
-        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t13 - S_6_13 * t15
-            - S_6_22 * oo_22 - (S_6_23 * t14 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
-        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t13 - S_7_13 * t15
-            - S_7_22 * oo_22 - (S_7_23 * t14 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8);
-        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t13 - S_8_22 * oo_22
-            - S_8_23 * t14 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
+        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t16 - S_6_13 * t18
+            - S_6_22 * oo_22 - (S_6_23 * t17 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
+        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t16 - S_7_13 * t18
+            - S_7_22 * oo_22 - (S_7_23 * t17 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8);
+        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t16 - S_8_22 * oo_22
+            - S_8_23 * t17 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     }
 }
 
@@ -3987,9 +3983,9 @@ static void block_mass_force_states(
             + alpha5 * c7dot_5_2 - alpha6 * t12 - alpha7 * t10;
         const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
             + alpha5 * c7dot_5_3 - alpha6 * t13 - alpha7 * t11 - alpha8 * t6;
-        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t3 * Sdot_13
-            + t9 * Sdot_23 + (t5 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1);
+        const double t16 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        const double t17 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        h[5 * all + b] = t3 * Sdot_13 + t9 * Sdot_23 + t5 * Sdot_33 + omega1 * t16 - omega2 * t17;
         M[21 * all + b] = J_33;
         M[22 * all + b] = d3_1_3;
         M[23 * all + b] = d3_3_3;
@@ -3998,9 +3994,8 @@ static void block_mass_force_states(
         M[26 * all + b] = d3_6_3;
         M[27 * all + b] = d3_7_3;
         M[28 * all + b] = d3_8_3;
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t3 * Sdot_12
-            + t9 * Sdot_22 + (t5 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3);
+        const double t18 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        h[4 * all + b] = t3 * Sdot_12 + t9 * Sdot_22 + t5 * Sdot_23 + omega3 * t17 - omega1 * t18;
         M[13 * all + b] = J_22;
         M[14 * all + b] = J_23;
         M[15 * all + b] = d3_2_2;
@@ -4009,9 +4004,7 @@ static void block_mass_force_states(
         M[18 * all + b] = d3_5_2;
         M[19 * all + b] = d3_6_2;
         M[20 * all + b] = d3_7_2;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t3 * Sdot_11
-            + t9 * Sdot_12 + (t5 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2);
+        h[3 * all + b] = t3 * Sdot_11 + t9 * Sdot_12 + t5 * Sdot_13 + omega2 * t18 - omega3 * t16;
         M[3 * all + b] = J_11;
         M[4 * all + b] = J_12;
         M[5 * all + b] = J_13;
@@ -4296,59 +4289,58 @@ static int block_accel_states(
         const double t29 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t25 - S_2_22 * oo_22
             - S_2_23 * t26 - S_2_33 * oo_33 - t27 * c7dot_2_1 - t28 * c7dot_2_2;
         const double t30 = 2.0 * omega3;
-        const double t31 = 2.0 * oo_12;
-        const double t32 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t31 - S_1_22 * oo_22
+        const double t31 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        const double t32 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        const double t33 = 2.0 * oo_12;
+        const double t34 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t33 - S_1_22 * oo_22
             - S_1_23 * t26 - S_1_33 * oo_33 - t27 * c7dot_1_1 - t30 * c7dot_1_3;
-        const double t33 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t31 - S_8_22 * oo_22
+        const double t35 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t33 - S_8_22 * oo_22
             - S_8_23 * t26 - S_8_33 * oo_33 + t27 * t18 + t30 * t24;
-        const double t34 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t31 - S_4_13 * t25
+        const double t36 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t33 - S_4_13 * t25
             - S_4_22 * oo_22 - (S_4_23 * t26 + S_4_33 * oo_33 + t27 * c7dot_4_1 + t28 * c7dot_4_2
             + t30 * c7dot_4_3);
-        const double t35 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t31 - S_5_13 * t25
+        const double t37 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t33 - S_5_13 * t25
             - S_5_22 * oo_22 - (S_5_23 * t26 + S_5_33 * oo_33 - t27 * t16 + t28 * c7dot_5_2
             + t30 * c7dot_5_3);
-        const double t36 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t31 - S_6_13 * t25
+        const double t38 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t33 - S_6_13 * t25
             - S_6_22 * oo_22 - (S_6_23 * t26 + S_6_33 * oo_33 + t27 * c7dot_6_1 - t28 * t20
             - t30 * t22);
-        const double t37 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t31 - S_7_13 * t25
+        const double t39 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t33 - S_7_13 * t25
             - S_7_22 * oo_22 - (S_7_23 * t26 + S_7_33 * oo_33 - t27 * t17 - t28 * t21 - t30 * t23);
-        const double t38 = d3_2_1 * t29 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
-            + t27 * Sdot_11 + t28 * Sdot_12 + (t30 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
-            - J_22 * oo_23 - omega3 * d3dot_2) + t1 * t32) + d3_8_1 * t33 - t2 * t34 + d3_5_1 * t35
-            - t3 * t36 + d3_7_1 * t37;
-        const double t39 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t31 - S_3_13 * t25
+        const double t40 = d3_2_1 * t29 - (t27 * Sdot_11 + t28 * Sdot_12 + t30 * Sdot_13 + omega2 * t31
+            - omega3 * t32 + t1 * t34) + d3_8_1 * t35 - t2 * t36 + d3_5_1 * t37 - t3 * t38
+            + d3_7_1 * t39;
+        const double t41 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t33 - S_3_13 * t25
             - S_3_22 * oo_22 - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3;
-        const double t40 = d3_3_2 * t39 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
-            + t27 * Sdot_12 + t28 * Sdot_22 + (t30 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
-            - J_33 * oo_13 - omega1 * d3dot_3) + t4 * t29) - t5 * t34 - t6 * t35 + d3_6_2 * t36
-            + d3_7_2 * t37 - t8 * t38;
-        const double t41 = (d3_3_3 * t39 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
-            + t27 * Sdot_13 + t28 * Sdot_23 + (t30 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
-            - J_13 * oo_23 - omega2 * d3dot_1) + t9 * t32) + d3_8_3 * t33 - t10 * t34 - t11 * t35
-            + d3_6_3 * t36 + d3_7_3 * t37 - t13 * t38 - t15 * t40) / pivot_pi3;
-        const double t42 = t40 * inverse_pivot_pi2 - t15 * t41;
-        const double t43 = t38 * inverse_pivot_pi1 - t13 * t41 - t8 * t42;
-        vdot[3 * all + b] = t43;
-        vdot[4 * all + b] = t42;
-        vdot[5 * all + b] = t41;
-        const double t44 = t9 * t41 - t32 + t1 * t43;
-        vdot[6 * all + b] = t44;
-        const double t45 = t4 * t42 - t29 - d3_2_1 * t43;
-        vdot[7 * all + b] = t45;
-        const double t46 = t39 + d3_3_3 * t41 + d3_3_2 * t42;
-        vdot[8 * all + b] = -t46;
-        const double t47 = t10 * t41 - t34 + t5 * t42 + t2 * t43;
-        vdot[9 * all + b] = t47;
-        const double t48 = t11 * t41 - t35 + t6 * t42 - d3_5_1 * t43;
-        vdot[10 * all + b] = t48;
-        const double t49 = t3 * t43 - (t36 + d3_6_3 * t41 + d3_6_2 * t42);
-        vdot[11 * all + b] = t49;
-        const double t50 = t37 + d3_7_3 * t41 + d3_7_2 * t42 + d3_7_1 * t43;
-        vdot[12 * all + b] = -t50;
-        const double t51 = t33 + d3_8_3 * t41 + d3_8_1 * t43;
-        vdot[13 * all + b] = -t51;
+        const double t42 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        const double t43 = d3_3_2 * t41 - (t27 * Sdot_12 + t28 * Sdot_22 + t30 * Sdot_23 + omega3 * t42
+            - omega1 * t31 + t4 * t29) - t5 * t36 - t6 * t37 + d3_6_2 * t38 + d3_7_2 * t39 - t8 * t40;
+        const double t44 = (d3_3_3 * t41 - (t27 * Sdot_13 + t28 * Sdot_23 + t30 * Sdot_33 + omega1 * t32
+            - omega2 * t42 + t9 * t34) + d3_8_3 * t35 - t10 * t36 - t11 * t37 + d3_6_3 * t38
+            + d3_7_3 * t39 - t13 * t40 - t15 * t43) / pivot_pi3;
+        const double t45 = t43 * inverse_pivot_pi2 - t15 * t44;
+        const double t46 = t40 * inverse_pivot_pi1 - t13 * t44 - t8 * t45;
+        vdot[3 * all + b] = t46;
+        vdot[4 * all + b] = t45;
+        vdot[5 * all + b] = t44;
+        const double t47 = t9 * t44 - t34 + t1 * t46;
+        vdot[6 * all + b] = t47;
+        const double t48 = t4 * t45 - t29 - d3_2_1 * t46;
+        vdot[7 * all + b] = t48;
+        const double t49 = t41 + d3_3_3 * t44 + d3_3_2 * t45;
+        vdot[8 * all + b] = -t49;
+        const double t50 = t10 * t44 - t36 + t5 * t45 + t2 * t46;
+        vdot[9 * all + b] = t50;
+        const double t51 = t11 * t44 - t37 + t6 * t45 - d3_5_1 * t46;
+        vdot[10 * all + b] = t51;
+        const double t52 = t3 * t46 - (t38 + d3_6_3 * t44 + d3_6_2 * t45);
+        vdot[11 * all + b] = t52;
+        const double t53 = t39 + d3_7_3 * t44 + d3_7_2 * t45 + d3_7_1 * t46;
+        vdot[12 * all + b] = -t53;
+        const double t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46;
+        vdot[13 * all + b] = -t54;
         double code = 0.0;
-        const double finite = t43 + t42 + (t41 + (t44 + t45)) + (t47 + t48 - t46 + (t49 - (t50 + t51)));
+        const double finite = t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54)));
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
         code = pivot_pi3
             - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */

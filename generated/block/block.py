@@ -11,7 +11,7 @@ The floating frame has its origin at c and the rotation Q. r = X + u, the shape 
 and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
 markers are resolved in the inertial frame.
 c is where the centre of mass of the undeformed body lies in the floating frame.
-Kernels are unrolled, the faster form; predicted evaluation time of h: 49 ns unrolled, 57 ns looped.
+Kernels are unrolled, the faster form; predicted evaluation time of h: 48 ns unrolled, 57 ns looped.
 
 Generalised coordinates q:
   0  c1      [m]  translation of the floating frame along e1
@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "32c6a88a9edb44f2"
+HASH = "516daa5d7d1e6891"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -510,7 +510,7 @@ def force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
-    514 operations.
+    499 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -691,51 +691,45 @@ def force(t, q, v, k):
     t10 = 2 * omega1
     t11 = 2 * omega2
     t12 = 2 * omega3
-    h_3 = (
-        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-            + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2)
-    )
-    h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12 + t11 * Sdot_22
-            + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3)
-    )
-    h_5 = (
-        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-            + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
-    )
-    t13 = 2 * oo_12
-    t14 = 2 * oo_23
+    t13 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33
+    t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23
+    h_3 = t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13 + omega2 * t13 - omega3 * t14
+    t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13
+    h_4 = t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23 + omega3 * t15 - omega1 * t13
+    h_5 = t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33 + omega1 * t14 - omega2 * t15
+    t16 = 2 * oo_12
+    t17 = 2 * oo_23
     h_6 = (
-        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t13 - S_1_22 * oo_22 - S_1_23 * t14
+        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t16 - S_1_22 * oo_22 - S_1_23 * t17
             - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3
     )
-    t15 = 2 * oo_13
+    t18 = 2 * oo_13
     h_7 = (
-        298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t15 - S_2_22 * oo_22 - S_2_23 * t14
+        298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t18 - S_2_22 * oo_22 - S_2_23 * t17
             - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2
     )
     h_8 = (
-        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t13 - S_3_13 * t15 - S_3_22 * oo_22
+        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t16 - S_3_13 * t18 - S_3_22 * oo_22
             - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3
     )
     h_9 = (
-        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t13 - S_4_13 * t15 - S_4_22 * oo_22
-            - (S_4_23 * t14 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2 + t12 * c7dot_4_3)
+        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t16 - S_4_13 * t18 - S_4_22 * oo_22
+            - (S_4_23 * t17 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2 + t12 * c7dot_4_3)
     )
     h_10 = (
-        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t13 - S_5_13 * t15 - S_5_22 * oo_22
-            - (S_5_23 * t14 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2 + t12 * c7dot_5_3)
+        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t16 - S_5_13 * t18 - S_5_22 * oo_22
+            - (S_5_23 * t17 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2 + t12 * c7dot_5_3)
     )
     h_11 = (
-        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t13 - S_6_13 * t15 - S_6_22 * oo_22
-            - (S_6_23 * t14 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7)
+        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t16 - S_6_13 * t18 - S_6_22 * oo_22
+            - (S_6_23 * t17 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7)
     )
     h_12 = (
-        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t13 - S_7_13 * t15 - S_7_22 * oo_22
-            - (S_7_23 * t14 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8)
+        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t16 - S_7_13 * t18 - S_7_22 * oo_22
+            - (S_7_23 * t17 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8)
     )
     h_13 = (
-        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t13 - S_8_22 * oo_22 - S_8_23 * t14
+        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t16 - S_8_22 * oo_22 - S_8_23 * t17
             - S_8_33 * oo_33 + t10 * t3 + t12 * t9
     )
 
@@ -757,7 +751,7 @@ def mass_force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
-    538 operations.
+    523 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1016,10 +1010,9 @@ def mass_force(t, q, v, k):
     )
 
     # pi3 (15): force and column of M of pi3
-    h_5 = (
-        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t3 * Sdot_13 + t9 * Sdot_23
-            + (t5 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
-    )
+    t16 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23
+    t17 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13
+    h_5 = t3 * Sdot_13 + t9 * Sdot_23 + t5 * Sdot_33 + omega1 * t16 - omega2 * t17
     M_21 = J_33
     M_22 = d3_1_3
     M_23 = d3_3_3
@@ -1030,10 +1023,8 @@ def mass_force(t, q, v, k):
     M_28 = d3_8_3
 
     # pi2 (15): force and column of M of pi2
-    h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t3 * Sdot_12 + t9 * Sdot_22
-            + (t5 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3)
-    )
+    t18 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33
+    h_4 = t3 * Sdot_12 + t9 * Sdot_22 + t5 * Sdot_23 + omega3 * t17 - omega1 * t18
     M_13 = J_22
     M_14 = J_23
     M_15 = d3_2_2
@@ -1044,10 +1035,7 @@ def mass_force(t, q, v, k):
     M_20 = d3_7_2
 
     # pi1 (15): force and column of M of pi1
-    h_3 = (
-        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t3 * Sdot_11 + t9 * Sdot_12
-            + (t5 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2)
-    )
+    h_3 = t3 * Sdot_11 + t9 * Sdot_12 + t5 * Sdot_13 + omega2 * t18 - omega3 * t16
     M_3 = J_11
     M_4 = J_12
     M_5 = J_13
@@ -1091,7 +1079,7 @@ def accel(t, q, v, k):
         alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
 
     From appendix, LDL^T, (5).
-    737 operations.
+    722 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1331,77 +1319,75 @@ def accel(t, q, v, k):
             - S_2_33 * oo_33 - t27 * c7dot_2_1 - t28 * c7dot_2_2
     )
     t30 = 2 * omega3
-    t31 = 2 * oo_12
-    t32 = (
-        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t31 - S_1_22 * oo_22 - S_1_23 * t26
+    t31 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33
+    t32 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23
+    t33 = 2 * oo_12
+    t34 = (
+        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t33 - S_1_22 * oo_22 - S_1_23 * t26
             - S_1_33 * oo_33 - t27 * c7dot_1_1 - t30 * c7dot_1_3
     )
-    t33 = (
-        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t31 - S_8_22 * oo_22 - S_8_23 * t26
+    t35 = (
+        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t33 - S_8_22 * oo_22 - S_8_23 * t26
             - S_8_33 * oo_33 + t27 * t18 + t30 * t24
     )
-    t34 = (
-        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t31 - S_4_13 * t25 - S_4_22 * oo_22
+    t36 = (
+        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t33 - S_4_13 * t25 - S_4_22 * oo_22
             - (S_4_23 * t26 + S_4_33 * oo_33 + t27 * c7dot_4_1 + t28 * c7dot_4_2 + t30 * c7dot_4_3)
     )
-    t35 = (
-        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t31 - S_5_13 * t25 - S_5_22 * oo_22
+    t37 = (
+        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t33 - S_5_13 * t25 - S_5_22 * oo_22
             - (S_5_23 * t26 + S_5_33 * oo_33 - t27 * t16 + t28 * c7dot_5_2 + t30 * c7dot_5_3)
     )
-    t36 = (
-        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t31 - S_6_13 * t25 - S_6_22 * oo_22
+    t38 = (
+        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t33 - S_6_13 * t25 - S_6_22 * oo_22
             - (S_6_23 * t26 + S_6_33 * oo_33 + t27 * c7dot_6_1 - t28 * t20 - t30 * t22)
     )
-    t37 = (
-        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t31 - S_7_13 * t25 - S_7_22 * oo_22
+    t39 = (
+        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t33 - S_7_13 * t25 - S_7_22 * oo_22
             - (S_7_23 * t26 + S_7_33 * oo_33 - t27 * t17 - t28 * t21 - t30 * t23)
     )
-    t38 = (
-        d3_2_1 * t29 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t27 * Sdot_11
-            + t28 * Sdot_12 + (t30 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2) + t1 * t32) + d3_8_1 * t33 - t2 * t34 + d3_5_1 * t35 - t3 * t36
-            + d3_7_1 * t37
-    )
-    t39 = (
-        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t31 - S_3_13 * t25 - S_3_22 * oo_22
-            - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3
-    )
     t40 = (
-        d3_3_2 * t39 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t27 * Sdot_12
-            + t28 * Sdot_22 + (t30 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3) + t4 * t29) - t5 * t34 - t6 * t35 + d3_6_2 * t36 + d3_7_2 * t37
-            - t8 * t38
+        d3_2_1 * t29 - (t27 * Sdot_11 + t28 * Sdot_12 + t30 * Sdot_13 + omega2 * t31 - omega3 * t32
+            + t1 * t34) + d3_8_1 * t35 - t2 * t36 + d3_5_1 * t37 - t3 * t38 + d3_7_1 * t39
     )
     t41 = (
-        (d3_3_3 * t39 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t27 * Sdot_13
-            + t28 * Sdot_23 + (t30 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1) + t9 * t32) + d3_8_3 * t33 - t10 * t34 - t11 * t35 + d3_6_3 * t36
-            + d3_7_3 * t37 - t13 * t38 - t15 * t40) / pivot_pi3
+        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t33 - S_3_13 * t25 - S_3_22 * oo_22
+            - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3
     )
-    t42 = t40 * inverse_pivot_pi2 - t15 * t41
-    t43 = t38 * inverse_pivot_pi1 - t13 * t41 - t8 * t42
-    vdot_3 = t43
-    vdot_4 = t42
-    vdot_5 = t41
-    t44 = t9 * t41 - t32 + t1 * t43
-    vdot_6 = t44
-    t45 = t4 * t42 - t29 - d3_2_1 * t43
-    vdot_7 = t45
-    t46 = t39 + d3_3_3 * t41 + d3_3_2 * t42
-    vdot_8 = -t46
-    t47 = t10 * t41 - t34 + t5 * t42 + t2 * t43
-    vdot_9 = t47
-    t48 = t11 * t41 - t35 + t6 * t42 - d3_5_1 * t43
-    vdot_10 = t48
-    t49 = t3 * t43 - (t36 + d3_6_3 * t41 + d3_6_2 * t42)
-    vdot_11 = t49
-    t50 = t37 + d3_7_3 * t41 + d3_7_2 * t42 + d3_7_1 * t43
-    vdot_12 = -t50
-    t51 = t33 + d3_8_3 * t41 + d3_8_1 * t43
-    vdot_13 = -t51
+    t42 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13
+    t43 = (
+        d3_3_2 * t41 - (t27 * Sdot_12 + t28 * Sdot_22 + t30 * Sdot_23 + omega3 * t42 - omega1 * t31
+            + t4 * t29) - t5 * t36 - t6 * t37 + d3_6_2 * t38 + d3_7_2 * t39 - t8 * t40
+    )
+    t44 = (
+        (d3_3_3 * t41 - (t27 * Sdot_13 + t28 * Sdot_23 + t30 * Sdot_33 + omega1 * t32 - omega2 * t42
+            + t9 * t34) + d3_8_3 * t35 - t10 * t36 - t11 * t37 + d3_6_3 * t38 + d3_7_3 * t39
+            - t13 * t40 - t15 * t43) / pivot_pi3
+    )
+    t45 = t43 * inverse_pivot_pi2 - t15 * t44
+    t46 = t40 * inverse_pivot_pi1 - t13 * t44 - t8 * t45
+    vdot_3 = t46
+    vdot_4 = t45
+    vdot_5 = t44
+    t47 = t9 * t44 - t34 + t1 * t46
+    vdot_6 = t47
+    t48 = t4 * t45 - t29 - d3_2_1 * t46
+    vdot_7 = t48
+    t49 = t41 + d3_3_3 * t44 + d3_3_2 * t45
+    vdot_8 = -t49
+    t50 = t10 * t44 - t36 + t5 * t45 + t2 * t46
+    vdot_9 = t50
+    t51 = t11 * t44 - t37 + t6 * t45 - d3_5_1 * t46
+    vdot_10 = t51
+    t52 = t3 * t46 - (t38 + d3_6_3 * t44 + d3_6_2 * t45)
+    vdot_11 = t52
+    t53 = t39 + d3_7_3 * t44 + d3_7_2 * t45 + d3_7_1 * t46
+    vdot_12 = -t53
+    t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46
+    vdot_13 = -t54
 
     # check: check that the result is finite
-    valid_4 = xp.isfinite(t43 + t42 + (t41 + (t44 + t45)) + (t47 + t48 - t46 + (t49 - (t50 + t51))))
+    valid_4 = xp.isfinite(t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54))))
     _require(batch[0] or valid_4, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,

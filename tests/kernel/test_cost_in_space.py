@@ -25,9 +25,9 @@ start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 
 
 FLEXIBLE = {
     "mass": 47,
-    "force": 211,
-    "mass_force": 215,
-    "accel": 1526,
+    "force": 202,
+    "mass_force": 206,
+    "accel": 1517,
     "constraints": 115,
     "constraint_jacobian": 200,
     "constraint_bias": 291,

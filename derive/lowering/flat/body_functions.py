@@ -40,7 +40,7 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of M and h together."""
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
-    entries, forces = context.mass_pattern().entries, context.equations.force
+    entries, forces = context.mass_pattern().entries, context.force_rows
     steps = []
     # From the last row to the first: the last rows are cheap, and compilers keep their values in registers.
     for row in reversed(range(len(context.rows))):
@@ -218,5 +218,5 @@ def _mass_step(context: Context, symbols: Symbols) -> Step:
 
 def _force_step(context: Context, symbols: Symbols) -> Step:
     """The step that computes h."""
-    values = [symbols(h) for h in context.equations.force]
+    values = [symbols(h) for h in context.force_rows]
     return Step("h", "(15)", "centrifugal, Coriolis and elastic terms", stores("h", values))

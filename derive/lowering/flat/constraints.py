@@ -89,7 +89,7 @@ def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
 def accelerations_and_multipliers(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot and lambda."""
     symbols = context.symbols(context.t, context.q, context.v)
-    right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
+    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
     outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
     return by_factors(context, function, outputs, symbols, right)
 
@@ -97,7 +97,7 @@ def accelerations_and_multipliers(context: Context, function: ModelFunction) -> 
 def accelerations(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
     symbols = context.symbols(context.t, context.q, context.v)
-    right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
+    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
     return by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
 
 
