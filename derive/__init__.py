@@ -22,7 +22,8 @@ The public interface, by stages:
                     SpatialForce, SpatialTorque, SpatialJointForce, SpatialJointTorque,
                     SpatialSpring, SpatialInitialValues, SpatialJointInitialValues
                     all: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
-                    registries: JOINTS, BODIES, FORCES, OUTPUTS; CustomJoint, CustomBody, CustomForce
+                    registries: JOINTS, BODIES, FORCES, OUTPUTS; CustomJoint, CustomBody, CustomForce; in space
+                    SPATIAL_JOINTS, SPATIAL_SPRINGS, SPATIAL_OUTPUTS
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
                     Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model

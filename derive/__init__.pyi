@@ -21,6 +21,9 @@ from derive.mechanics.multibody.forces.registry import FORCES as FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS as JOINTS
 from derive.mechanics.multibody.mechanism import Mechanism as Mechanism
 from derive.mechanics.multibody.outputs.registry import OUTPUTS as OUTPUTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS as SPATIAL_JOINTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS as SPATIAL_OUTPUTS
+from derive.mechanics.multibody.space.springs import SPATIAL_SPRINGS as SPATIAL_SPRINGS
 from derive.pipeline import model_files as model_files
 from derive.registry import UnknownNameError as UnknownNameError
 from derive.roles import Role as Role

@@ -6,6 +6,10 @@ specification may choose; bodies, forces and outputs likewise with BodyType and 
 A joint names the rows that it removes, or has RelativeRows of its own: functions of the displacement and the rotation
 of its second marker relative to the first, as SymPy expressions, whose time derivatives follow. Forces are formulated
 with the RelativeMotion between markers, outputs with the SceneMechanics of all bodies.
+
+In space a joint is a SpatialJointType, a spring a SpatialSpringType with a function that gives its MarkerLoads, and an
+output a SpatialOutputType with one that gives its SpatialComponents from the SpatialParts of the scene; the registries
+are `derive.SPATIAL_JOINTS`, `derive.SPATIAL_SPRINGS` and `derive.SPATIAL_OUTPUTS`.
 """
 
 from __future__ import annotations
@@ -27,6 +31,11 @@ from derive.mechanics.multibody.joints.relative_rows import (
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad
+from derive.mechanics.multibody.space.frame_motion import FrameMotion
+from derive.mechanics.multibody.space.joints import Freedom, SpatialJointType
+from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
+from derive.mechanics.multibody.space.springs import SpatialSpringType
 from derive.mechanics.quantity import value as quantity_expression
 from derive.spec.model.keys import Key, KeyType
 
@@ -36,6 +45,7 @@ __all__ = [
     "ALONG_E2",
     "NORMAL_TO_AXIS",
     "ROTATION",
+    "ActionLoads",
     "Axes",
     "BodyType",
     "Component",
@@ -45,10 +55,13 @@ __all__ = [
     "CrossSection",
     "Drawing",
     "ForceType",
+    "FrameMotion",
+    "Freedom",
     "GeneralisedForce",
     "JointType",
     "Key",
     "KeyType",
+    "MarkerLoad",
     "OutputComponent",
     "OutputComponents",
     "OutputType",
@@ -56,6 +69,11 @@ __all__ = [
     "RelativeMotion",
     "RelativeRow",
     "SceneMechanics",
+    "SpatialComponent",
+    "SpatialJointType",
+    "SpatialOutputType",
+    "SpatialParts",
+    "SpatialSpringType",
     "define",
     "force_terms",
     "marker_constants",

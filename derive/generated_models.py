@@ -21,6 +21,9 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
+from derive.mechanics.multibody.space.springs import SPATIAL_SPRINGS
 from derive.rendering import templates_folder
 from derive.spec.model.specification import AnyScene, Specification
 from derive.version import VERSION
@@ -41,6 +44,9 @@ TRUSTED = (
 """The modules whose classes a kept model consists of; no others are loaded."""
 
 PACKAGES = ("sympy", "casadi", "numpy", "scipy", "jinja2")
+
+OPEN = (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, SPATIAL_JOINTS, SPATIAL_SPRINGS, SPATIAL_OUTPUTS, BACKENDS)
+"""The registries whose members from outside the package change models."""
 
 Generated = tuple[Model, tuple[File, ...]]
 
@@ -66,7 +72,7 @@ def generated_explicit(scene: AnyScene) -> Generated:
 
 def _kept(kind: str, spec: Specification, made: Callable[[], Generated]) -> Generated:
     """The result of `made`, from the cache if it is there; otherwise it is kept there for `kind` and `spec`."""
-    if any(registry.extended for registry in (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, BACKENDS)):
+    if any(registry.extended for registry in OPEN):
         return made()
     name = kept.key(kind, fingerprint(spec), package_hash(), *_versions())
     data = kept.read(name)

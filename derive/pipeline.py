@@ -117,9 +117,11 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
 
 def _foreseen(spec: Specification) -> Specification:
     """The specification whose model is tried first: of some scenes redundant joints are certain."""
-    from derive.simulation.redundant_joints import foreseen
+    if not isinstance(spec, (Scene, SpatialScene)):
+        return spec
+    from derive.simulation.redundant_joints import foreseen  # with SciPy, which bodies alone do not need
 
-    return foreseen(spec) if isinstance(spec, (Scene, SpatialScene)) else spec
+    return foreseen(spec)
 
 
 def _started(scene: AnyScene, model: Model, needed: bool = False, resolved: bool = False) -> tuple[Model, str]:

@@ -15,6 +15,8 @@ import pytest
 
 # Matrices are small here, and threads of workers that share a processor wait for each other. NumPy reads this once.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# SymPy reads this once as well: of the results that it keeps, the thousand of its default are lost between two tests.
+os.environ.setdefault("SYMPY_CACHE_SIZE", "200000")
 
 ROOT = Path(__file__).parent.parent
 QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
@@ -29,20 +31,38 @@ CACHE = None if "PYTEST_XDIST_WORKER" in os.environ else tempfile.TemporaryDirec
 COMPILER = """#!/bin/sh
 case "$*" in
 *-Wall*) exec cc "$@" ;;
-*TISSERAND_WITHOUT_*) exec {quick} "$@" -O0 ;;
-*-O0*) exec {quick} "$@" ;;
+*TISSERAND_WITHOUT_*|*-O0*|*"{defaults} -shared "*) ;;
+*) exec cc "$@" ;;
 esac
-exec cc "$@"
+sources=0
+for argument; do
+    case "$argument" in
+    *.c) sources=$((sources + 1)) ;;
+    -l?*) [ "$argument" = -lm ] || sources=2 ;;
+    esac
+    [ "$before" = -o ] && target=$argument
+    before=$argument
+done
+case "$sources $*" in
+"1 "*" -shared "*)
+    {quick} "$@" -O0 -c -o "$target.o" || exit
+    ld -shared -Bsymbolic -o "$target" "$target.o" -lm -lc && exec rm "$target.o" ;;
+esac
+exec {quick} "$@" -O0
 """
-"""Does not optimise what simulations run, for QUICK's reason; whoever loads a model chooses the flags.
+"""Does not optimise what simulations run, nor what is loaded without a word on flags, for QUICK's reason.
 
-clang takes half the time of gcc for that. Those who ask for warnings get the compiler that they expect.
+clang takes half the time of gcc for that, and calls of the linker itself spare the start of another compiler. Those who
+ask for warnings get the compiler that they expect, and so do those who choose flags, if only the same level once more.
 """
 if CACHE:  # that of the user is neither read nor written, nor by programs that tests run; workers share it
     os.environ["XDG_CACHE_HOME"] = CACHE.name
     if shutil.which("cc"):
+        from derive.runtime.compiler import FLAGS
+
         script = Path(CACHE.name) / "cc"
-        script.write_text(COMPILER.format(quick="clang" if shutil.which("clang") else "cc"))
+        quick = "clang -Qunused-arguments" if shutil.which("clang") else "cc"
+        script.write_text(COMPILER.format(quick=quick, defaults=" ".join(FLAGS)))
         script.chmod(0o700)
         os.environ.setdefault("CC", str(script))
 

@@ -3,8 +3,9 @@
 A comment before a block says what it is: `<!-- file: NAME -->` saves it, `<!-- fails -->` marks a command that must
 fail, `<!-- output -->` is what the block before it prints.
 
-The blocks of the README run in processes of their own, and so does the first command of any other kind. On other pages
-commands of those kinds, and Python, run in the process of the tests, which spares them the start of an interpreter.
+The first command of each kind runs in a process of its own, and so do `make` and the Python of the README; `make run`
+builds and compares. Other commands of these kinds, also on other pages, and the Python there run in the process of the
+tests, which spares them the start of an interpreter.
 """
 
 from __future__ import annotations
@@ -117,6 +118,9 @@ def run_python(text: str, tree: Path, here: bool) -> Result:
     )
 
 
+RUN = {"build", "compare"}
+"""The kinds of commands that `make run` runs in processes of their own."""
+
 REPORTING = re.compile(r"tisserand (study accuracy|choose)")
 """Commands that report their progress on standard error where that is no terminal."""
 
@@ -126,7 +130,9 @@ def run_page(page: Path, tree: Path) -> dict[Block, str]:
     outputs: dict[Block, str] = {}
     last = ""
     here = page != README
-    known = {of for block in blocks(README, "sh") for line in block.commands() if (of := kind(line))} if here else set()
+    known = (
+        {of for block in blocks(README, "sh") for line in block.commands() if (of := kind(line))} if here else {*RUN}
+    )
     for block in blocks(page):
         if block.comment.startswith("file: "):
             (tree / block.comment.removeprefix("file: ")).write_text(block.text)
@@ -138,7 +144,7 @@ def run_page(page: Path, tree: Path) -> dict[Block, str]:
             outputs[block] = last = done.out
         elif block.language == "sh":
             for command in block.commands():
-                done = run_command(command, tree, known) if here else run(command, tree)
+                done = run_command(command, tree, known)
                 assert (done.code != 0) == (block.comment == "fails"), f"{command}\n{done.out}{done.err}"
                 assert done.err or block.comment != "fails"
                 assert block.comment == "fails" or REPORTING.search(command) or not done.err, done.err

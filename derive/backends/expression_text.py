@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import groupby
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 from derive.backends.wrapping import BreakableText, join
 from derive.ir.expressions import (
@@ -74,7 +74,8 @@ class Dialect:
         binding = PRODUCT if value < 0 else ATOM
         if value.denominator == 1 and abs(value.numerator) < 2**53:
             return _Text(BreakableText((f"{value.numerator}{self.suffix}",)), binding, value < 0)
-        if Fraction(float(value)) == value or max(abs(value.numerator), value.denominator) >= 2**53:
+        exact = float(value).as_integer_ratio() == value.as_integer_ratio()
+        if exact or max(abs(value.numerator), value.denominator) >= 2**53:
             return _Text(BreakableText((repr(float(value)),)), binding, value < 0)
         quotient = f"({value.numerator}{self.suffix} / {value.denominator}{self.suffix})"
         return _Text(BreakableText((quotient,)), binding, False)
@@ -91,8 +92,7 @@ PYTHON = Dialect(
 )
 
 
-@dataclass(frozen=True)
-class _Text:
+class _Text(NamedTuple):
     """Code of an expression, how strongly it binds, and whether it begins with a minus sign."""
 
     code: BreakableText

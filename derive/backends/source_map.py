@@ -40,11 +40,12 @@ class SourceLine:
 
     def indented(self) -> SourceLine:
         """The line, one step further to the right; an empty line stays empty."""
-        return replace(self, text=f"    {self.text}") if self.text else self
+        text = f"    {self.text}" if self.text else ""
+        return SourceLine(text, self.stores, self.defines, self.section, self.statement, self.terms)
 
     def of(self, section: int, statement: int) -> SourceLine:
         """The line as a part of a statement."""
-        return replace(self, section=section, statement=statement)
+        return SourceLine(self.text, self.stores, self.defines, section, statement, self.terms)
 
 
 def plain(*texts: str) -> list[SourceLine]:

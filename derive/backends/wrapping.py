@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 WIDTH = 100
 """Characters of a line of a generated file."""
@@ -60,17 +61,13 @@ def _harmless(line: Prose) -> Prose:
     return Item(text) if isinstance(line, Item) else text
 
 
-@dataclass(frozen=True)
-class BreakableText:
-    """A text that may be broken into lines before each of its pieces but the first."""
+class BreakableText(NamedTuple):
+    """A text that may be broken into lines before each of its pieces but the first; made for each part of a formula."""
 
     pieces: tuple[str, ...]
 
     def __str__(self) -> str:
         return "".join(self.pieces)
-
-    def __len__(self) -> int:
-        return sum(map(len, self.pieces))
 
 
 PLUS = BreakableText(("", " + "))
@@ -81,9 +78,11 @@ def join(*parts: str | BreakableText) -> BreakableText:
     """Texts one after the other; they can be broken where their parts can."""
     pieces = [""]
     for part in parts:
-        first, *rest = part.pieces if isinstance(part, BreakableText) else (part,)
-        pieces[-1] += first
-        pieces += rest
+        if isinstance(part, str):
+            pieces[-1] += part
+        else:
+            pieces[-1] += part.pieces[0]
+            pieces += part.pieces[1:]
     return BreakableText(tuple(pieces))
 
 

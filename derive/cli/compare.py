@@ -88,7 +88,7 @@ def _evaluate(native: Native) -> dict[str, object]:
     pattern = native.mass_pattern
     matrix: list[list[float | None]] = [[None] * pattern.cols for _ in range(pattern.rows)]
     for (i, j), value in zip(pattern.entries, values, strict=True):
-        matrix[i][j] = matrix[j][i] = float(value)
+        matrix[i][j] = matrix[j][i] = float(value) + 0.0  # no -0
     return {
         "name": native.name,
         "coordinates": list(native.coordinates),
@@ -96,7 +96,7 @@ def _evaluate(native: Native) -> dict[str, object]:
         "q": q.tolist(),
         "v": v.tolist(),
         "mass": matrix,
-        "force": h.tolist(),
+        "force": (h + 0.0).tolist(),
     }
 
 

@@ -65,6 +65,7 @@ TITLES = {
     "ParameterTable": "Parameter",
     "SignedTable": "Signed parameter",
     "NotNegativeTable": "Non-negative parameter",
+    "NonzeroTable": "Parameter that is not zero",
 }
 """Headings of the definitions that several keys refer to, or that share a key with another definition."""
 

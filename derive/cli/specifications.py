@@ -11,9 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
-from derive.simulation.observables.default_plots import output_columns
-from derive.simulation.simulate import with_simulation
-from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
@@ -44,12 +41,16 @@ def _scene(spec: Specification, path: Path) -> Scene:
     if not isinstance(spec, Scene):
         text = "a scene is needed, and this is a single body"
         raise SpecError((Problem("", _in_space(spec, path) if isinstance(spec, SpatialScene) else text),), str(path))
+    from derive.simulation.simulate import with_simulation  # commands that simulate nothing do not need it, and SciPy
+
     with _file(path):
         return with_simulation(spec)
 
 
 def _in_space(spec: SpatialScene, path: Path) -> str:
     """The message that a scene in space has no planar models to compare, with the commands that compare its runs."""
+    from derive.simulation.observables.default_plots import output_columns
+
     flexible = [body.name for body in spec.bodies if isinstance(body, FlexibleBody)]
     column = "final:COLUMN" if not spec.outputs else f"final:{output_columns(spec.outputs[0], True)[0]}"
     commands = [f"tisserand simulate {path} --integrator rk4", f"tisserand modes {path}"]
@@ -100,6 +101,9 @@ def simulation_of(
 
     What is not given stays as it is. Raises SpecError if the specification cannot be simulated.
     """
+    from derive.simulation.simulate import with_simulation
+    from derive.simulation.simulated_scene import simulated
+
     with _file(path):
         return with_simulation(simulated(spec), duration, output, tolerance, until)
 

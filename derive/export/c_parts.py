@@ -54,6 +54,7 @@ def sample_values(model: HostModel) -> dict[str, object]:
         "inputs": list(zip(model.inputs, model.constant_inputs, strict=True)),
         "parameters": model.parameters,
         "multipliers": model.multipliers,
+        "proximal": model.model.proximal,
         "event": len(model.velocities) - 1,
         "times": motion.times,
         "times_text": c_numbers(motion.times.tolist()),

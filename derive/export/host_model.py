@@ -62,7 +62,7 @@ class HostModel:
     @property
     def is_scene(self) -> bool:
         """Whether the C has the functions of a scene, which a body alone does not have."""
-        return bool(self.model.bodies)
+        return self.model.is_scene
 
     @property
     def states(self) -> tuple[HostVariable, ...]:

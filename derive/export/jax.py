@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, model_text, pattern_texts
-from derive.backends.python.module import Failure, spline_functions
+from derive.backends.python.constants import spline_functions
+from derive.backends.python.module import Failure
 from derive.backends.wrapping import prefixed
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from derive.backends.python.module import Failure, constant_array, python_function
+from derive.backends.python.constants import constant_array
+from derive.backends.python.module import Failure, python_function
 from derive.errors import Problem, SpecError
 from derive.ir.model import Model
 

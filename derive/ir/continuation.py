@@ -48,9 +48,15 @@ def _one_for_each(first: Statement, second: Statement) -> Statement | None:
 
 
 def continued_loops(nodes: Iterable[Node]) -> Iterator[Node]:
-    """Plain statements with one ordered loop in place of neighbouring ones that continue each other."""
+    """Plain statements with one ordered loop in place of neighbouring ones that continue each other.
+
+    The order of bodies does not matter; they get that in which their loops come.
+    """
     kept: list[Node] = []
-    for item in nodes:
+    for node in nodes:
+        item = node
+        if isinstance(node, For) and node.overlaps:
+            item = replace(node, kind=LoopKind.ORDERED, overlaps=False)
         joined = _one_loop(kept[-1], item) if kept else None
         if joined is None:
             kept.append(item)
@@ -66,7 +72,7 @@ def _one_loop(first: Node, second: Node) -> Node | None:
     if replace(first, start=second.start, stop=second.stop, step=second.step, body=second.body) != second:
         return None
     runs = tuple(_run(loop.start, loop.stop, loop.step) for loop in (first, second))
-    if any(len(run) > 1 and abs(run.step) != 1 for run in runs) or first.overlaps:
+    if any(len(run) > 1 and abs(run.step) != 1 for run in runs):
         return None
     joined = _joined(first.variable, runs, first.body, second.body)
     if joined is None:

@@ -171,11 +171,17 @@ def walk(expr: Expr) -> list[Expr]:
     return parts
 
 
+_WITH_PARTS = (Operation, TableValue)
+
+
 def _add_parts(expr: Expr, parts: list[Expr]) -> None:
     """Add to one list: generators in generators would pass on each part once for each operation around it."""
     if isinstance(expr, Operation):
         for arg in expr.args:
-            _add_parts(arg, parts)
+            if isinstance(arg, _WITH_PARTS):
+                _add_parts(arg, parts)
+            else:
+                parts.append(arg)
     elif isinstance(expr, TableValue):
         _add_parts(expr.argument, parts)
     parts.append(expr)

@@ -203,7 +203,8 @@ class _Forms:
         form, expr, operations = self._parts(statement.expr)
         if isinstance(statement, Let):
             self.known[statement.name] = form
-        return replace(statement, expr=self._whole(form, expr, operations))
+        whole = self._whole(form, expr, operations)
+        return statement if whole is statement.expr else replace(statement, expr=whole)
 
     def _parts(self, expr: Expr) -> tuple[_Form | None, Expr, int]:
         """The form of an expression, the expression with the forms in it replaced if it is none, its operations."""
@@ -219,7 +220,9 @@ class _Forms:
                 form = _combined(kind, forms) if len(forms) == len(parts) else None
                 if form is not None:
                     return form, expr, operations
-                return None, Operation(kind, tuple(self._whole(*part) for part in parts)), operations
+                whole = [self._whole(*part) for part in parts]
+                same = all(now is before for now, before in zip(whole, args, strict=True))
+                return None, expr if same else Operation(kind, tuple(whole)), operations
             case _:
                 return None, expr, 0
 

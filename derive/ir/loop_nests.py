@@ -209,11 +209,16 @@ def inner(node: Node) -> tuple[Node, ...]:
             assert_never(node)
 
 
+_WITH_BODIES = (For, PartOf, If)
+"""A tuple, since a union is made anew at each test."""
+
+
 def every(nodes: Iterable[Node]) -> Iterator[Node]:
     """All plain statements, also those in bodies, in order."""
     for node in nodes:
         yield node
-        yield from every(inner(node))
+        if isinstance(node, _WITH_BODIES):
+            yield from every(inner(node))
 
 
 IndexChange = Callable[[ElementIndex], ElementIndex]

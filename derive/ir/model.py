@@ -179,6 +179,11 @@ class Model:
         return tuple(values)
 
     @property
+    def is_scene(self) -> bool:
+        """Whether the model has the functions of a scene: `solve`, those of constraints, `poses` and `outputs`."""
+        return bool(self.bodies)
+
+    @property
     def explicit(self) -> bool:
         """Whether the kernels are left out that explicit integration does not call."""
         return all(kernel.name != JACOBIAN for kernel in self.kernels)

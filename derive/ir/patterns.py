@@ -6,11 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 from enum import Enum
 from itertools import accumulate
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 
 class RowSetKind(Enum):
@@ -100,6 +102,8 @@ class Pattern:
         All structural non-zeros are stored, also those whose value is 0. Raises ValueError as `dense`, and if `values`
         is not one vector.
         """
+        from scipy.sparse import csc_array  # generating code does not need it, whose import takes a tenth of a second
+
         numbers = self._checked(values)
         if numbers.ndim != 1:
             raise ValueError(f"a sparse matrix takes one vector of values, not an array of shape {numbers.shape}")

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from derive.enumerations import enumeration
 
@@ -57,6 +56,8 @@ def _independent_rows(G: Matrix, rank: int) -> list[int]:
             basis = np.vstack([basis, rest / size])
     if len(chosen) == rank:
         return chosen
+    from scipy.linalg import qr  # only where constraints depend on each other; its import takes a tenth of a second
+
     _, _, order = qr(G.T, mode="economic", pivoting=True)
     return sorted(int(i) for i in order[:rank])
 

@@ -18,7 +18,6 @@ from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from derive.mechanics.bodies.beam import beam_body
 from derive.mechanics.body import Body
@@ -53,9 +52,7 @@ def spin_limits(beam: PlanarBeam) -> SpinLimits:
 
     The limits are those of its bending, without attached masses.
     """
-    one = Fraction(1)
-    unit = replace(beam, mass=one, length=one, bending_stiffness=one, order=DisplacementOrder.FIRST_ORDER)
-    body = beam_body(replace(unit, markers=(), gravity=None, damping=None, masses=(), axial=None))
+    body = _straight_beam(beam)
     K, c8, c2, c6 = (_values(body, family) for family in (Family.STIFFNESS, Family.C8, Family.C2, Family.C6))
     rotary = _values(body, Family.C3).item()
     softened = c8 - np.outer(c2, c2)
@@ -64,17 +61,24 @@ def spin_limits(beam: PlanarBeam) -> SpinLimits:
     return SpinLimits(spins, _lowest(K, moved))
 
 
+def _straight_beam(beam: PlanarBeam) -> Body:
+    """The bending of a beam of unit mass, length and bending stiffness, of first order."""
+    one = Fraction(1)
+    unit = replace(beam, mass=one, length=one, bending_stiffness=one, order=DisplacementOrder.FIRST_ORDER)
+    return beam_body(replace(unit, markers=(), gravity=None, damping=None, masses=(), axial=None))
+
+
 def spin_notes(spec: Specification) -> tuple[str, ...]:
     """A line on each beam of first order whose frame and whose number of shapes lower the spin that it bears."""
     return tuple(note for beam, pieces in beams(spec) if (note := _note(beam, pieces)))
 
 
 def _note(beam: PlanarBeam, pieces: int) -> str:
-    if beam.order is not DisplacementOrder.FIRST_ORDER:
+    if beam.order is not DisplacementOrder.FIRST_ORDER or (count := _straight_beam(beam).modes) <= FEW:
         return ""
     limits = spin_limits(beam)
-    count, least = len(limits.spins), limits.spins[-1]
-    if count <= FEW or least > NOTICEABLE * limits.natural_frequency:
+    least = limits.spins[-1]
+    if least > NOTICEABLE * limits.natural_frequency:
         return ""
     each = f"each of the {pieces} beams of {beam.name}" if pieces > 1 else beam.name
     return (
@@ -99,4 +103,6 @@ def _values(body: Body, family: Family) -> Matrix:
 
 def _lowest(stiffness: Matrix, mass: Matrix) -> float:
     """The square root of the lowest eigenvalue of a stiffness and a mass matrix."""
+    from scipy.linalg import eigh  # beams of few shapes do not need it, whose import takes a tenth of a second
+
     return float(1 / np.sqrt(eigh(mass, stiffness, eigvals_only=True)[-1]))

@@ -22,7 +22,7 @@ from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS, PASSING, RESOLVING
 from derive.simulation.integration.solution import Progress, Solution
-from derive.simulation.observables.default_plots import default_plots, plots_note
+from derive.simulation.observables.default_plots import default_plots, output_columns, plots_note
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import foreseen, with_redundant_joints
@@ -38,6 +38,7 @@ from derive.spec.checks.plotted_columns import missing_columns
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene_functions import breaks
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.condition import Row
 from derive.spec.parsing.faults import names_text, path_text
@@ -80,7 +81,10 @@ class PreparedRun:
         self._generate(foreseen(self.scene))
         columns = column_units(self.scene, self.model)
         self.units = dict(columns)
-        problems = [*_repeated(name for name, _ in columns), *plots_of_nothing(spec.plots, tuple(self.units))]
+        problems = [
+            *_repeated(self.scene, [name for name, _ in columns]),
+            *plots_of_nothing(spec.plots, tuple(self.units)),
+        ]
         self._until, wrong = stop_condition(spec.simulation, tuple(self.units))
         if problems or wrong:
             raise SpecError((*problems, *wrong))
@@ -194,11 +198,14 @@ class PreparedRun:
         return Trajectory(self.scene, self.model, initial, motion, solution, self.settings, monitors, self.body)
 
 
-def _repeated(names: Iterable[str]) -> Iterator[Problem]:
+def _repeated(scene: AnyScene, names: Iterable[str]) -> Iterator[Problem]:
+    in_space = isinstance(scene, SpatialScene)
+    paths = {name: f"outputs.{of.name}" for of in scene.outputs for name in output_columns(of, in_space)}
     seen = set[str]()
     for name in names:
         if name in seen:
-            yield Problem("", f"two columns are called {quoted(name)}; choose other names of outputs, inputs or drives")
+            text = f"two columns are called {quoted(name)}; choose other names of outputs, inputs or drives"
+            yield Problem(paths.get(name, ""), text)
         seen.add(name)
 
 

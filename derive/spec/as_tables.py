@@ -6,7 +6,7 @@ The keys of a frozen type are those that it declares; the types whose tables are
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any, assert_never
 
 from derive.errors import Problem, SpecError, quoted
@@ -180,7 +180,7 @@ def _custom_force(force: CustomForce) -> Data:
 
 
 _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
-    Parameter: asdict,
+    Parameter: lambda of: without_none(symbol=of.symbol, unit=of.unit or None, default=of.default),
     TimeFunction: lambda function: {"input": function.name} if function.kind == "input" else function,
     NodeData: lambda data: data,
     Marker: lambda marker: as_table(marker.at),

@@ -7,8 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from derive.simulation.linear.displaced import displaced, drawn_scene, mode_lines
-from derive.simulation.linear.displaced_bodies import bodies_displacements, displaced_paths
-from derive.simulation.linear.displaced_body import body_displacements, displaced_body
+from derive.simulation.linear.displaced_bodies import (
+    bodies_displacements,
+    body_displacements,
+    displaced_body,
+    displaced_paths,
+)
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import Array, body_coordinates

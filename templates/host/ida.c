@@ -26,10 +26,15 @@
 #  define TISSERAND_COMM NULL
 #endif
 
+/* The least compliance of a constraint, relative to that if each coordinate moved it by 1 m or 1 rad. */
+static const double LEAST = 1.0 / 1024.0;
+
 /* The user data that IDA passes to the functions below. */
 typedef struct {
     const tisserand_dae *form;
     const double *k;
+    int state;       /* nq + nv: the elements of y before the multipliers */
+    double proximal; /* the term of the diagonal of multipliers, relative to their compliance; 0: none */
     sunindextype *colptr;
     sunindextype *rowidx;
 } problem;
@@ -52,17 +57,55 @@ static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector F, void *
     return own->form->residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), own->k, N_VGetArrayPointer(F));
 }
 
+/* An entry of the iteration matrix; NULL if it is a structural zero. */
+static double *entry(const problem *own, double *matrix, sunindextype row, sunindextype column)
+{
+    for (sunindextype i = own->colptr[column]; i < own->colptr[column + 1]; i++) {
+        if (own->rowidx[i] == row) {
+            return matrix + i;
+        }
+    }
+    return NULL;
+}
+
+/* Add the proximal term to the diagonal of the multipliers in the iteration matrix [A, B; C, 0]: a part of the compliance
+   C A^-1 B of the constraint, estimated by the diagonal of A. A correction of Newton's method is off by this part of
+   itself, which the next one mends; corrections of redundant joints that balance each other are finite. */
+static void add_proximal(const problem *own, double *matrix)
+{
+    const sunindextype state = own->state;
+
+    for (sunindextype j = state; j < own->form->size; j++) {
+        double compliance = 0.0, full = 0.0, size;
+        for (sunindextype i = own->colptr[j]; i < own->colptr[j + 1] && own->rowidx[i] < state; i++) {
+            const double *across = entry(own, matrix, j, own->rowidx[i]);
+            if (across != NULL) {
+                const double inverse = 1.0 / *entry(own, matrix, own->rowidx[i], own->rowidx[i]);
+                compliance += matrix[i] * *across * inverse;
+                full += fabs(inverse);
+            }
+        }
+        size = full > 0.0 ? fmax(fabs(compliance), LEAST * full) : 1.0;
+        *entry(own, matrix, j, j) -= own->proximal * (compliance < 0.0 ? -size : size);
+    }
+}
+
 static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector ydot, N_Vector F, SUNMatrix J, void *data,
                     N_Vector t1, N_Vector t2, N_Vector t3)
 {
     const problem *own = (const problem *) data;
     const tisserand_pattern *pattern = own->form->pattern;
+    double *matrix = SUNSparseMatrix_Data(J);
+    int code;
     (void) F, (void) t1, (void) t2, (void) t3;
     /* IDA clears the pattern together with the values. */
     memcpy(SUNSparseMatrix_IndexPointers(J), own->colptr, (size_t) (pattern->cols + 1) * sizeof(sunindextype));
     memcpy(SUNSparseMatrix_IndexValues(J), own->rowidx, (size_t) pattern->nnz * sizeof(sunindextype));
-    return own->form->jacobian(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj, own->k,
-                               SUNSparseMatrix_Data(J));
+    code = own->form->jacobian(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj, own->k, matrix);
+    if (code == 0 && own->proximal > 0.0) {
+        add_proximal(own, matrix);
+    }
+    return code;
 }
 
 /* The form of that name; a body without joints has a single form, which is part of the model. */
@@ -242,8 +285,11 @@ int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *opt
     memset(&own, 0, sizeof own);
     own.given.form = &form;
     own.given.k = k;
+    own.given.state = model->nq + model->nv;
+    own.given.proximal = options->proximal;
     if (nrows < 1 || !(interval > 0.0 && interval < HUGE_VAL && fabs(t0) < HUGE_VAL) || !(options->start >= 0.0) ||
-        !(options->rtol >= 0.0) || !(options->atol >= 0.0) || !(options->step_max >= 0.0)) {
+        !(options->rtol >= 0.0) || !(options->atol >= 0.0) || !(options->step_max >= 0.0) ||
+        !(options->proximal >= 0.0)) {
         return TISSERAND_ARGUMENT;
     }
     code = find_form(model, options->form, &form);

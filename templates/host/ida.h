@@ -32,6 +32,9 @@ typedef struct {
     double start;     /* the initial q and v are projected onto |g|, |gdot| <= start; 0: they are not projected */
     double step_max;  /* the longest step; 0: no limit */
     long steps_max;   /* the largest number of steps between two rows; 0: no limit */
+    double proximal;  /* for redundant joints, 1e-9: the part of each multiplier's compliance that the iteration matrix
+                         has on its diagonal, whose effect Newton's method removes; then multipliers of redundant joints
+                         are some that give the motion. Singular positions stop IDA. 0: joints are not redundant */
 } tisserand_ida_options;
 
 typedef struct {

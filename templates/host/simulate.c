@@ -213,7 +213,7 @@ static int run_ida(const tisserand_model *model, const char *form, double interv
                    const double *k, double *q, double *v, double *rows)
 {
     tisserand_ida_counts counts = {0, 0, 0, 0, 0, 0, 0};
-    tisserand_ida_options options = {0, 0.0, 0.0, 0, 0, 0.0, 0.0, 0};
+    tisserand_ida_options options = {0, 0.0, 0.0, 0, 0, 0.0, 0.0, 0, 0.0};
     int code;
 
     options.form = strcmp(form, "ode") == 0 ? NULL : form;

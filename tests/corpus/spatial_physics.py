@@ -21,7 +21,7 @@ from derive.spec.model.scene import STEADY
 
 sys.path.append(str(Path(__file__).parents[1] / "space"))
 from decimal_vectors import array, floats, number, precise
-from mass_points import NodalFields
+from nodal_points import NodalFields
 from space_oracle import SpaceOracle
 from written_scene import tables
 
@@ -45,7 +45,7 @@ def physics_in_space(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     run = PreparedRun(spec, complete=False)
     motion = run.trajectory().motion
     native = motion.native
-    oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, fields=fields(spec))
+    oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, folder=path.parent, fields=fields(spec))
     for i in np.unique(np.linspace(0, len(motion.t) - 1, ROWS).astype(int)):
         t, q, v = float(motion.t[i]), motion.q[i], motion.v[i]
         yield from _equations(oracle, native, motion.k, t, q, v)

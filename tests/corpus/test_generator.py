@@ -70,6 +70,7 @@ def used(count: int = CORPUS) -> Counter[str]:
     return result
 
 
+@pytest.mark.long
 def test_the_corpus_uses_every_key_word_and_form() -> None:
     every = all_features(schema_of(specification_table()))
     assert {*used()} <= every

@@ -34,15 +34,21 @@ void blocks(int n, const double *x, double *s, double *c)
 """
 
 
+OPTIMISED = (*FLAGS, "-O2")
+"""The flags that `derive.load` takes by default, which the compiler of the tests optimises if a level is added."""
+
+
 @cache
-def library(flags: tuple[str, ...] = FLAGS) -> ctypes.CDLL:
+def library(flags: tuple[str, ...] = OPTIMISED) -> ctypes.CDLL:
     with TemporaryDirectory() as folder:
         source = Path(folder) / "sine.c"
         source.write_text(FUNCTIONS % (render("c/states.c.jinja", {}), render("c/sine.c.jinja", {})))
         return ctypes.CDLL(str(compile_shared([source], Path(folder) / "sine.so", flags)))
 
 
-def sines(x: np.ndarray, function: str = "singles", flags: tuple[str, ...] = FLAGS) -> tuple[np.ndarray, np.ndarray]:
+def sines(
+    x: np.ndarray, function: str = "singles", flags: tuple[str, ...] = OPTIMISED
+) -> tuple[np.ndarray, np.ndarray]:
     x = np.ascontiguousarray(x, dtype=float)
     s, c = np.empty_like(x), np.empty_like(x)
     getattr(library(flags), function)(len(x), *(ctypes.c_void_p(a.ctypes.data) for a in (x, s, c)))

@@ -33,6 +33,9 @@ longer.
 The first one, which is small, is compiled at every level, and to an object as C++.
 """
 
+WARNED = (*OPTIMISED, "given_2_flat", "rigid_loops", "crank_slider_3", "folded_point")
+"""The models for which gcc looks for values that may be missing, which it does where it optimises: kinds of bodies."""
+
 
 @pytest.fixture(scope="module", params=EVERY_MODEL)
 def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Compiled:
@@ -41,7 +44,8 @@ def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     folder = tmp_path_factory.mktemp(request.param)
     (source,) = written(made.files, folder)
     gcc, cpp = tool("gcc"), tool("g++")
-    ways = {"O1": [gcc, *C99, "-O1"]}
+    level = "O1" if request.param in WARNED else "O0"
+    ways = {level: [gcc, *C99, f"-{level}"]}
     if request.param in OPTIMISED:
         ways["O3"] = [gcc, *C99, "-O3"]
     if request.param == IN_ALL_WAYS:

@@ -42,9 +42,15 @@ def built(spec: Any, folder: Path) -> Path:
     return configured(folder / f"{spec.name}-sundials", folder / "build", flags)
 
 
-@pytest.mark.parametrize("name", SPECS)
+def redundant() -> Any:
+    """A pendulum whose joint is there twice, so that IDA needs a proximal term."""
+    twin = '[joints.twin]\nkind = "revolute"\nbetween = ["ground.pivot", "rod.root"]\n'
+    return parse(PUSHED.replace('"pushed"', '"redundant"') + twin)
+
+
+@pytest.mark.parametrize("name", [*SPECS, "redundant"])
 def test_all_programs_have_the_motion_of_a_simulation(name: str, tmp_path: Path) -> None:
-    said = ctest(built(SPECS[name](), tmp_path))
+    said = ctest(built((SPECS | {"redundant": redundant})[name](), tmp_path))
     for method in ("CVODE", "CVODES", "ARKODE", "IDA"):
         assert re.search(rf"{name}, {method}: [1-9]\d* steps; largest difference", said)
 

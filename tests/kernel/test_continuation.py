@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from derive.ir.batches import batch
 from derive.ir.continuation import continued_loops, continued_statements
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
+from derive.ir.loop_nests import For
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
 from kernel.test_instance_lanes import looped
 
@@ -112,3 +114,10 @@ def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
     for name in ("mass", "force", "mass_force", "momentum", "rates", "poses"):
         loops = [s for s in model.kernel(name).statements if isinstance(s, ForEach)]
         assert [(each.start.offset, each.stop.offset) for each in loops] == [(0, 10)], name
+
+
+def test_first_and_last_body_of_a_batch_have_one_text() -> None:
+    """The bodies between them are computed in the steps of the elimination."""
+    nodes = batch(looped("chain_10").kernel("accel")).nodes
+    counts = [node.count for node in nodes if isinstance(node, For) and node.variable == "instance"]
+    assert counts == [2, 1]  # before the elimination, and behind it for the joint on the ground

@@ -82,7 +82,9 @@ def test_two_columns_of_one_name() -> None:
     scene = parse(BEAM + '[outputs.u_push]\nkind = "distance"\nbetween = ["ground.hook", "rod.tip"]\n')
     assert isinstance(scene, Scene)
     PreparedRun(scene)
-    with pytest.raises(derive.SpecError, match='two columns are called "u_push"; choose other names'):
+    with pytest.raises(
+        derive.SpecError, match=r'^outputs\.u_push: two columns are called "u_push"; choose other names'
+    ):
         PreparedRun(scene, inputs={"push": lambda t: 0.0})
 
 

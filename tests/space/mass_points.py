@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from decimal_vectors import ONE, ZERO, Array, array, cholesky, cross, identity, number, rotation_vector_of_set, zeros
+from decimal_vectors import ONE, Array, cholesky, identity, zeros
 from written_scene import Numbers, Table, rotation
 
 
@@ -104,101 +103,3 @@ def rigid_marker(of: Any, value: Numbers) -> MarkerFrame:
     """A marker of a rigid body or of the ground: a position, or a table with a position and a rotation."""
     position, turned = (of["at"], of.get("rotation")) if isinstance(of, Mapping) else (of, None)
     return MarkerFrame(value.vector(position), rotation(turned), zeros(0, 3), zeros(0, 3))
-
-
-@dataclass(frozen=True, eq=False)
-class NodalFields:
-    """Nodes X (P, 3), their mass matrix (P, P), modes (N, P, 3) and modal stiffness (N, N), as numbers."""
-
-    x: Array
-    mass: Array
-    phi: Array
-    stiffness: Array
-    psi: Array | None = None
-
-
-def nodal_fields(file: Path) -> NodalFields:
-    """The fields of a file whose modes are used as they are."""
-    data = np.load(file)
-    count = len(data["positions"])
-    mass = np.diag(data["mass"]) if "mass" in data else np.zeros((count, count))
-    if "mass_row" in data:
-        mass[data["mass_row"], data["mass_col"]] = data["mass_value"]
-    psi = None
-    if "K0F" in data:  # of all nodes, in their order
-        psi = array(-np.moveaxis(data["K0F"], (2, 3), (0, 1)))
-    return NodalFields(array(data["positions"]), array(mass), array(data["modes"]), array(data["modal_stiffness"]), psi)
-
-
-def nodal_body(name: str, table: Table, value: Numbers, fields: NodalFields) -> PointBody:
-    """A flexible body of a scene, with its nodes in the floating frame."""
-    markers = {marker: nodal_marker(of, fields) for marker, of in table.get("markers", {}).items()}
-    return PointBody(
-        name,
-        fields.mass,
-        fields.x,
-        fields.phi,
-        fields.stiffness,
-        damping_matrix(table, value, fields),
-        markers,
-        fields.psi,
-    )
-
-
-def nodal_marker(of: Any, fields: NodalFields) -> MarkerFrame:
-    """A marker at a node, or on the weighted mean motion of a set of nodes."""
-    table = of if isinstance(of, Mapping) else {"node": of}
-    turned = rotation(table.get("rotation"))
-    if "node" in table:
-        node = int(table["node"])
-        return MarkerFrame(
-            fields.x[node], turned, fields.phi[:, node], None, None if fields.psi is None else fields.psi[:, :, node]
-        )
-    nodes = [int(node) for node in table["nodes"]]
-    weights = array(table.get("weights", [1] * len(nodes)))
-    weights = weights / sum(weights)
-    x = fields.x[nodes]
-    centre = weights @ x
-    shapes = np.array([weights @ phi[nodes] for phi in fields.phi], dtype=object).reshape(-1, 3)
-    turns = [rotation_vector_of_set(weights, x - centre, phi[nodes]) for phi in fields.phi]
-    second = None if fields.psi is None else np.einsum("a,ijak->ijk", weights, fields.psi[:, :, nodes])
-    return MarkerFrame(centre, turned, shapes, np.array(turns, dtype=object).reshape(-1, 3), second)
-
-
-def damping_matrix(table: Table, value: Numbers, fields: NodalFields) -> Array:
-    """B of B alphadot: proportional to stiffness, and to the mass of the modes without their rigid motion."""
-    n = len(fields.phi)
-    of = table.get("damping", {})
-    result = value(of.get("stiffness", 0)) * fields.stiffness if n else zeros(0, 0)
-    mass_factor, ratio = value(of.get("mass", 0)), value(of.get("ratio", 0))
-    if not n or not (mass_factor or ratio):
-        return result
-    c8 = deforming_mass(fields)
-    result = result + mass_factor * c8
-    if ratio:  # a fraction of critical damping of each mode: here the modes have to be uncoupled
-        off = [abs(m[i, j]) for m in (c8, fields.stiffness) for i in range(n) for j in range(n) if i != j]
-        assert max([*off, ZERO]) < Decimal("1e-9"), "modes are coupled"
-        for i in range(n):
-            result[i, i] += 2 * ratio * (c8[i, i] * fields.stiffness[i, i]).sqrt()
-    return result
-
-
-def deforming_mass(fields: NodalFields) -> Array:
-    """int rho Phi_i . Phi_j of the modes without their rigid motion."""
-    axes = identity(3)
-    rigid = [np.tile(axis, (len(fields.x), 1)) for axis in axes]
-    rigid += [np.array([cross(axis, x) for x in fields.x], dtype=object) for axis in axes]
-
-    def product(a: Array, b: Array) -> Decimal:
-        return number(sum((a * (fields.mass @ b)).ravel()))
-
-    basis: list[Array] = []
-    for field in rigid:
-        rest = field
-        for known in basis:
-            rest = rest - product(known, rest) * known
-        size = product(rest, rest)
-        if size > Decimal("1e-30") * product(field, field):
-            basis.append(rest / size.sqrt())
-    elastic = [phi - sum((product(known, phi) * known for known in basis), ZERO * phi) for phi in fields.phi]
-    return np.array([[product(a, b) for b in elastic] for a in elastic], dtype=object)

@@ -132,7 +132,7 @@ def rotation_rows(R: Array, gone: Sequence[str]) -> dict[str, Decimal]:
 
 def driven_row(table: Table, d: Array, R: Array, motion: Decimal) -> Decimal:
     """g of a drive: the displacement less the prescribed one, or the sine of the angle less the prescribed one."""
-    if table["kind"] == "revolute":
+    if coupled(table) == "rz":
         return R[1, 0] * elementary(mpmath.cos, motion) - R[0, 0] * elementary(mpmath.sin, motion)
     return d[2] - motion
 

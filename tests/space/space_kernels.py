@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from decimal_vectors import Array, floats
+from decimal_vectors import STEP, Array, floats, number, precise
 from space_oracle import Mechanics, SpaceOracle, apart
+from written_functions import sampled
 from written_scene import tables
 
 import derive
@@ -25,6 +27,14 @@ from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 
 LIMIT = 1e-12
 """The largest difference, relative to the sum of the magnitudes of what a number is the sum of."""
+QUICK_SEEDS, COMPLETE_SEED = (25, 71), 105
+LONG_SEEDS, FURTHER_SEEDS = range(10), range(10, 100)
+RANDOM_SEEDS = (*QUICK_SEEDS, COMPLETE_SEED, *LONG_SEEDS, *FURTHER_SEEDS)
+"""The seeds of the random scenes that tests compare."""
+RATES = ("", "dot", "ddot")
+"""The ends of the names of inputs and their derivatives."""
+VARIED = 0.02
+"""The part of its default by which a parameter differs from it."""
 CONDITION = 1e9
 """The largest condition of constraints whose multipliers are compared."""
 
@@ -36,6 +46,18 @@ class SpaceModel:
     native: NativeScene
     python: dict[str, Any] | None
     oracle: SpaceOracle
+    p: Array
+
+    def constants(self, t: float) -> Array:
+        """k with the values of the inputs at a time, of those that prescribe motions with their derivatives."""
+        k, names = self.native.setup(self.p), self.native.inputs
+        if not names:
+            return k
+        functions = self.oracle.value.functions
+        with precise():
+            of = {name: floats(sampled(functions, name, number(t), STEP)) for name in functions.inputs}
+        values = {f"{name}{end}": x for name, u in of.items() for end, x in zip(RATES, u, strict=True)}
+        return self.native.with_inputs(k, [values[name] for name in names])
 
 
 def space_model(path: Path, complete: bool = True) -> SpaceModel:
@@ -43,8 +65,10 @@ def space_model(path: Path, complete: bool = True) -> SpaceModel:
     spec = derive.read(path)
     files = generated(spec)[1] if complete else explicit_files(lower(equations(spec), explicit=True), spec)
     native = load_scene(files, QUICK)
-    oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, folder=path.parent)
-    return SpaceModel(native, run_module(files) if complete else None, oracle)
+    p = native.defaults * (1 + VARIED * np.random.default_rng(1).uniform(-1, 1, len(native.defaults)))
+    given = dict(zip(native.parameters, p.tolist(), strict=True))
+    oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, folder=path.parent, p=given)
+    return SpaceModel(native, run_module(files) if complete else None, oracle, p)
 
 
 def random_state(native: NativeScene, seed: int) -> tuple[float, Array, Array]:
@@ -63,7 +87,7 @@ def random_state(native: NativeScene, seed: int) -> tuple[float, Array, Array]:
 
 def differences(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tuple[str, float]]:
     """Yield what differs, with its relative size, of each function of a scene."""
-    native, oracle, k = model.native, model.oracle, model.native.setup()
+    native, oracle, k = model.native, model.oracle, model.constants(t)
     seen = oracle.see(t, q, v)
     yield "mass", apart(mass_matrix(native, q, k), seen.M, seen.mass_sizes)
     yield "force", apart(native.force(t, q, v, k), seen.h, seen.force_sizes)
@@ -79,17 +103,22 @@ def differences(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tup
     yield from _solution(model, seen, rows, t, q, v)
     yield from _motion(model, seen, t, q, v)
     if model.python is not None:
-        yield from _by_python(native, model.python, t, q, v)
+        yield from _by_python(native, model.python, t, q, v, k)
 
 
 def _solution(
     model: SpaceModel, seen: Mechanics, rows: list[int], t: float, q: Array, v: Array
 ) -> Iterator[tuple[str, float]]:
     """Accelerations and multipliers, if they are well determined."""
-    native, k = model.native, model.native.setup()
+    native, k = model.native, model.constants(t)
     M, G = floats(seen.M), floats(seen.G)
     matrix = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
-    if len(matrix) == 0 or np.linalg.cond(matrix) > CONDITION:
+    if len(matrix) == 0:
+        return
+    if model.oracle.scene.get("scene", {}).get("redundant") == "resolve":
+        yield from _residuals(model, seen, rows, t, q, v)
+        return
+    if np.linalg.cond(matrix) > CONDITION:
         return
     vdot, lam = (floats(x) for x in seen.accelerations())
     found, multipliers = native.solve(t, q, v, k)
@@ -98,9 +127,26 @@ def _solution(
     yield "solve", apart(np.concatenate([found, multipliers]), np.concatenate([vdot, lam[rows]]), size)
 
 
+def _residuals(
+    model: SpaceModel, seen: Mechanics, rows: list[int], t: float, q: Array, v: Array
+) -> Iterator[tuple[str, float]]:
+    """The equations of motion and of constraints, of which some are there twice, with the results of the code.
+
+    Nothing is compared where joints contradict each other in a random state.
+    """
+    M, h, G, gamma = floats(seen.M), floats(seen.h), floats(seen.G[rows]), floats(seen.gamma[rows])
+    if np.linalg.matrix_rank(np.column_stack([G, gamma]), 1e-9) > np.linalg.matrix_rank(G, 1e-9):
+        return
+    vdot, lam = model.native.solve(t, q, v, model.constants(t))
+    size = np.abs(M) @ np.abs(vdot) + floats(seen.force_sizes) + np.abs(G).T @ np.abs(lam)
+    yield "residual of motion", float(np.abs(M @ vdot + h - G.T @ lam).max(initial=0) / size.max(initial=1))
+    size = np.abs(G) @ np.abs(vdot) + np.abs(gamma)
+    yield "residual of constraints", float(np.abs(G @ vdot - gamma).max(initial=0) / size.max(initial=1))
+
+
 def _motion(model: SpaceModel, seen: Mechanics, t: float, q: Array, v: Array) -> Iterator[tuple[str, float]]:
     """Energies, momenta, markers."""
-    native, k = model.native, model.native.setup()
+    native, k = model.native, model.constants(t)
     if not model.oracle.drives:  # bodies that are carried are not counted
         kinetic, strain, gravity = (float(x) for x in seen.energy.values())
         energy = native.energy(q, v, k)
@@ -119,22 +165,27 @@ def _motion(model: SpaceModel, seen: Mechanics, t: float, q: Array, v: Array) ->
 
 
 def _by_python(
-    native: NativeScene, python: dict[str, Any], t: float, q: Array, v: Array
+    native: NativeScene, python: dict[str, Any], t: float, q: Array, v: Array, k: Array
 ) -> Iterator[tuple[str, float]]:
     """The generated Python against the compiled C."""
-    k = native.setup()
 
     def apart_of(found: Array, expected: Array) -> float:
         size = max(1.0, float(np.abs(expected).max(initial=0)))
         return float(np.abs(np.broadcast_to(found, expected.shape) - expected).max(initial=0)) / size
 
-    yield "Python: mass", apart_of(python["mass"](q, k), native.mass(q, k))
-    yield "Python: force", apart_of(python["force"](t, q, v, k), native.force(t, q, v, k))
+    u = k[native.nk - len(native.inputs) :]
+    given = {"t": t, "q": q, "v": v, "u": u, "k": k[: native.nk - len(u)]}
+
+    def called(name: str) -> Array:
+        return python[name](*(given[of] for of in signature(python[name]).parameters))
+
+    yield "Python: mass", apart_of(called("mass"), native.mass(q, k))
+    yield "Python: force", apart_of(called("force"), native.force(t, q, v, k))
     if native.nlambda:
-        yield "Python: g", apart_of(python["constraints"](t, q, k), native.constraints(t, q, k))
-        yield "Python: G", apart_of(python["constraint_jacobian"](t, q, k), native.constraint_jacobian(t, q, k))
-        bias = native.constraint_bias(t, q, v, k)
-        yield "Python: gamma", apart_of(python["constraint_bias"](t, q, v, k), bias)
+        yield "Python: g", apart_of(called("constraints"), native.constraints(t, q, k))
+        yield "Python: G", apart_of(called("constraint_jacobian"), native.constraint_jacobian(t, q, k))
+        yield "Python: gdot", apart_of(called("constraint_rates"), native.constraint_rates(t, q, v, k))
+        yield "Python: gamma", apart_of(called("constraint_bias"), native.constraint_bias(t, q, v, k))
 
 
 def disagreements(model: SpaceModel, seed: int, limit: float = LIMIT) -> list[str]:

@@ -15,19 +15,18 @@ from pathlib import Path
 import numpy as np
 from decimal_vectors import (
     ONE,
-    ZERO,
     Array,
     about,
     array,
     identity,
-    length,
     of_quaternion,
+    precise,
     zeros,
 )
-from mass_points import MarkerFrame, NodalFields, PointBody, nodal_body, nodal_fields, rigid_body, rigid_marker
+from mass_points import MarkerFrame, PointBody, rigid_body, rigid_marker
+from nodal_points import NodalFields, nodal_body, nodal_fields
 from relative_motion import (
     WHOLE_TURN,
-    axial,
     coupled,
     driven_row,
     free_motions,
@@ -35,7 +34,6 @@ from relative_motion import (
     joint_rows,
     relative,
     relative_angle,
-    removed,
     without_turns,
 )
 from written_scene import Numbers, Table
@@ -112,11 +110,23 @@ class SpaceKinematics:
         fields: Mapping[str, NodalFields] | None = None,
         p: Mapping[str, float] | None = None,
     ) -> None:
-        self.scene, self.columns, self.value = scene, Columns(coordinates), Numbers(scene, p)
+        self.scene, self.columns = scene, Columns(coordinates)
+        with precise():
+            self._read(scene, folder, fields or {}, p)
+        self.joints: dict[str, Table] = dict(scene.get("joints", {}))
+        self.drives = {table["joint"]: {**table, "name": name} for name, table in scene.get("drives", {}).items()}
+        self.springs: dict[str, Table] = dict(scene.get("springs", {}))
+        self.held = self._held_bodies(multipliers)
+
+    def _read(
+        self, scene: Table, folder: Path, fields: Mapping[str, NodalFields], p: Mapping[str, float] | None
+    ) -> None:
+        """The numbers of the scene and of its files."""
+        self.value = Numbers(scene, p, folder)
         self.bodies: dict[str, PointBody] = {}
         for name, table in scene.get("bodies", {}).items():
             if "nodes" in table:
-                of = (fields or {}).get(name) or nodal_fields(folder / table["nodes"])
+                of = fields.get(name) or nodal_fields(folder / table["nodes"], table)
                 self.bodies[name] = nodal_body(name, table, self.value, of)
             else:
                 self.bodies[name] = rigid_body(name, table, self.value)
@@ -126,10 +136,6 @@ class SpaceKinematics:
             name: self.value.vector(table.get("centre", (0, 0, 0))) for name, table in scene.get("bodies", {}).items()
         }
         self.gravity = self.value.vector(scene.get("scene", {}).get("gravity", (0, 0, 0)))
-        self.joints: dict[str, Table] = dict(scene.get("joints", {}))
-        self.drives = {table["joint"]: {**table, "name": name} for name, table in scene.get("drives", {}).items()}
-        self.springs: dict[str, Table] = dict(scene.get("springs", {}))
-        self.held = self._held_bodies(multipliers)
 
     def _held_bodies(self, multipliers: Sequence[str]) -> list[tuple[str, str]]:
         """Bodies without coordinates of their own, each with the joint that places it, in an order that can be used."""
@@ -218,7 +224,10 @@ class SpaceKinematics:
         drive = self.drives[joint]
         if "motion" in drive:
             return self.value.at(drive["motion"], t)
-        return self.value(drive["speed"]) * t + self.value(drive.get("offset", 0))
+        speed, offset = drive["speed"], self.value(drive.get("offset", 0))
+        if isinstance(speed, str):
+            return self.value.functions.integral(speed, t) + offset
+        return self.value(speed) * t + offset
 
     def frame(self, reference: str, state: SpaceState, poses: Mapping[str, Pose]) -> tuple[Array, Array]:
         """The inertial position and the axes of a marker.
@@ -281,81 +290,3 @@ class SpaceKinematics:
         sections = ("forces", "torques")
         every = [(section, table) for section in sections for table in self.scene.get(section, {}).values()]
         return [(section, table) for section, table in every if "joint" in table]
-
-    def spring_rotation(
-        self, table: Table, t: Decimal, state: SpaceState, poses: Mapping[str, Pose], R: Array
-    ) -> Decimal:
-        """The rotation of a spring, with all turns between the markers of a joint whose body counts them."""
-        for name, joint in self.joints.items():
-            if (
-                {*joint["between"]} == {*table["between"]}
-                and {"rx", "ry"} <= {*removed(joint)}
-                and "rz" not in removed(joint)
-            ):
-                sign = 1 if joint["between"] == table["between"] else -1
-                if any(placing == name for _, placing in self.held):
-                    return sign * self.coupled_motion(name, t, state, poses)[0]
-                if name in self.drives and coupled(joint) == "rz":
-                    (_, A1), (_, A2) = (self.frame(end, state, poses) for end in joint["between"])
-                    less = self.motion(name, t) - relative_angle(A1.T @ A2)
-                    return relative_angle(R) + sign * (less - without_turns(less, ONE))
-                if joint["kind"] == "screw":
-                    (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in joint["between"])
-                    turn = self.value(joint["pitch"]) / WHOLE_TURN
-                    d = (A1.T @ (x2 - x1))[2]
-                    less = d - turn * relative_angle(A1.T @ A2)
-                    return relative_angle(R) + sign * (less - without_turns(less, turn)) / turn
-        return relative_angle(R)
-
-    def spring_motions(self, t: Decimal, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
-        """Lengths, rotations, and relative displacements along which springs act, in the order of `elements`."""
-        result: list[Decimal] = []
-        for table in self.springs.values():
-            (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
-            R = A1.T @ A2
-            match table.get("kind", "linear"):
-                case "linear":
-                    result.append(length(x2 - x1))
-                case "rotational":
-                    result.append(self.spring_rotation(table, t, state, poses, R))
-                case "bushing":
-                    result += [*(A1.T @ (x2 - x1)), *axial(R)]
-        return result
-
-    def elements(self) -> list[tuple[Decimal, Decimal, Decimal]]:
-        """Stiffness, damping constant and rest of each spring; six of a bushing, which is at rest at zero.
-
-        They are zero for the matrices of a bushing, which are in `couplings`.
-        """
-        result = []
-        for table in self.springs.values():
-            if table.get("kind") == "bushing":
-                numbers = (self.value.vector(_diagonal(table.get(key, [0] * 6))) for key in ("stiffness", "damping"))
-                result += [(k, c, ZERO) for k, c in zip(*numbers, strict=True)]
-            else:
-                names = ("stiffness", "damping", "rest")
-                result.append(tuple(self.value(table.get(name, 0)) for name in names))
-        return result
-
-    def couplings(self) -> list[tuple[int, Array, Array]]:
-        """The matrices of stiffness and damping of bushings, with the place of their motions among those of springs."""
-        result, place = [], 0
-        for table in self.springs.values():
-            if table.get("kind") == "bushing":
-                matrices = [self.value.vector([x for row in _rows(table.get(key)) for x in row]) for key in _KEYS]
-                result.append((place, *(matrix.reshape(6, 6) for matrix in matrices)))
-            place += 6 if table.get("kind") == "bushing" else 1
-        return result
-
-
-_KEYS = ("stiffness", "damping")
-
-
-def _diagonal(value: Sequence[object]) -> Sequence[object]:
-    """Six numbers as they are; of a matrix zeros, as its entries are counted elsewhere."""
-    return [0] * 6 if isinstance(value[0], list) else value
-
-
-def _rows(value: object) -> list[list[object]]:
-    """The rows of a matrix; zeros of six numbers, which are counted elsewhere."""
-    return value if isinstance(value, list) and isinstance(value[0], list) else [[0] * 6] * 6

@@ -12,7 +12,10 @@ from decimal import Decimal
 
 import numpy as np
 from decimal_vectors import STEP, ZERO, Array, array, cross, floats, number, precise, solved, stacked, zeros
-from space_kinematics import Pose, SpaceKinematics, SpaceState
+from mass_points import PointBody
+from second_order_inertia import BodyInertia, truncated_inertia
+from space_kinematics import Pose, SpaceState
+from spring_motions import SpringKinematics
 
 TWICE = 2 * STEP
 
@@ -47,13 +50,13 @@ class Mechanics:
         return result[:n], result[n:]
 
 
-class SpaceOracle(SpaceKinematics):
+class SpaceOracle(SpringKinematics):
     """A scene whose equations are evaluated in states."""
 
     def see(self, t: float, q: Array, v: Array) -> Mechanics:
         """Everything in one state."""
         with precise():
-            return self._see(number(t), self.columns.state(q), array(v))
+            return self.see_state(number(t), self.columns.state(q), array(v))
 
     def _functions(self, t: Decimal, state: SpaceState) -> tuple[Array, ...]:
         """Points, constraints, frames of forces (12 numbers each), motions of springs, positions of markers."""
@@ -68,11 +71,22 @@ class SpaceOracle(SpaceKinematics):
             np.concatenate([self.frame(m, state, poses)[0] for m in self.all_markers()] or [zeros(0)]),
         )
 
+    def velocities(self, t: float, q: Array, v: Array) -> list[tuple[PointBody, Array]]:
+        """The bodies with the velocities (P, 3) of their points."""
+        with precise():
+            state, rates, at = self.columns.state(q), array(v), number(t)
+            ends = []
+            for s in (STEP, -STEP):
+                moved = self.columns.moved(state, rates, s)
+                ends.append(self.points(moved, self.poses(at + s, moved)))
+            return [(body, (a - b) / TWICE) for body, a, b in zip(self.bodies.values(), *ends, strict=True)]
+
     def all_markers(self) -> list[str]:
         """References of the markers of all bodies."""
         return [f"{body.name}.{name}" for body in self.bodies.values() for name in body.markers]
 
-    def _see(self, t: Decimal, state: SpaceState, v: Array) -> Mechanics:
+    def see_state(self, t: Decimal, state: SpaceState, v: Array) -> Mechanics:
+        """Everything in a state of decimal numbers, under `precise()`."""
         columns, n = self.columns, self.columns.size
 
         def along(s: Decimal) -> tuple[Array, ...]:
@@ -89,7 +103,8 @@ class SpaceOracle(SpaceKinematics):
         second = [(a - 2 * x + b) / (STEP * STEP) for a, x, b in zip(ahead, now, behind, strict=True)]
         by = [varied(j) for j in range(n)]
         jacobians = [np.array([b[k] for b in by], dtype=object).reshape(n, len(now[k])).T for k in range(len(now))]
-        M, mass_sizes, h, force_sizes = self._inertia(jacobians[0], second[0])
+        inertia = self._of_second_order(t, state, v)
+        M, mass_sizes, h, force_sizes = self._inertia(jacobians[0], second[0], inertia)
         for force in (
             *self._internal(state, v),
             *self._on_nodes(t, self.poses(t, state), jacobians[0]),
@@ -110,13 +125,20 @@ class SpaceOracle(SpaceKinematics):
             jacobians[1],
             rate[1],
             -second[1],
-            self._energies(state, now, rate, jacobians[0]),
-            self._momenta(now[0], rate[0]),
+            self._energies(state, now, rate, jacobians[0], inertia),
+            self._momenta(now[0], rate[0], inertia),
             poses,
             {name: (x[i], xdot[i], J[i]) for i, name in enumerate(names)},
         )
 
-    def _inertia(self, J: Array, second: Array) -> tuple[Array, Array, Array, Array]:
+    def _of_second_order(self, t: Decimal, state: SpaceState, v: Array) -> dict[str, BodyInertia]:
+        """The inertia of the bodies with displacements of second order."""
+        of = ((name, body) for name, body in self.bodies.items() if body.second is not None)
+        return {name: truncated_inertia(body, self.columns, state, v, self.gravity) for name, body in of}
+
+    def _inertia(
+        self, J: Array, second: Array, truncated: Mapping[str, BodyInertia]
+    ) -> tuple[Array, Array, Array, Array]:
         """M, and the part of h from accelerations and gravity; with the sums of magnitudes."""
         n, start = J.shape[1], 0
         M, mass_sizes, h, force_sizes = zeros(n, n), zeros(n, n), zeros(n), zeros(n)
@@ -136,6 +158,9 @@ class SpaceOracle(SpaceKinematics):
                 mass_sizes[block] = mass_sizes[block] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(Jb[:, k]))
                 h[used] = h[used] + weighted.T @ acceleration[:, k]
                 force_sizes[used] = force_sizes[used] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(acceleration[:, k]))
+            if body.name in truncated:
+                of = truncated[body.name]
+                M[np.ix_(of.rows, of.rows)], h[of.rows] = of.M, of.h
         return M, mass_sizes, h, force_sizes
 
     def _internal(self, state: SpaceState, v: Array) -> list[Array]:
@@ -210,7 +235,14 @@ class SpaceOracle(SpaceKinematics):
                 result += [(matrix[k] @ x) * J[i + k] for k in range(6)]
         return result
 
-    def _energies(self, state: SpaceState, now: tuple[Array, ...], rate: list[Array], J: Array) -> dict[str, Decimal]:
+    def _energies(
+        self,
+        state: SpaceState,
+        now: tuple[Array, ...],
+        rate: list[Array],
+        J: Array,
+        truncated: Mapping[str, BodyInertia],
+    ) -> dict[str, Decimal]:
         """The kinetic energy, the strain energy with that of springs, and the potential in gravity of what moves."""
         kinetic, strain, potential, start = ZERO, ZERO, ZERO, 0
         for name, body in self.bodies.items():
@@ -219,7 +251,8 @@ class SpaceOracle(SpaceKinematics):
             x, xdot = now[0][own].reshape(-1, 3), rate[0][own].reshape(-1, 3)
             if not np.any(J[own] != 0):  # a body that is fixed to the ground
                 continue
-            kinetic += sum((xdot[:, k] @ body.masses @ xdot[:, k] / 2 for k in range(3) if len(x)), ZERO)
+            moving = sum((xdot[:, k] @ body.masses @ xdot[:, k] / 2 for k in range(3) if len(x)), ZERO)
+            kinetic += truncated[name].kinetic if name in truncated else moving
             potential -= sum((self.gravity[k] * sum(body.masses @ x[:, k]) for k in range(3) if len(x)), ZERO)
             alpha = self.amplitudes(name, state)
             strain += alpha @ body.stiffness @ alpha / 2 if body.n else ZERO
@@ -228,7 +261,7 @@ class SpaceOracle(SpaceKinematics):
         strain += sum((now[3][i : i + 6] @ K @ now[3][i : i + 6] / 2 for i, K, _ in self.couplings()), ZERO)
         return {"kinetic": kinetic, "strain": strain, "gravity": potential}
 
-    def _momenta(self, now: Array, rate: Array) -> Array:
+    def _momenta(self, now: Array, rate: Array, truncated: Mapping[str, BodyInertia]) -> Array:
         """Linear momentum, and angular momentum about the inertial origin."""
         total, start = zeros(6), 0
         for body in self.bodies.values():
@@ -236,6 +269,9 @@ class SpaceOracle(SpaceKinematics):
             own = slice(start, start + 3 * count)
             start += 3 * count
             x, p = now[own].reshape(-1, 3), body.masses @ rate[own].reshape(-1, 3) if count else zeros(0, 3)
+            if body.name in truncated:
+                total = total + truncated[body.name].momentum
+                continue
             for a, b in zip(x, p, strict=True):
                 total = total + np.concatenate([b, cross(a, b)])
         return total

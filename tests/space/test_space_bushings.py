@@ -9,6 +9,7 @@ import pytest
 from space_kernels import disagreements, space_model
 
 from derive.errors import SpecError
+from derive.mechanics.multibody.space.springs import bushing_unit
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.as_tables import specification_tables
 from derive.spec.construction import spatial_scene
@@ -83,6 +84,26 @@ def _with_symbol(symbol: str) -> str:
 def test_matrices_are_written_back() -> None:
     scene = parse(text())
     assert spatial_scene(specification_tables(scene)) == scene
+
+
+TWO = "[{ symbol = 'k', default = 30.0 }, 20, 40, { symbol = 'c', default = 1.5, unit = 'kNm' }, 2, 3]"
+
+
+def test_parameters_have_units_and_are_written_back() -> None:
+    scene = parse(text(TWO, _with_symbol("{ symbol = 'd', default = 0.4 }")))
+    stiffness, damping = (scene.springs[0].values[key] for key in ("stiffness", "damping"))
+    assert (stiffness[0].unit, stiffness[3].unit, damping[0][0].unit) == ("N/m", "kNm", "N s/m")
+    assert spatial_scene(specification_tables(scene)) == scene
+    assert [[bushing_unit("stiffness", i, j) for j in (1, 5)] for i in (0, 4)] == [["N/m", "N"], ["N", "N m/rad"]]
+
+
+def test_symbols_of_parameters_are_unique() -> None:
+    taken = text(TWO).replace("mass = 1.2", "mass = { symbol = 'k', default = 1.2 }").replace("'c'", "'engine_c1'")
+    with pytest.raises(SpecError) as caught:
+        parse(taken)
+    first, second = str(caught.value).splitlines()
+    assert 'stiffness[0].symbol: "k" is the symbol of mass of the body engine, with the unit kg, not N/m' in first
+    assert 'stiffness[3].symbol: "engine_c1" is taken: it is a coordinate' in second
 
 
 def _changed(i: int, j: int, value: float) -> list[list[float]]:

@@ -51,6 +51,16 @@ def test_loads_that_move_nothing(more: str, message: str) -> None:
     assert message in str(error.value)
 
 
+def test_a_spring_between_points_that_a_joint_keeps_together() -> None:
+    """Its line has no direction in any state; the joint of the crank leaves its body an angle alone."""
+    joint = parse(TEXT).joints[0]
+    spring = f'[springs.s]\nbetween = ["{joint.second}", "{joint.first}"]\nstiffness = 1\n'
+    with pytest.raises(
+        derive.SpecError, match=r"springs\.s\.between: a joint keeps crank\.\w+ and ground\.\w+ together"
+    ):
+        derive.derive(parse(TEXT.replace("[simulation]", f"{spring}[simulation]"))).expanded()
+
+
 @pytest.mark.parametrize("kind", ["angular_velocity", "angular_acceleration"])
 def test_outputs_of_the_rotation_of_a_node(kind: str) -> None:
     text = (

@@ -6,41 +6,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from random_scenes import KINDS, random_scene
-from space_kernels import disagreements, space_model
-from written_scene import tables
+from random_scenes import random_scene
+from space_kernels import COMPLETE_SEED, FURTHER_SEEDS, LONG_SEEDS, QUICK_SEEDS, disagreements, space_model
 
 from conftest import random_cases
 from derive.errors import SpecError
 
-FEW = (1, 8, 14, 24, 46, 101)
-"""Scenes with all kinds of joints, drives, and flexible bodies."""
-LATER = (14, 46, 101)
-"""Scenes of joints and bodies that the others have as well, in other places."""
 
-
-@pytest.mark.parametrize("seed", [pytest.param(s, marks=pytest.mark.long if s in LATER else ()) for s in FEW])
+@pytest.mark.parametrize("seed", QUICK_SEEDS)
 def test_random_scenes(seed: int, tmp_path: Path) -> None:
     model = space_model(random_scene(seed, tmp_path), complete=False)
     assert disagreements(model, seed) == []
 
 
-def test_they_have_all_kinds_of_joints(tmp_path: Path) -> None:
-    scenes = [tables(random_scene(seed, tmp_path)) for seed in FEW]
-    assert {joint["kind"] for scene in scenes for joint in scene["joints"].values()} >= {*KINDS} - {"fixed"}
-    assert {d["joint"] for scene in scenes for d in scene.get("drives", {}).values()} >= {"joint0", "joint1"}
-    assert any("nodes" in body for scene in scenes for body in scene["bodies"].values())
-    for section in ("forces", "torques"):
-        assert any("joint" in load for scene in scenes for load in scene.get(section, {}).values())
-
-
-@pytest.mark.parametrize("seed", [7, *random_cases(100, long=10, further=30)])
+@pytest.mark.parametrize("seed", [COMPLETE_SEED, *random_cases(LONG_SEEDS[0], len(LONG_SEEDS), len(FURTHER_SEEDS))])
 def test_random_scenes_with_all_kernels(seed: int, tmp_path: Path) -> None:
-    """The C and the Python. Scenes in which all motion is prescribed are refused."""
+    """The C and the Python. Scenes in which drives leave nothing to move, or contradict joints, are refused."""
     try:
         model = space_model(random_scene(seed, tmp_path))
     except SpecError as error:
-        assert "all motion is prescribed" in str(error)
+        assert "all motion is prescribed" in str(error) or "the motion of both bodies is prescribed" in str(error)
         return
     assert disagreements(model, seed) == []
     assert disagreements(model, seed + 1000) == []

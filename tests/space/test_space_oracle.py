@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from decimal_vectors import about, array, floats, identity, of_quaternion, precise
-from mass_points import NodalFields, inertia_tensor, rigid_points
+from mass_points import inertia_tensor, rigid_points
+from nodal_points import NodalFields
 from space_oracle import SpaceOracle, apart
 from written_scene import rotation
 

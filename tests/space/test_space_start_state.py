@@ -77,3 +77,35 @@ def test_a_body_that_hangs_on_others_is_not_turned() -> None:
     spec = parse(HUNG)
     start = start_state(spec, derive.lower(derive.derive(spec)))
     assert np.allclose(start.q, [0, 0, -0.5, 1, 0, 0, 0], atol=1e-4)
+
+
+ARM = """
+name = "arm_with_rod"
+[ground.markers]
+hook = { at = [0.1, 0, 0.3], rotation = { axis = [0.3, 1, 0], angle = 0.7 } }
+[bodies.arm]
+mass = 1
+inertia = [0.1, 0.1, 0.2, 0, 0, 0]
+markers = { root = [0, 0, 0], tip = [0.7, 0.1, 0] }
+[bodies.rod]
+mass = 1
+inertia = [0.1, 0.1, 0.2, 0, 0, 0]
+markers = { top = [0.3, 0, 0] }
+[joints.root]
+kind = "revolute"
+between = ["ground.hook", "arm.root"]
+start = { angle = 0.2, speed = 0.1 }
+[joints.ball]
+kind = "spherical"
+between = ["arm.tip", "rod.top"]
+[simulation]
+duration = 0.1
+output = 0.1
+"""
+
+
+def test_a_given_angle_keeps_its_digits_beside_quaternions() -> None:
+    """Positions that follow from it, and are rounded, give way."""
+    spec = parse(ARM)
+    start = start_state(spec, derive.lower(derive.derive(spec)))
+    assert (start.q[0], start.v[0]) == (0.2, 0.1)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import ast
-import operator
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-import mpmath
 import numpy as np
 from decimal_vectors import (
     ONE,
@@ -19,26 +16,16 @@ from decimal_vectors import (
     about,
     array,
     cross,
-    elementary,
     identity,
     length,
     number,
     of_quaternion,
 )
+from written_functions import WrittenFunctions
 
 Table = Mapping[str, Any]
 
 AXES = {"x": 0, "y": 1, "z": 2}
-OPERATORS = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: lambda a, b: a ** int(b) if b == int(b) else elementary(mpmath.power, a, b),
-}
-FUNCTIONS = {
-    name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan", "cosh")
-}
 
 
 def tables(source: str | Path) -> Table:
@@ -48,12 +35,12 @@ def tables(source: str | Path) -> Table:
 
 
 class Numbers:
-    """The numbers of a scene: parameters have their defaults, or the values of `p`."""
+    """The numbers of a scene: parameters have their defaults, or the values of `p`. folder: that of its files."""
 
-    def __init__(self, scene: Table, p: Mapping[str, float] | None = None) -> None:
+    def __init__(self, scene: Table, p: Mapping[str, float] | None = None, folder: Path = Path()) -> None:
         self.names = {name: number(table.get("default", 1)) for name, table in scene.get("parameters", {}).items()}
         self.names |= {name: number(value) for name, value in (p or {}).items()}
-        self.inputs = {name: table.get("value", 0) for name, table in scene.get("inputs", {}).items()}
+        self.functions = WrittenFunctions(self.names, scene, folder)
 
     def __call__(self, value: Any) -> Decimal:
         """A number, a fraction as a text, or a parameter."""
@@ -72,31 +59,8 @@ class Numbers:
 
     def at(self, function: Any, t: Decimal) -> Decimal:
         """The value of a function of time: a number, a text such as "2*sin(t)", or that of an input."""
-        if isinstance(function, Mapping) and "input" in function:
-            function = self.inputs[function["input"]]
-        if not isinstance(function, str):
-            return self(function)
-        return self._value(ast.parse(function.replace("^", "**"), mode="eval").body, t)
-
-    def _value(self, node: ast.expr, t: Decimal) -> Decimal:
-        match node:
-            case ast.Constant():
-                return number(str(node.value))
-            case ast.Name(id="t"):
-                return t
-            case ast.Name(id="pi"):
-                return elementary(lambda: mpmath.pi)
-            case ast.Name(id=name):
-                return self.names[name] if name in self.names else self.at(self.inputs[name], t)
-            case ast.UnaryOp(op=ast.USub()):
-                return -self._value(node.operand, t)
-            case ast.UnaryOp(op=ast.UAdd()):
-                return self._value(node.operand, t)
-            case ast.BinOp():
-                return OPERATORS[type(node.op)](self._value(node.left, t), self._value(node.right, t))
-            case ast.Call(func=ast.Name(id=name)):
-                return elementary(FUNCTIONS[name], *(self._value(argument, t) for argument in node.args))
-        raise NotImplementedError(ast.dump(node))
+        of_time = isinstance(function, str) or (isinstance(function, Mapping) and "input" in function)
+        return self.functions(function, t) if of_time else self(function)
 
 
 def rotation(value: Any) -> Array:

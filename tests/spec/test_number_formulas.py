@@ -117,6 +117,14 @@ def test_the_index_is_known_in_tables_with_a_count_alone(old, new, fault):
     assert '"i" is no number; it is the index in tables with `count`, and this table has none' in str(caught.value)
 
 
+def test_the_index_is_unknown_in_functions_of_time_of_tables_without_a_count():
+    push = '[forces.pull]\nat = "link[0].left"\ncomponents = [0, "i*t"]\n'
+    with pytest.raises(SpecError) as caught:
+        parse(RING + push)
+    text = 'components[1]: column 1 of "i*t": the name "i" is unknown; it is the index in tables with `count`'
+    assert text in str(caught.value)
+
+
 DEFLECTED = """\
 name = "deflected"
 [bodies.rod]

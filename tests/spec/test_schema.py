@@ -8,7 +8,8 @@ import pytest
 from example_scenes import EVERYTHING, SMALL, small
 from json_schema import problems
 
-from derive.spec.tables.json_schema import json_schema
+from derive.spec.tables.json_schema import json_schema, schema_of
+from derive.spec.tables.spatial_scene import spatial_specification_table
 
 SCENES = Path(__file__).parents[2] / "scenes"
 SCHEMA = json.loads(json_schema())
@@ -60,6 +61,15 @@ def test_the_schema_accepts_what_is_read(text):
 )
 def test_the_schema_refuses(text):
     assert found(text)
+
+
+def test_every_section_of_a_scene_in_space_is_known():
+    """Gears are in space alone; they need bodies as well."""
+    assert set(schema_of(spatial_specification_table())["properties"]) <= set(SCHEMA["properties"])
+    mesh = '[gears.mesh]\njoints = ["sun", "planet"]\nratio = "-20/37"\n'
+    text = f'name = "s"\n{mesh}[bodies.b]\nmass = 1\ninertia = [1, 1, 1, 0, 0, 0]\n'
+    assert found(text) == []
+    assert found(text.replace("ratio", "ratios")) and found(f'name = "s"\n[beam]\n{mesh}')
 
 
 def test_a_scene_is_one_of_three():

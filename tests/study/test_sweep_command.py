@@ -6,6 +6,8 @@ import csv
 import json
 import math
 import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,10 +32,19 @@ def spec(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def in_process(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A thread in place of processes, which would load again what this one has loaded; other tests have processes."""
+    with ThreadPoolExecutor(1) as threads:
+        monkeypatch.setattr(executors, "_Processes", lambda workers: executors._Given(threads))
+        yield
+
+
 def run(spec: Path, *arguments: str) -> int:
     return main(["sweep", str(spec), "--out", str(spec.parent), "--workers", "1", *arguments])
 
 
+@pytest.mark.usefixtures("in_process")
 def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
     given = ["--set", "EI=8:12:3", "--set", "radius=0.1,0.31", "--set", "drives.motor.offset=1.5"]
     assert run(spec, *given, "--output", "peak", "--output", "final:slider_s") == 0
@@ -62,7 +73,7 @@ def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[st
     assert record["notes"] == [] and "warning: at EI = 8, radius = 0.1: rod in 1 beam: its axial force" in output.out
     assert record["failed"] == 3 and record["outputs"][1]["name"] == "final_slider_s"
     before = {path: path.read_bytes() for path in folder.iterdir()}
-    assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json") == 0
+    assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json", "--resume") == 0
     assert json.loads(capsys.readouterr().out)["failures"][0]["samples"] == 3
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
 
@@ -100,6 +111,8 @@ def test_a_finished_sweep_is_not_computed_again(
     assert run(spec, *given) == 0
     first = capsys.readouterr().out
     contents = {path: path.read_bytes() for path in folder.iterdir()}
+    assert run(spec, *given) == 0 and capsys.readouterr().out
+    assert {path: path.read_bytes() for path in folder.iterdir()} == contents
     with monkeypatch.context() as patch:
         patch.setattr(executors, "run_chunk", _interrupt)
         (folder / "sweep.svg").unlink()
@@ -140,6 +153,7 @@ def test_errors(spec: Path, arguments: list[str], message: str, capsys: pytest.C
     assert not list((spec.parent / "slider").glob("sweep.*"))
 
 
+@pytest.mark.usefixtures("in_process")
 def test_the_lines_of_a_table(spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = spec.parent / "samples.csv"
     table.write_text("EI,speed\n8,100\n12,150\n")

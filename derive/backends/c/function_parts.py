@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import count as numbers
 
 from derive.backends.c.signatures import parameters_by_name, signature
@@ -34,7 +35,7 @@ class NumberedNodes:
     statement: int
     nodes: tuple[Node, ...]
 
-    @property
+    @cached_property
     def length(self) -> int:
         """Operations, and one for the statement."""
         parts = (part for node in self.nodes for expr in expressions_of(node) for part in walk(expr))
@@ -69,7 +70,7 @@ class FunctionPart:
         """The names of its values, in their order."""
         return [node.name for node in self.nodes if isinstance(node, Let)]
 
-    @property
+    @cached_property
     def used(self) -> set[str]:
         """The names that it reads, and the arrays to which it writes."""
         targets = (node.target for node in self.nodes if isinstance(node, Assign))

@@ -113,7 +113,7 @@ def _template_values(
 ) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
-    tables += [("lambda", model.multipliers)] if model.bodies else []
+    tables += [("lambda", model.multipliers)] if model.is_scene else []
     tables += [("u", model.inputs), ("out", model.outputs)]
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
@@ -144,11 +144,11 @@ def _template_values(
         "batch_stack": -(-max(map(stack, blocks.values())) // 1024),
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, m.title, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
-        "forms": FORMS if model.bodies and not model.explicit else {},
+        "forms": FORMS if model.is_scene and not model.explicit else {},
         "reduced_forms": REDUCED_FORMS,
         "without": {part.name.lower(): part.value for part in OptionalPart},
         "solving": enumeration([kernel.name for kernel in model.kernels if kernel.name in SOLVING]),
-        "checked_forces": bool(model.bodies) and model.kernel("force").checked,
+        "checked_forces": model.is_scene and model.kernel("force").checked,
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,
         "checked_batches": f"{enumeration(checked)} give{'s' if len(checked) == 1 else ''}" if checked else "",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import Enum
 from typing import assert_never
 
@@ -18,15 +16,15 @@ from derive.backends.description import (
     section_text,
 )
 from derive.backends.expression_text import PYTHON, text
+from derive.backends.python.constants import constant_array, defaults, marker_class, splines, tables, tuple_text
 from derive.backends.python.instances import instance_lines
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, broken, join, prefixed
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
-from derive.ir.kernel import Argument, ConstantArray, Kernel, Output
-from derive.ir.model import MarkerClass, Model, Variable
-from derive.ir.series import variable_series
+from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.model import Model
 from derive.ir.statements import (
     Clear,
     Entry,
@@ -70,13 +68,13 @@ class PythonBackend:
             "model": model,
             "description": "\n".join(prefixed(description(model_text(model)), "")),
             "patterns": pattern_texts(model, "        "),
-            "tables": _tables(model),
-            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else _splines(model),
+            "tables": tables(model),
+            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else splines(model),
             "grouped": any(text.groups for text in pattern_texts(model, "        ")),
             "constant_arrays": list(map(constant_array, model.constant_arrays)),
-            "defaults": _defaults(model),
+            "defaults": defaults(model),
             "elements": model.lowering != "loops",
-            "marker_classes": list(map(_marker_class, model.marker_classes)),
+            "marker_classes": list(map(marker_class, model.marker_classes)),
         }
         builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
@@ -102,7 +100,7 @@ def python_function(
     names = ", ".join(a.name for a in kernel.arguments)
     given = tuple(a for a in kernel.arguments if not a.integer)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in given)
-    own = _tuple([a.name for a in given])
+    own = tuple_text([a.name for a in given])
     first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
     converted = f"xp, batch, {own} = _arrays(dict({sizes}), {', '.join(a.name for a in given)})"
     lines = [
@@ -225,7 +223,7 @@ def _results(outputs: tuple[Output, ...], required: list[str], listed: bool) -> 
     for output in outputs:
         if output.count is not None and not listed:
             continue
-        elements = output.name if listed else _tuple([f"{output.name}_{k}" for k in range(len(output.elements))])
+        elements = output.name if listed else tuple_text([f"{output.name}_{k}" for k in range(len(output.elements))])
         lines += prefixed([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
     if required:
         valid = " & ".join(required)
@@ -233,105 +231,3 @@ def _results(outputs: tuple[Output, ...], required: list[str], listed: bool) -> 
     else:
         lines += [f"    return {', '.join(o.name for o in outputs)}"]
     return lines
-
-
-def _splines(model: Model) -> str:
-    """The function that evaluates splines, and those of their tables; nothing if there is none."""
-    return (
-        f"\n{render('python/spline.py.jinja', {'numbers': True}).rstrip()}\n\n{spline_functions(model)}"
-        if model.splines
-        else ""
-    )
-
-
-def spline_functions(model: Model) -> str:
-    """The tables of splines, and a function for each, which kernels call; it calls `_spline`."""
-    blocks = []
-    for spline in model.splines:
-        knots = _lines([repr(x) for x in spline.knots])
-        rows = _lines([_tuple([repr(c) for c in row]) for row in spline.coefficients])
-        blocks.append(f"{spline.name.upper()}_KNOTS = {knots}\n{spline.name.upper()}_COEFFICIENTS = {rows}")
-        names = f"{spline.name.upper()}_KNOTS, {spline.name.upper()}_COEFFICIENTS"
-        blocks.append(f"\ndef {spline.name}(xp, x, order):\n    return _spline(xp, {names}, x, order)")
-    return "\n\n".join(blocks)
-
-
-@dataclass(frozen=True)
-class TupleConstant:
-    """A tuple of the generated module."""
-
-    name: str
-    items: str
-
-
-def constant_array(array: ConstantArray) -> tuple[str, str]:
-    """The name of a constant array, and its values as a tuple."""
-    return array.name, _lines([repr(int(x) if array.integers else float(x)) for x in array.values])
-
-
-def _tables(model: Model) -> list[TupleConstant]:
-    """Names, units and defaults, as tuples of literals."""
-
-    def table(name: str, items: Iterable[object]) -> TupleConstant:
-        literals = [f'"{item}"' if isinstance(item, str) else repr(item) for item in items]
-        return TupleConstant(name, _lines(literals))
-
-    def names(name: str, variables: tuple[Variable, ...]) -> TupleConstant:
-        if model.lowering == "instances":
-            return TupleConstant(name, _composed(variables))
-        return table(name, (column for v in variables for column in v.columns))
-
-    bodies = tuple(Variable(name, "", "", shown=name) for name in model.bodies)
-    return [
-        names("COORDINATES", model.coordinates),
-        names("VELOCITIES", model.velocities),
-        table("PARAMETERS", (v.name for v in model.parameters)),
-        table("SIZES", (v.size for v in model.parameters)),
-        table("UNITS", (v.unit for v in model.parameters)),
-        table("CONSTANTS", (v.name for v in model.constants)),
-        table("MARKERS", (v.title for v in model.markers)),
-        *((names("MULTIPLIERS", model.multipliers), names("BODIES", bodies)) if model.bodies else ()),
-    ]
-
-
-def _composed(variables: tuple[Variable, ...]) -> str:
-    """The call that composes the names of variables."""
-    parts = []
-    for series in variable_series(variables):
-        labels = _lines([f'"{label.name}"' for label in series.labels])
-        parts.append(f'("{series.table}", {series.first}, {series.count}, {labels})')
-    return "\n".join(["_names(", *(f"    {part}," for part in parts), ")"])
-
-
-def _marker_class(of: MarkerClass) -> str:
-    """A class of markers, with what its functions need."""
-    columns = "\n".join(f"    {line}" for line in _lines([str(k) for k in of.columns]).splitlines()).strip()
-    names = "\n".join(f"    {line}" for line in _composed(of.markers).splitlines()).strip()
-    parts = [f'"{of.name}"', names, columns, f"MARKER_{of.name.upper()}"]
-    return "\n".join([f"{of.name.upper()}_MARKERS = MarkerClass(", *(f"    {part}," for part in parts), ")"])
-
-
-def _defaults(model: Model) -> str:
-    """The defaults of p: all of them, or, where most are zero, a dict of those that are not."""
-    values = model.defaults
-    kept = [(k, x) for k, x in enumerate(values) if x]
-    if 2 * len(kept) > len(values) or len(kept) < 9:
-        return f"DEFAULTS = {_lines([repr(x) for x in values])}"
-    entries = "\n".join(prefixed([", ".join(f"{k}: {x!r}" for k, x in kept)], "    "))
-    return f"_VALUES = {{\n{entries},\n}}\nDEFAULTS = tuple(_VALUES.get(k, 0.0) for k in range({len(values)}))"
-
-
-def _lines(literals: list[str]) -> str:
-    """A tuple, on several lines if it is long; literals are not broken."""
-    if len(_tuple(literals)) < WIDTH - 20:
-        return _tuple(literals)
-    lines = [""]
-    for literal in literals:
-        if len(lines[-1]) + len(literal) > WIDTH - 8:
-            lines.append("")
-        lines[-1] += f" {literal},"
-    return "\n".join(["(", *(f"   {line}" for line in lines), ")"])
-
-
-def _tuple(items: list[str]) -> str:
-    return f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"

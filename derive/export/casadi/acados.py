@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
-from derive.backends.python.module import Failure, spline_functions
+from derive.backends.python.constants import spline_functions
+from derive.backends.python.module import Failure
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.straight_line import straight_line_functions
@@ -14,8 +15,8 @@ from derive.rendering import render
 def acados_files(host: HostModel) -> tuple[File, ...]:
     """The file of a model. Raises SpecError for a model with loops."""
     model = host.model
-    residual = "residual_index1" if model.bodies else "residual"
-    used = ("setup", "rates", "solve" if model.bodies else "accel", "outputs", residual)
+    residual = "residual_index1" if model.is_scene else "residual"
+    used = ("setup", "rates", "solve" if model.is_scene else "accel", "outputs", residual)
     values = {
         "mark": f"# {MARK}. Do not edit.\n# {LICENCE}",
         "model": model,

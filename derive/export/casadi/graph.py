@@ -47,7 +47,7 @@ def model_graph(host: HostModel) -> ca.Function:
     values: dict[str, Any] = {"t": symbols["t"], "q": x[:nq], "v": x[nq:]}
     values |= {name: ca.vertsplit(symbols[name]) if sizes[name] else [] for name in ("u", "p")}
     tables = {spline.name: partial(looked_up, spline) for spline in model.splines}
-    accelerations = "solve" if model.bodies else "accel"
+    accelerations = "solve" if model.is_scene else "accel"
     for name in ("setup", "rates", accelerations, *(("outputs",) if model.outputs else ())):
         kernel = model.kernel(name)
         values |= interpret(kernel, values, number=number, functions=FUNCTIONS, check=False, tables=tables)

@@ -82,7 +82,7 @@ QUATERNION_SIZE = 4
 def _values(model: Model) -> Iterator[int]:
     """The numbers of values of the sparse matrices that the user functions expand."""
     named = [("mass", "M"), ("jacobian", "jac"), *((f"marker_{marker.name}", "jacobian") for marker in model.markers)]
-    if model.bodies:
+    if model.is_scene:
         named.append(("constraint_jacobian", "G"))
     for kernel, output in named:
         yield len(model.pattern(kernel, output).rowidx)

@@ -95,7 +95,7 @@ def dependencies(model: HostModel) -> dict[int, tuple[int, ...]]:
     nq, nx, nu, nout = len(model.coordinates), len(model.states), len(model.inputs), len(model.outputs)
     nv, ends = nx - nq, [*accumulate((1, nu, len(model.parameters), nx, nx), initial=0)]
     _, first_input, _, first_state, first_derivative, first_output = ends
-    jacobian = model.model.pattern("jacobian_index1" if model.model.bodies else "jacobian", "jac")
+    jacobian = model.model.pattern("jacobian_index1" if model.is_scene else "jacobian", "jac")
     result = {
         first_derivative + row: tuple(first_state + j for j in columns)
         for row, columns in _by_row(jacobian, range(nq)).items()

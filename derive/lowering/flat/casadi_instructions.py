@@ -43,22 +43,19 @@ def read_expressions(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> li
     column = ca.vertcat(*outputs) if outputs else ca.SX(0, 1)
     options = {"cse": True, "live_variables": False}
     function = ca.Function("kernel", [ca.vertcat(*symbols.inputs)], [ca.densify(column)], options)
-    work: dict[int, int] = {}
+    work: list[int] = []  # without live variables, each value has a place of its own, in the order of the instructions
     result = [0] * len(outputs)
     for k in range(function.n_instructions()):
-        operation, inputs, results = (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-        )
+        operation = function.instruction_id(k)
         if operation == ca.OP_OUTPUT:
-            result[results[1]] = graph.settled(work[inputs[0]])
+            (value,) = function.instruction_input(k)
+            result[function.instruction_output(k)[1]] = graph.settled(work[value])
         elif operation == ca.OP_INPUT:
-            work[results[0]] = graph.leaf(symbols.leaves[inputs[1]])
+            work.append(graph.leaf(symbols.leaves[function.instruction_input(k)[1]]))
         elif operation == ca.OP_CONST:
-            work[results[0]] = graph.number(_integer(function.instruction_constant(k)))
+            work.append(graph.number(_integer(function.instruction_constant(k))))
         else:
-            work[results[0]] = _operation(graph, operation, [work[i] for i in inputs])
+            work.append(_operation(graph, operation, [work[i] for i in function.instruction_input(k)]))
     return result
 
 

@@ -7,6 +7,7 @@ integer becomes a CasADi symbol; `Symbols.leaves` maps these symbols to the leav
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from fractions import Fraction
 from functools import partial, reduce
 
@@ -15,6 +16,7 @@ import sympy as sp
 
 from derive.ir.expressions import Expr, Leaf, Number, Operation, Operator, ScalarRef, TableValue
 from derive.lowering.flat.shared_sums import SharedSums
+from derive.lowering.flat.term_order import FactorPlace, TermOrder
 from derive.mechanics.time_functions import (
     Absolute,
     Atan2,
@@ -45,10 +47,9 @@ CHAIN = 8
 class Symbols:
     """The CasADi values of SymPy symbols, and the kernel leaves of CasADi symbols.
 
-    early, late: the symbols that come first and last in products, so that products share sub-expressions: velocities,
-    whose products occur in many terms, are early; the rotation, in which the rows of a vector differ, is late.
-    model: the name of the model, with which the functions of its tables begin. sums: what sums share. fixed: the values
-    of symbols whose definitions a function computes in another way.
+    early, late: the symbols that come first and last in products, see `TermOrder`. model: the name of the model, with
+    which the functions of its tables begin. sums: what sums share. fixed: the values of symbols whose definitions a
+    function computes in another way.
     """
 
     def __init__(
@@ -58,8 +59,7 @@ class Symbols:
         model: str = "",
         sums: SharedSums | None = None,
     ) -> None:
-        self.early, self.late, self.model = early, late, model
-        self.sums = sums or SharedSums()
+        self.order, self.model = TermOrder(early, late, sums or SharedSums()), model
         self.values: dict[sp.Symbol, ca.SX] = {}
         self.inputs: list[ca.SX] = []
         self.leaves: list[Leaf] = []
@@ -69,8 +69,9 @@ class Symbols:
 
     def copy(self) -> Symbols:
         """A copy of the symbols and values, to which others can be added."""
-        result = Symbols(self.early, self.late, self.model, self.sums)
+        result = copy(self)
         result.values, result.inputs, result.leaves = dict(self.values), [*self.inputs], [*self.leaves]
+        result.fixed = dict(self.fixed)
         result._numbers, result._converted = dict(self._numbers), dict(self._converted)
         return result
 
@@ -164,21 +165,14 @@ class Symbols:
         return self._leaf(TableValue(table_name(self.model, str(table)), int(order), _argument(argument)))
 
     def _sum(self, expr: sp.Expr) -> ca.SX:
-        """A sum in a fixed order, with a positive term first if there is one.
-
-        A long sum is made of several, whose additions do not wait for each other.
-        """
-        varying, constant = self.sums.divided(expr)
-        if constant:
-            return reduce(added, map(self, constant), self(varying))
-        if not varying.is_Add:
-            return self(varying)
-        terms = [_signed(term) for term in self._collected(self.sums.collected(varying))]
-        terms.sort(key=lambda signed: (signed[0] < 0, sp.default_sort_key(signed[1])))
-        sign, total = self._total(terms)
+        """A sum in a fixed order. A long one is made of several, whose additions do not wait for each other."""
+        order = self.order.sum(expr)
+        if order.varying is not None:
+            return reduce(added, map(self, order.constant), self(order.varying))
+        sign, total = self._total(order.terms)
         return total if sign > 0 else -total
 
-    def _total(self, terms: list[tuple[int, sp.Expr]]) -> tuple[int, ca.SX]:
+    def _total(self, terms: Sequence[tuple[int, sp.Expr]]) -> tuple[int, ca.SX]:
         """The sign and the value of a sum of terms with their signs, of which positive ones come first."""
         if len(terms) > CHAIN:
             half = (len(terms) + 1) // 2
@@ -190,42 +184,16 @@ class Symbols:
             total = (added if other == sign else subtracted)(total, self(term))
         return sign, total
 
-    def _collected(self, terms: Sequence[sp.Expr]) -> list[sp.Expr]:
-        """The terms of a sum, with a cos + b cos as (a + b) cos, so that the rows of a rotated vector share a + b."""
-        collected: list[sp.Expr] = []
-        late = self.late & {symbol for term in terms for symbol in term.free_symbols}
-        if not late:
-            return [*terms]
-        remaining = [(term, term.as_powers_dict()) for term in terms]
-        for symbol in sorted(late, key=sp.default_sort_key):
-            group = [(t, powers) for t, powers in remaining if powers.get(symbol) == 1]
-            if len(group) > 1:
-                remaining = [(t, powers) for t, powers in remaining if powers.get(symbol) != 1]
-                collected.append(sp.Mul(symbol, sp.Add(*(t / symbol for t, _ in group))))
-        return [t for t, _ in remaining] + collected
-
     def _product(self, expr: sp.Expr) -> ca.SX:
         """A product: early factors, one division, the number, then the other factors, so that terms share prefixes."""
-        weight, rest = expr.as_coeff_Mul()
-        magnitude = abs(Fraction(int(weight.p), int(weight.q)))
-        first: list[ca.SX] = []
-        last: list[ca.SX] = []
-        below: list[ca.SX] = []
-        factors = sorted((f.as_base_exp() for f in sp.Mul.make_args(rest)), key=self._order)
-        multiple = self.sums.multiplied_product(base for base, exponent in factors if exponent == 1)
-        if multiple is not None and magnitude == 2:
-            magnitude = Fraction(1)
-        else:
-            multiple = None
-        for base, exponent in factors:
-            if not (2 * exponent).is_Integer:
-                raise TypeError(f"no lowering for the power {base}**{exponent}")
-            above = first if base in self.early else last
-            value = self(base) if exponent.is_Integer else self.call(ca.sqrt, self(base))
-            value = 2 * value if base == multiple else value
-            (above if exponent > 0 else below).extend(
-                [value] * abs(int(exponent if exponent.is_Integer else 2 * exponent))
-            )
+        order = self.order.product(expr)
+        magnitude = order.magnitude
+        factors: dict[FactorPlace, list[ca.SX]] = {place: [] for place in FactorPlace}
+        for base, place, root, count in order.factors:
+            value = self.call(ca.sqrt, self(base)) if root else self(base)
+            value = 2 * value if base == order.doubled else value
+            factors[place].extend([value] * count)
+        first, last, below = factors.values()
         if magnitude.numerator == 1 and (first or last) and not _is_dyadic(magnitude):
             below.append(self._exact(1 / magnitude))  # m/7 is rounded once, m*(1/7) twice
         elif magnitude != 1 or not (first or last):
@@ -236,13 +204,7 @@ class Symbols:
         if below:
             result = divided(result, reduce(multiplied, below))
         result = reduce(multiplied, last, result)
-        return -result if weight < 0 else result
-
-    def _order(self, factor: tuple[sp.Expr, sp.Expr]) -> tuple[int, tuple[object, ...]]:
-        """The sort key of a factor (base, exponent): early factors, others, late factors."""
-        base, _ = factor
-        rank = 0 if base in self.early else 2 if base in self.late else 1
-        return rank, sp.default_sort_key(base)
+        return -result if order.negative else result
 
 
 def table_name(model: str, table: str) -> str:
@@ -299,11 +261,6 @@ CALLS: dict[type[sp.Expr], Callable[..., ca.SX]] = {
     Select: lambda a, b, x, y: ca.if_else(a < b, x, y),
 }
 """The functions of expressions."""
-
-
-def _signed(term: sp.Expr) -> tuple[int, sp.Expr]:
-    """The sign of a term, and the term without it."""
-    return (-1, -term) if term.could_extract_minus_sign() else (1, term)
 
 
 def _is_dyadic(value: Fraction) -> bool:

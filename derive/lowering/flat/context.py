@@ -92,6 +92,7 @@ class Context:
         self.cj = scalar_input(local("cj"), "factor of dF/dydot")
         every = (self.t, self.q, self.v, self.vdot, self.lam, self.u, self.k, self.y, self.ydot, self.cj)
         self._symbols: dict[tuple[sp.Symbol, ...], Symbols] = {}
+        self._constant_symbols: Symbols | None = None
         self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
 
     @cached_property
@@ -112,13 +113,18 @@ class Context:
         return self._symbols[symbols_of_inputs].copy()
 
     def _new_symbols(self, inputs: tuple[sp.Symbol, ...]) -> Symbols:
+        if self._constant_symbols is None:
+            self._constant_symbols = self._of_constants()
+        symbols = self._constant_symbols.copy()
+        for symbol in inputs:
+            symbols.input(symbol, ScalarRef(symbol.name))
+        define(symbols, self.equations.definitions)
+        return symbols
+
+    def _of_constants(self) -> Symbols:
+        """The CasADi symbols of the coefficients alone; what is made of them shares the order of terms."""
         eq = self.equations
-        symbols = Symbols(
-            early=frozenset(row.v for row in eq.rows),
-            late=rotation_symbols(eq.definitions),
-            model=eq.name,
-            sums=self.sums,
-        )
+        symbols = Symbols(frozenset(row.v for row in eq.rows), rotation_symbols(eq.definitions), eq.name, self.sums)
         for c in self.coefficients:
             value = c.value
             leaf = (
@@ -127,15 +133,13 @@ class Context:
                 else ScalarRef(str(c.symbol))
             )
             symbols.input(c.symbol, leaf)
-        for symbol in inputs:
-            symbols.input(symbol, ScalarRef(symbol.name))
-        define(symbols, eq.definitions)
         return symbols
 
     def add_constant(self, constant: ModelConstant) -> None:
         """Add a constant that setup computes from the parameters, for a kernel that follows."""
         self.coefficients = (*self.coefficients, constant)
         self._symbols.clear()
+        self._constant_symbols = None
         self.constants.coefficients |= {str(constant.symbol)}
 
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -37,9 +38,8 @@ ONE_AT_ZERO = (Operator.COS, Operator.EXP, Operator.NOT)
 """The functions that are 1 at 0; the others of one operand are 0 there, except for the logarithm."""
 
 
-@dataclass(frozen=True)
-class Node:
-    """A leaf, or the operator of an operation with the numbers of its operands."""
+class Node(NamedTuple):
+    """A leaf, or the operator of an operation with the numbers of its operands; made and hashed for each operation."""
 
     leaf: Leaf | None
     kind: Operator | None = None
@@ -58,8 +58,12 @@ ZERO_DIVISOR = (
 )
 
 
-IN_SETUP, IN_TABLES = frozenset({"setup"}), frozenset({"tables"})
-"""The sources of constants: those that setup computes, and those in which instances differ."""
+class ConstantSource(Enum):
+    """The source of a constant: it is a number, setup computes it, or it is one in which instances differ."""
+
+    NUMBER = 0
+    SETUP = 1
+    TABLES = 2
 
 
 class LoweringError(TisserandError):
@@ -78,14 +82,14 @@ class Graph:
         self.constants = constants
         self.nodes: list[Node] = []
         self._index: dict[Node, int] = {}
-        self._constant: list[bool] = []
-        self._sources: list[frozenset[str]] = []
+        self._values: list[Fraction | None] = []
+        self._sources: list[ConstantSource | None] = []
         self._size: list[int] = []
         self._settled: dict[int, int] = {}
 
     def leaf(self, leaf: Leaf) -> int:
         """The node of a number or a name."""
-        return self._intern(Node(leaf))
+        return self._intern(Node(leaf), self._source_of(leaf))
 
     def number(self, value: int | Fraction) -> int:
         """The node of a number. Raises LoweringError if it is out of the range of doubles."""
@@ -96,14 +100,15 @@ class Graph:
         folded = self._fold(kind, args)
         if folded is not None:
             return folded
-        if not self._are_of_one_source(args):
-            args = tuple(self.settled(a) for a in args)
-        return self._intern(Node(None, kind, args))
+        source = self._common_source(args)
+        if source is None:
+            args = tuple([self.settled(a) for a in args])
+        return self._intern(Node(None, kind, args), source)
 
     def settled(self, node: int) -> int:
         """The node itself or, for an operation on constants alone, the constant of setup that replaces it."""
         n = self.nodes[node]
-        if n.leaf is not None or not self._constant[node] or self.constants is None:
+        if self._sources[node] is None or n.leaf is not None or self.constants is None:
             return node
         if node not in self._settled:
             large = self._size[node] > MAX_CONSTANT_SIZE
@@ -116,53 +121,54 @@ class Graph:
 
     def value(self, node: int) -> Fraction | None:
         """The value of a node that is a number, otherwise None."""
-        leaf = self.nodes[node].leaf
-        return leaf.value if isinstance(leaf, Number) else None
+        return self._values[node]
 
     def expr(self, node: int) -> Expr:
         """The expression of a node with all of its operands."""
         n = self.nodes[node]
         return n.leaf if n.leaf is not None else Operation(n.operator, tuple(self.expr(a) for a in n.args))
 
-    def _intern(self, node: Node) -> int:
-        """The number of a node, which is added if it is new."""
+    def _intern(self, node: Node, source: ConstantSource | None) -> int:
+        """The number of a node, which is added with its source if it is new."""
         number = self._index.setdefault(node, len(self.nodes))  # hashes the node once
         if number == len(self.nodes):
             self.nodes.append(node)
-            self._sources.append(self._sources_of(node))
-            self._constant.append(self._depends_on_constants(node))
-            self._size.append(1 + sum(self._size[a] for a in node.args))
+            self._values.append(node.leaf.value if isinstance(node.leaf, Number) else None)
+            self._sources.append(source)
+            self._size.append(1 + sum([self._size[a] for a in node.args]))
         return number
 
     def is_constant(self, node: int) -> bool:
         """Whether a node depends on numbers and model constants alone."""
-        return self._constant[node]
+        return self._sources[node] is not None
 
-    def _depends_on_constants(self, node: Node) -> bool:
-        match node.leaf:
+    def _source_of(self, leaf: Leaf) -> ConstantSource | None:
+        """The source of a leaf; None if it is no constant."""
+        match leaf:
             case Number():
-                return True
+                return ConstantSource.NUMBER
             case ScalarRef(name):
                 known = self.constants
-                return known is not None and (name in known.coefficients or name in known.hoisted.values())
+                if known is None or not (name in known.coefficients or name in known.hoisted.values()):
+                    return None
+                return ConstantSource.TABLES if name in known.of_instances else ConstantSource.SETUP
             case Element() | Ends() | LaneSum() | MatrixEntry() | TableValue():
-                return False
-        return self._are_of_one_source(node.args)
+                return None
 
-    def _sources_of(self, node: Node) -> frozenset[str]:
-        """The sources of the constants on which a node depends: setup, or tables of instances."""
-        if isinstance(node.leaf, ScalarRef) and self.constants is not None:
-            return IN_TABLES if node.leaf.name in self.constants.of_instances else IN_SETUP
-        return frozenset().union(*(self._sources[a] for a in node.args))
-
-    def _are_of_one_source(self, nodes: Sequence[int]) -> bool:
-        """Whether nodes are constant, and one of setup or of a table could hold an operation on them."""
-        sources = frozenset[str]().union(*(self._sources[node] for node in nodes))
-        return len(sources) < 2 and all(self._constant[node] for node in nodes)
+    def _common_source(self, nodes: Sequence[int]) -> ConstantSource | None:
+        """The source of an operation on nodes; None unless they are constant, and of setup or of tables alone."""
+        common: ConstantSource | None = ConstantSource.NUMBER
+        for node in nodes:
+            source = self._sources[node]
+            if source is not common and source is not ConstantSource.NUMBER:
+                if source is None or common is not ConstantSource.NUMBER:
+                    return None
+                common = source
+        return common
 
     def _fold(self, kind: Operator, args: tuple[int, ...]) -> int | None:
         """The node of the result of a trivial operation; None if it is not trivial."""
-        values = [self.value(a) for a in args]
+        values = [self._values[a] for a in args]
         if not kind.binary and kind is not Operator.NEG:
             known = values[0] == 0 and kind is not Operator.LOG
             return self.number(1 if kind in ONE_AT_ZERO else 0) if known else None
@@ -200,7 +206,7 @@ class Graph:
             return self.apply(Operator.MUL, b, a)
         if kind is Operator.DIV and vb is not None and MIN_DOUBLE <= abs(1 / vb) <= MAX_DOUBLE:
             return self.apply(Operator.MUL, self.number(1 / vb), a)
-        if kind is Operator.DIV and vb is None and self._constant[b] and not self._constant[a]:
+        if kind is Operator.DIV and vb is None and self.is_constant(b) and not self.is_constant(a):
             return self.apply(Operator.MUL, a, self.apply(Operator.DIV, self.number(1), b))  # setup computes 1 / b
         return None
 

@@ -233,10 +233,12 @@ class _Writer:
         """The nodes at which an expression, such as a sum of a thousand terms, becomes deeper than LONGEST."""
         depths: dict[int, int] = {}
         for node, n in enumerate(self.graph.nodes):
-            depth = 1 + max((depths.get(arg, 0) for arg in n.args), default=0)
-            if self._is_inline(node) and depth < LONGEST:
+            if not self._is_inline(node):
+                continue
+            depth = 1 + max([depths.get(arg, 0) for arg in n.args])
+            if depth < LONGEST:
                 depths[node] = depth
-            elif self._is_inline(node) and n.kind not in CONDITIONS:
+            elif n.kind not in CONDITIONS:
                 yield node
 
     def _interrupted_below(self, node: int) -> list[int]:
@@ -274,8 +276,11 @@ def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
 
 def _uses(graph: Graph, roots: list[int]) -> Counter[int]:
     """The number of times that each node is a root, or an operand of a node on which a root depends."""
-    uses: Counter[int] = Counter(roots)
-    for node in range(len(graph.nodes) - 1, -1, -1):
+    uses = [0] * len(graph.nodes)
+    for root in roots:
+        uses[root] += 1
+    for node in range(len(uses) - 1, -1, -1):
         if uses[node]:
-            uses.update(graph.nodes[node].args)
-    return uses
+            for arg in graph.nodes[node].args:
+                uses[arg] += 1
+    return Counter({node: number for node, number in enumerate(uses) if number})

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property, lru_cache
 from typing import Any
 
 import mpmath
@@ -32,6 +32,9 @@ NEGLIGIBLE = ARITHMETIC.mpf(10) ** -NEGLIGIBLE_DIGITS
 
 LEFT, RIGHT = Fraction(-1), Fraction(1)
 """The ends of the beam."""
+
+KEPT = 4096
+"""The number of products, values and integrals that are kept: most bodies of a scene have the same shapes."""
 
 Real = Any
 """A coefficient: a Fraction, or a number of ARITHMETIC."""
@@ -75,6 +78,13 @@ class BeamFunction:
     """A real function of xi; the coefficients of its terms do not vanish."""
 
     terms: Mapping[Term, Real]
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(frozenset(self.terms.items()))
+
+    def __hash__(self) -> int:
+        return self._hash
 
     @property
     def is_exact(self) -> bool:
@@ -129,6 +139,7 @@ class BeamFunction:
     def __neg__(self) -> BeamFunction:
         return self.scaled(Fraction(-1))
 
+    @lru_cache(KEPT)  # noqa: B019  functions are few, and kept on purpose
     def __mul__(self, other: BeamFunction) -> BeamFunction:
         pairs = ((left, right) for left in self.terms.items() for right in other.terms.items())
         return BeamFunction(_sum({(_added(r, s), n + k): a * b} for ((r, n), a), ((s, k), b) in pairs))
@@ -137,6 +148,7 @@ class BeamFunction:
         """The product of the function and a number."""
         return BeamFunction({term: c * factor for term, c in self.terms.items()} if factor else {})
 
+    @lru_cache(KEPT)  # noqa: B019  functions are few, and kept on purpose
     def derivative(self, order: int = 1) -> BeamFunction:
         """The derivative of some order by xi."""
         if order == 0:
@@ -162,6 +174,7 @@ class BeamFunction:
                 factor *= -k / r
         return BeamFunction(_sum(parts))
 
+    @lru_cache(KEPT)  # noqa: B019  functions are few, and kept on purpose
     def at(self, xi: Fraction) -> Real:
         """The value of the function at a position."""
         if self.is_exact:
@@ -169,6 +182,7 @@ class BeamFunction:
         parts = list(self._parts_at(xi))
         return _real(parts, sum(map(_size, parts)))
 
+    @lru_cache(KEPT)  # noqa: B019  functions are few, and kept on purpose
     def integral(self, start: Fraction = LEFT) -> Real:
         """The integral from a position to the right end; zero where it is negligible against that of the terms."""
         if self.is_exact:

@@ -11,6 +11,7 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, PHI, RDOT, Field, R
+from derive.mechanics.motion.products import product
 from derive.mechanics.sums import ALPHA, ModeSum, TableSum
 from derive.mechanics.symbols import Family, I, Symbol, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
@@ -84,7 +85,7 @@ def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> 
     """The value of a field at a material point, in the inertial frame; `values` are r, rdot and Phi_i there."""
     still = sp.zeros(motion.rotation.rows, 1)
     moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
-    return (field.get(ONE, still) + motion.rotation * sum(moving, still)).expand()
+    return (field.get(ONE, still) + product(motion.rotation, sum(moving, still))).expand()
 
 
 def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Expr:

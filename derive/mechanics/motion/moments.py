@@ -14,6 +14,7 @@ from typing import Protocol
 import sympy as sp
 
 from derive.mechanics.motion.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
+from derive.mechanics.motion.products import inner, product
 from derive.mechanics.symbols import Family, I, ShapeIndex, Symbol, local, quantity
 
 STRETCH, SHEAR, NAMELESS = local("stretch"), local("shear"), local("nameless")
@@ -121,14 +122,14 @@ def total(a: Field, b: Field, moments: Moments) -> sp.Expr:
 
 def _pair(f: str, a: sp.Matrix, g: str, b: sp.Matrix, moments: Moments) -> sp.Expr:
     if f == ONE and g == ONE:
-        return moments.mass * a.dot(b)
+        return moments.mass * inner(a, b)
     if f == ONE:
-        return (moments.rotation * b * moments.first(g)).dot(a)
+        return inner(product(moments.rotation, b, moments.first(g)), a)
     if g == ONE:
-        return (moments.rotation * a * moments.first(f)).dot(b)
+        return inner(product(moments.rotation, a, moments.first(f)), b)
     if f == HERE:
-        return (b * moments.first(g)).dot(a)
-    result = sp.expand(sum((a.T * b).multiply_elementwise(moments.second(f, g)), sp.S.Zero))
+        return inner(product(b, moments.first(g)), a)
+    result = sp.expand(sum(product(a.T, b).multiply_elementwise(moments.second(f, g)), sp.S.Zero))
     if result.free_symbols & moments.unknown:
         raise ArithmeticError(f"the virtual work of {f} on {g} depends on the choice of the body frame")
     return result

@@ -46,6 +46,10 @@ STOPPED = 9
 CONSISTENT = 1e-12
 """The largest |g| (m, rad) and |gdot| (m/s, rad/s) after projection."""
 
+PROXIMAL = 1e-9
+"""The proximal term in the iteration matrix of a model whose joints may be redundant, relative to the compliance of
+each constraint."""
+
 
 class IntegratorError(TisserandError):
     """An integration stopped with a return code other than 0; `partial` has the rows it has reached, then NaN."""

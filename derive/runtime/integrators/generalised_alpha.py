@@ -12,6 +12,7 @@ from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CODES,
     CONSISTENT,
+    PROXIMAL,
     STOPPED,
     Array,
     CIntegrator,
@@ -39,9 +40,6 @@ ALPHA_CODES = {
 
 SOURCES = ("fixed_step", "rotations", "generalised_alpha")
 """The C files of the method in `templates/host`."""
-
-PROXIMAL = 1e-9
-"""The proximal term of a model whose joints may be redundant, relative to the compliance of each constraint."""
 
 
 class _AlphaOptions(ctypes.Structure):

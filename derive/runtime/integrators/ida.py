@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CONSISTENT,
+    PROXIMAL,
     STOPPED,
     Array,
     CIntegrator,
@@ -38,6 +39,7 @@ class _IdaOptions(ctypes.Structure):
         ("start", ctypes.c_double),
         ("step_max", ctypes.c_double),
         ("steps_max", ctypes.c_long),
+        ("proximal", ctypes.c_double),
     ]
 
 
@@ -95,7 +97,8 @@ class Ida(CIntegrator):
         name, absolute = None if form is None else form.encode(), rtol if atol is None else atol
         factors = None if weights is None else checked_array("weights", weights, (self.native.nq + self.native.nv,))
         scaled = None if factors is None else factors.ctypes.data
-        options = _IdaOptions(name, rtol, absolute, scaled, order, consistent, step_max, steps_max)
+        term = PROXIMAL if self.native.proximal else 0.0
+        options = _IdaOptions(name, rtol, absolute, scaled, order, consistent, step_max, steps_max, term)
         table: Array = np.empty((rows, self.width))
         counts, observer = _IdaCounts(), Observer(observe, self.width)
         with observer.interrupts():

@@ -120,7 +120,7 @@ def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start
     least = rounding(np.array(q, dtype=float)) if model.proximal else 0  # smaller entries are rounding errors
     for (i, j), value in zip(model.pattern("constraint_jacobian", "G").entries, values, strict=True):
         G[i, j] = value if abs(value) > least else 0
-    exact = [x.exact for x in start] if len(start) == len(model.velocities) else [False] * len(model.velocities)
+    exact = _exact(model, start)
     weighted = mpmath.diag([STIFFNESS if of else 1 for of in exact]) * G.T
     matrix = G * weighted
     if model.proximal:
@@ -130,6 +130,22 @@ def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start
         return list(weighted * mpmath.lu_solve(matrix, -mpmath.matrix(residual)))
     except ZeroDivisionError as error:
         raise NoStartState(f"{model.name}: the constraints do not determine the initial state") from error
+
+
+def _exact(model: Model, start: list[_Rounded]) -> list[bool]:
+    """Of each velocity whether the rounded number that changes with it is exact; of a quaternion none is."""
+    if len(start) == len(model.velocities):
+        return [x.exact for x in start]
+    result: list[bool] = []
+    places = iter(zip(model.coordinates, start, strict=True))
+    for coordinate, x in places:
+        if coordinate.role is Role.QUATERNION:
+            for _ in range(COMPONENTS - 1):
+                next(places)
+            result += [False] * (COMPONENTS - 1)
+        else:
+            result.append(x.exact)
+    return result
 
 
 def _normalise(model: Model, q: list[Any]) -> None:

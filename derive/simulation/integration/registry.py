@@ -98,6 +98,6 @@ EXPLICIT = frozenset(("adaptive", "dop853", "scipy", "rk45", "rk4"))
 PASSING = EXPLICIT | {"generalised-alpha"}
 """The integrators that pass singular positions: accelerations resolve them, and so does the proximal term of the
 generalised-alpha method."""
-RESOLVING = PASSING | {"ida"}
-"""The integrators that follow motions with redundant joints. The proximal term that IDA has in Python does not bring it
-through singular positions, and in C it factorises a matrix that is singular."""
+RESOLVING = PASSING | {"ida", "c_ida"}
+"""The integrators that follow motions with redundant joints. The proximal term of IDA does not bring it through
+singular positions."""

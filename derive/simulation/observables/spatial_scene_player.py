@@ -74,7 +74,7 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
     paths = []
     for body in drawn:
         pose = motion.pose(body.name)
-        names = (owned(amplitude(i), body.name).name for i in range(1, len(body.phi) + 1))
+        names = (owned(amplitude(i), body.name).identity.shown for i in range(1, len(body.phi) + 1))
         places = [motion.native.coordinates.index(name) for name in names]
         paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
     return paths

@@ -16,8 +16,8 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, max_norm
-from derive.simulation.configurations import Mask, displaced, velocities_with
-from derive.simulation.constraints.closest_state import ClosestState, closest_state, perturbed
+from derive.simulation.configurations import QUATERNION, Mask, blocks, displaced, velocities_with
+from derive.simulation.constraints.closest_state import CONSISTENT, ClosestState, closest_state, perturbed
 from derive.simulation.initial.targets import Strength
 from derive.simulation.space.poses import SpatialPoses
 from derive.simulation.space.targets import SpatialTarget
@@ -117,7 +117,7 @@ def assembled(assembler: SpatialAssembler, guess: Vector, targets: Sequence[Spat
                 if not state.converged:
                     best = state if kept and (best is None or state.error < best.error) else best
                     continue
-                q = _fitted(assembler, system, soft, state.q, free)
+                q = _unwound(assembler, system, soft, guess, _fitted(assembler, system, soft, state.q, free))
                 fitted = ClosestState(q, native.constraints(t, q, k))
                 closed.append((float(np.linalg.norm(assembler.missed(soft, q)[0])), fitted))
                 if angle == 0.0:
@@ -162,6 +162,36 @@ def _fitted(
                 break
         else:
             break
+    return q
+
+
+def _unwound(
+    assembler: SpatialAssembler,
+    system: WithSpatialTargets | NativeScene,
+    soft: Sequence[SpatialTarget],
+    guess: Vector,
+    q: Vector,
+) -> Vector:
+    """The configuration q without whole turns against the guess, which steps of an iteration may make.
+
+    Where constraints or targets count turns, as those of a screw do, they stay. Signs of quaternions are those of the
+    guess.
+    """
+
+    def missed(of: Vector) -> float:
+        values = (system.constraints(assembler.t, of, assembler.k), assembler.missed(soft, of)[0])
+        return max(max_norm(part) for part in values)
+
+    for i, _, role in blocks(assembler.native):
+        trial = q.copy()
+        if role is Role.QUATERNION and q[i : i + QUATERNION] @ guess[i : i + QUATERNION] < 0:
+            trial[i : i + QUATERNION] *= -1
+        elif role is Role.ROTATION and (turns := round((q[i] - guess[i]) / (2 * np.pi))):
+            trial[i] -= 2 * np.pi * turns
+        else:
+            continue
+        if missed(trial) <= missed(q) + CONSISTENT:
+            q = trial
     return q
 
 

@@ -18,7 +18,7 @@ from derive.simulation.configurations import quaternion_of, rotation_vector
 from derive.simulation.space.joint_targets import parallel_axes
 from derive.simulation.space.marker_frames import frame_of
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import joined
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 _ORTHOGONAL = {("rx",): (2, 1), ("ry",): (2, 0), ("rz",): (1, 0)}
@@ -102,14 +102,14 @@ def open_joints(scene: SpatialScene, poses: SpatialPoses, g: Vector) -> tuple[Pr
         if joint_type.keeps_distance and joint.distance is not None:
             apart = [float(np.linalg.norm(d)) - float(joint.distance)]
         if joint_type.is_screw:
-            apart.append(float(missed.get(identifier(joined(joint.name, SCREW.label)), 0.0)))
+            apart.append(float(missed.get(joined(joint.name, SCREW.label), 0.0)))
         turned = rotation_vector(quaternion_of(first.axes.T @ second.axes))
         angles = [float(turned[i]) for i, name in enumerate(ROTATIONS) if name in removed]
         distance, angle = float(np.linalg.norm(apart)), float(np.linalg.norm(angles))
         if distance > SEEN * poses.size or angle > SEEN:
             problems.append(Problem(f"joints.{joint.name}", _open_text(distance, angle)))
     for gear in scene.gears:
-        amount = abs(float(missed[identifier(gear.name)]))
+        amount = abs(float(missed[gear.name]))
         if amount > SEEN:
             coupled = next(joint for joint in scene.joints if joint.name == gear.joints[1])
             rotates = SPATIAL_JOINTS[coupled.kind].coupled(coupled) is Freedom.ROTATION

@@ -63,8 +63,8 @@ def _possible(body: SpatialBody) -> Iterator[str]:
         (Family.GUIDE, ((), *((k,) for k in axes))),
     ]
     for family, components in families:
-        yield from (owned(quantity(family, *of), body.name).name for of in components)
-    yield from (owned(amplitude(i), body.name).name for i in range(1, MAX_MODES + 1))
+        yield from (owned(quantity(family, *of), body.name).identity.shown for of in components)
+    yield from (owned(amplitude(i), body.name).identity.shown for i in range(1, MAX_MODES + 1))
 
 
 def _origin(body: SpatialBody) -> Vector:

@@ -15,7 +15,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import quaternion_of, rotation_vector
 from derive.simulation.space.marker_frames import MarkerFrame, deformed_frame, frame_of
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
@@ -38,7 +38,7 @@ def joint_coordinate(joint: SpatialJoint, freedom: Freedom, native: NativeScene)
         return None
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
     for marker, sign in ((joint.second, 1), (joint.first, -1)):
-        q, v = (owned(quantity(family, derivative=d), marker.body).name for d in (0, 1))
+        q, v = (owned(quantity(family, derivative=d), marker.body).identity.shown for d in (0, 1))
         if q in native.coordinates:
             return JointColumn(native.coordinates.index(q), native.velocities.index(v), sign)
     return None
@@ -47,7 +47,7 @@ def joint_coordinate(joint: SpatialJoint, freedom: Freedom, native: NativeScene)
 def is_constraint(joint: SpatialJoint, native: NativeScene) -> bool:
     """Whether a joint is a constraint of the compiled scene, and has eliminated no coordinates."""
     rows = SPATIAL_JOINTS[joint.kind].rows(joint)
-    return any(identifier(joined(joint.name, row.label)) in native.multipliers for row in rows[:1])
+    return any(joined(joint.name, row.label) in native.multipliers for row in rows[:1])
 
 
 def motion_of_joint(

@@ -100,7 +100,7 @@ def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
             rate = key == "amplitude_rates"
             columns = tuple(_amplitude(native, body.name, i) for i in range(1, len(values) + 1))
             places = tuple(
-                native.coordinates.index(owned(amplitude(i), body.name).name) for i, _ in enumerate(values, 1)
+                native.coordinates.index(owned(amplitude(i), body.name).identity.shown) for i, _ in enumerate(values, 1)
             )
             yield SpatialTarget(
                 table, key, values, given, False, rate, _amplitudes(places, columns, np.array(values), rate), columns

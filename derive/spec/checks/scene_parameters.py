@@ -10,6 +10,7 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, bushing_unit
 from derive.registry import Registry
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
@@ -132,7 +133,9 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
             yield SceneConstant(("gears", name, key), gear.get(key), f"{key} of the gear {name}", "")
     for section, default in DEFAULT_KINDS.items():
         for name, table in view.tables[section].items():
-            yield from _force(section, name, table, str(table.get("kind", default)))
+            kind = str(table.get("kind", default))
+            bushing = view.in_space and section == "springs" and kind in SPATIAL_BUSHINGS
+            yield from _of_bushing(name, table, kind) if bushing else _force(section, name, table, kind)
     yield from _of_functions(view)
 
 
@@ -174,6 +177,18 @@ def _force(section: str, name: str, table: Mapping[str, object], kind: str) -> I
     for key in dict.fromkeys(key for force_type in types.values() for key in quantities(force_type.keys)):
         what = f"{key} of the {NAMED[section]} {name}"
         yield SceneConstant((section, name, key), table.get(key), what, units.get(key))
+
+
+def _of_bushing(name: str, table: Mapping[str, object], kind: str) -> Iterator[SceneConstant]:
+    """The constants in the six numbers, or in the matrices, of a bushing in space."""
+    for key in (key.name for key in SPATIAL_BUSHINGS[kind].keys):
+        rows = table.get(key)
+        for i, row in enumerate(rows[:6] if isinstance(rows, (list, tuple)) else ()):
+            path: KeyPath = ("springs", name, key, i)
+            several = isinstance(row, (list, tuple))
+            for j, entry in enumerate(row[:6]) if several else ((i, row),):
+                own: KeyPath = (*path, j) if several else path
+                yield SceneConstant(own, entry, f"{key} of the spring {name}", bushing_unit(key, i, j))
 
 
 def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[SceneConstant]:

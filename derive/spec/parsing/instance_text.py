@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from derive.errors import quoted
+from derive.spec.parsing.names import INDEX
 from derive.spec.parsing.parser import ExpressionError, names_of
-from derive.spec.parsing.time_expression import CONSTANT, INDEX, number_formula
+from derive.spec.parsing.time_expression import CONSTANT, number_formula
 
 MAX_POWER = 10_000
 """The highest power in a formula, such as that of 0.9^i, whose value may have so many digits that it is rounded."""

@@ -9,6 +9,10 @@ from derive.errors import quoted
 
 MAX_LENGTH = 40
 PATTERN = "[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*"
+INDEX = "i"
+"""The name of the index of tables with a count."""
+NO_INDEX = "it is the index in tables with `count`, and this table has none"
+"""The hint where the index is unknown."""
 INDEX_PATTERN = r"\[(0|[1-9][0-9]{0,4})\]"
 """The index behind the name of an instance, as in link[3]."""
 

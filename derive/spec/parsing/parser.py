@@ -20,6 +20,7 @@ from fractions import Fraction
 from typing import ClassVar, Generic, NamedTuple, NoReturn, TypeVar
 
 from derive.errors import TisserandError, quoted
+from derive.spec.parsing.names import INDEX, NO_INDEX
 
 MAX_LENGTH = 200
 MAX_POWER = 40
@@ -260,6 +261,8 @@ class Parser(Generic[Value]):
         if not near and len(known) == 1 and len(token.text) == 1:
             near = [*known]
         hint = f"; did you mean {quoted(near[0])}?" if near else f": {self.made_of}"
+        if token.text == INDEX:
+            hint = f"; {NO_INDEX}"
         self.fail(token, f"the {'function' if called else 'name'} {quoted(token.text)} is unknown{hint}")
 
     def too_large(self, at: Token) -> NoReturn:

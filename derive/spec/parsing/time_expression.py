@@ -16,6 +16,7 @@ from typing import ClassVar, NoReturn
 
 from derive.errors import quoted
 from derive.spec.model.time_function import Spline, TimeFunction, depends_on_time, parts, value_at
+from derive.spec.parsing.names import INDEX, NO_INDEX
 from derive.spec.parsing.parser import MAX_POWER, Parser, Token, fits
 
 TIME = TimeFunction("t")
@@ -31,8 +32,6 @@ WHOLE = {"floor": 1, "mod": 2}
 """Functions of numbers alone, for rows and grids of instances, with their numbers of operands; they have jumps."""
 FUNCTIONS = (*OPERANDS, "piecewise", *WHOLE)
 """The functions that an expression may call besides tables."""
-INDEX = "i"
-"""The name of the index of tables with a count."""
 CONSTANT = frozenset(("pi", *FUNCTIONS))
 """The names in expressions that are numbers."""
 
@@ -236,7 +235,7 @@ class _NumberFormulas(_Functions):
             super().unknown(token, called)
         hint = self.made_of
         if token.text == INDEX:
-            hint = "it is the index in tables with `count`, and this table has none"
+            hint = NO_INDEX
         self.fail(token, f"{quoted(token.text)} is no number; {hint}")
 
 

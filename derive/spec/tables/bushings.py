@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any
 
 from pydantic import AfterValidator
 
+from derive.mechanics.multibody.space.springs import bushing_unit
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.quantities import SignedQuantity, quantity
@@ -15,6 +17,18 @@ from derive.spec.tables.shared import components, one_of
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 ROUNDING = 1e-9
 """The part of the entries by which a matrix may fail to be positive semidefinite, since entries are rounded."""
+
+
+def bushing_with_units(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the keys of a bushing, whose parameters without a unit have that of their entry."""
+
+    def entry(key: str, of: Quantity, i: int, j: int) -> Quantity:
+        return replace(of, unit=bushing_unit(key, i, j)) if isinstance(of, Parameter) and not of.unit else of
+
+    def row(key: str, of: Any, i: int) -> Any:
+        return tuple(entry(key, x, i, j) for j, x in enumerate(of)) if isinstance(of, tuple) else entry(key, of, i, i)
+
+    return {key: tuple(row(key, of, i) for i, of in enumerate(rows)) for key, rows in values.items()}
 
 
 def _six(values: Sequence[Any]) -> tuple[Quantity, ...]:

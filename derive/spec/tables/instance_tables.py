@@ -14,8 +14,8 @@ from derive.spec.model.instances import COUNT, COUNTED, instance_name
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, did_you_mean
 from derive.spec.parsing.instance_text import at_index, contains_index, reference, symbol_at
+from derive.spec.parsing.names import INDEX
 from derive.spec.parsing.scene_values import instance_count
-from derive.spec.parsing.time_expression import INDEX
 from derive.spec.parsing.values import WrongValueError
 
 Data = Mapping[str, object]

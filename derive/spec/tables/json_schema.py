@@ -11,18 +11,21 @@ from derive.spec.tables.specification import specification_table
 
 
 def json_schema() -> str:
-    """The JSON schema of all specifications: sections that differ in space may have either form."""
+    """The JSON schema of all specifications: sections may have either form, and gears are of scenes in space alone."""
     planar, spatial = (schema_of(table) for table in (specification_table(), spatial_specification_table()))
     definitions = {**planar["$defs"], **spatial["$defs"]}
     for name, definition in spatial["$defs"].items():
         if planar["$defs"].get(name, definition) != definition:
             raise ValueError(f"two tables of the JSON schema are called {name}")
     properties = {name: _either(value, spatial["properties"].get(name)) for name, value in planar["properties"].items()}
+    alone = {name: value for name, value in spatial["properties"].items() if name not in properties}
+    needs = {**planar["dependentRequired"], **{name: ["bodies"] for name in alone}}
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **planar,
+        "dependentRequired": dict(sorted(needs.items())),
         "$defs": dict(sorted(definitions.items())),
-        "properties": properties,
+        "properties": {**properties, **alone},
     }
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 

@@ -24,6 +24,7 @@ from derive.spec.model.spatial_forces import (
     SpatialTorque,
 )
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialJointInitialValues, SpatialScene
+from derive.spec.tables.bushings import bushing_with_units
 from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare, keyed_model
 from derive.spec.tables.registered_tables import registered_table
 from derive.spec.tables.scene_elements import output_table, with_speed_units
@@ -86,7 +87,7 @@ def _kind_of_spring(value: Any) -> str:
 
 def _spring(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialSpring:
     first, second = own["first"]
-    return SpatialSpring("", kind, first, second, given)
+    return SpatialSpring("", kind, first, second, bushing_with_units(given) if kind in SPATIAL_BUSHINGS else given)
 
 
 SPATIAL_GROUND_TABLE, SPATIAL_SCENE_TABLE = ground_and_scene(SpatialScene, "Spatial", "a scene in space")

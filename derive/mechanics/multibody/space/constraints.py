@@ -103,7 +103,7 @@ def row_motion(
     for frame, force, torque in ((first, f1, m1), (second, f2, m2)):
         pairs = ((force, frame.acceleration), (torque, frame.angular_acceleration))
         for factors, acceleration in pairs:
-            bias += sp.Add(*(f * a.xreplace(still) for f, a in zip(factors, acceleration, strict=True)))
+            bias += sp.Add(*(f * a.xreplace(still) for f, a in zip(factors, acceleration, strict=True) if f))
     works = (dict(first.work(f1, m1)), dict(second.work(f2, m2)))
     return RowMotion(
         row.g.xreplace(values), of.rate.xreplace(values), bias, reduce(_sum, works), (f1, m1, f2, m2), frames_bias

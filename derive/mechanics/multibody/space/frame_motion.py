@@ -19,6 +19,7 @@ from derive.mechanics.motion.material_points import (
     radius_and_rate,
     tangent_vectors,
 )
+from derive.mechanics.motion.products import product
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.symbols import Family, Identity, Symbol
@@ -78,8 +79,8 @@ class FrameMotion:
     def work(self, force: sp.Matrix, torque: sp.Matrix) -> Iterator[tuple[str, sp.Expr]]:
         """The virtual work of a force at the point and a torque on the frame, both inertial: a factor for each row."""
         moment = cross(self.lever, force) + sp.Matrix(torque)
-        in_body = [self.frame.T * sp.Matrix(vector) for vector in (force, torque)]
-        of_twist = self.tangent.T * in_body[1]
+        in_body = [product(self.frame.T, sp.Matrix(vector)) for vector in (force, torque)]
+        of_twist = product(self.tangent.T, in_body[1])
         for v in self.virtual:
             pairs = ((v.translation, force), (v.rotation, moment), (v.deformation, in_body[0]), (v.twist, of_twist))
             total = sp.Add(*(dot(a, b) for a, b in pairs))
@@ -88,8 +89,8 @@ class FrameMotion:
 
     def constrained(self, force: sp.Matrix, torque: sp.Matrix) -> ConstrainedFrame:
         """The frame as a constraint acts on it, with the force and the torque of a unit multiplier."""
-        tangent = self.frame * self.tangent
-        turns = ((v.row, v.rotation + tangent * v.twist if any(v.twist) else v.rotation) for v in self.virtual)
+        tangent = product(self.frame, self.tangent)
+        turns = ((v.row, v.rotation + product(tangent, v.twist) if any(v.twist) else v.rotation) for v in self.virtual)
         turning = {row: sp.ImmutableMatrix(factor) for row, factor in turns if any(factor)}
         rotation = self._free_rotation(tuple(turning))
         others = tuple((row, factor) for row, factor in turning.items() if not rotation or row not in rotation.rows)
@@ -147,12 +148,18 @@ class FrameMotion:
 
 def cross(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Matrix:
     """The product a x b, not expanded."""
-    return sp.Matrix([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    pairs = ((1, 2), (2, 0), (0, 1))
+    return sp.Matrix([_times(a[i], b[j]) - _times(a[j], b[i]) for i, j in pairs])
+
+
+def _times(x: sp.Expr, y: sp.Expr) -> sp.Expr:
+    """x y; SymPy would ask whether a sum that zero multiplies is finite."""
+    return x * y if x and y else sp.S.Zero
 
 
 def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
     """The product a . b, not expanded."""
-    return sp.Add(*(_product(x, y) for x, y in zip(a, b, strict=True)))
+    return sp.Add(*(_product(x, y) for x, y in zip(a, b, strict=True) if x and y))
 
 
 def _product(x: sp.Expr, y: sp.Expr) -> sp.Expr:
@@ -199,21 +206,21 @@ def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
     of_body, named = _Definitions(""), _Definitions(point.name)
     c, cdot, cddot = (sp.Matrix([*of]) for of in _origin(motion))
     omega, omegadot = sp.Matrix(motion.frame.omega), sp.Matrix(motion.frame.omegadot)
-    w = of_body(Family.INERTIAL_OMEGA, Q * omega, "angular velocity in the inertial frame")
+    w = of_body(Family.INERTIAL_OMEGA, product(Q, omega), "angular velocity in the inertial frame")
     u, r, rdot, rddot = _radius(motion, point, named)
-    lever = named(Family.LEVER, Q * r, f"Q r at {point.name}")
-    relative = named(Family.SECTION_VELOCITY, Q * rdot, f"Q rdot at {point.name}")
+    lever = named(Family.LEVER, product(Q, r), f"Q r at {point.name}")
+    relative = named(Family.SECTION_VELOCITY, product(Q, rdot), f"Q rdot at {point.name}")
     sdot = named(Family.LEVER, cross(w, lever) + relative, f"time derivative of Q r at {point.name}", 1)
-    wdot = Q * omegadot
-    acceleration = cddot + cross(wdot, lever) + cross(w, sdot + relative) + Q * rddot
+    wdot = product(Q, omegadot)
+    acceleration = cddot + cross(wdot, lever) + cross(w, sdot + relative) + product(Q, rddot)
     turned = _turned(motion, section, named)
-    axes = Q * turned.matrix * section.axes
+    axes = product(Q, turned.matrix, section.axes)
     if section.axes != FIXED_AXES or turned.deforms:
         axes = sp.Matrix(
             3, 3, lambda i, j: named.one(Family.FRAME_AXES, axes[i, j], f"axes of {point.name}", (i + 1, j + 1))
         )
-    spin = named(Family.SECTION_SPIN, Q * turned.spin, f"angular velocity of {point.name} against its body")
-    angular_acceleration = wdot + cross(w, spin) + Q * turned.acceleration
+    spin = named(Family.SECTION_SPIN, product(Q, turned.spin), f"angular velocity of {point.name} against its body")
+    angular_acceleration = wdot + cross(w, spin) + product(Q, turned.acceleration)
     return FrameMotion(
         definitions=(*of_body.made, *named.made),
         position=sp.ImmutableMatrix(c + lever),
@@ -278,7 +285,9 @@ def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turn
     scale = named.one(Family.SECTION_SCALE, 1 / (1 + dot(theta, theta) / 4), f"scale of the rotation of {name}")
     values = {**dict(zip(THETA, theta, strict=True)), **dict(zip(RATE, rate, strict=True)), SCALE: scale}
     matrix, tangent, bias = (of.xreplace(values) for of in section_rotation())
-    return _Turned(matrix, tangent, tangent * rate, bias + tangent * total(motion.alphaddot), twists, True)
+    return _Turned(
+        matrix, tangent, product(tangent, rate), bias + product(tangent, total(motion.alphaddot)), twists, True
+    )
 
 
 def _virtual(motion: Motion, point: MaterialPoint, turned: _Turned) -> Iterator[VirtualMotion]:

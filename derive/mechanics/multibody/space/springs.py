@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import sympy as sp
 
+from derive.errors import Problem, SpecError
 from derive.mechanics.multibody.space.forces import (
     NONE,
     ActionLoads,
@@ -28,10 +29,16 @@ from derive.spec.model.spatial_forces import (
 
 
 def _linear(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
-    """A tension along the line between the markers."""
+    """A tension along the line between the markers. Raises SpecError where a joint makes it a point."""
     name = ElementDefinitions(spring.name, f"spring {spring.name}")
     first, second = frames
     apart = name.vector("apart", second.position - first.position, "vector")
+    if not any(apart):
+        text = (
+            f"a joint keeps {spring.first} and {spring.second} together, so that no line between them has a direction; "
+            "name other markers, or write a rotational spring or a bushing"
+        )
+        raise SpecError((Problem(f"springs.{spring.name}.between", text),))
     length = name("length", sp.sqrt(dot(apart, apart)), "length")
     extension = length - values["rest"]
     tension, dissipation = values["stiffness"] * extension, sp.S.Zero
@@ -208,6 +215,13 @@ SPATIAL_BUSHINGS = {
     )
 }
 """The kinds of bushings, whose keys have six numbers or a matrix each."""
+_UNITS = {"stiffness": ("N/m", "N", "N m/rad"), "damping": ("N s/m", "N s", "N m s/rad")}
+"""The units of the entries of these keys between displacements, of both kinds, and between rotations."""
+
+
+def bushing_unit(key: str, i: int, j: int) -> str:
+    """The unit of the entry in row i and column j of a matrix of a bushing; six numbers are its diagonal."""
+    return _UNITS[key][sum(BUSHING_ROWS[number].unit == "rad" for number in (i, j))]
 
 
 def spring_type(kind: str) -> SpatialSpringType:
