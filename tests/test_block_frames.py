@@ -56,7 +56,6 @@ def test_quadratic_forms_are_moments_of_inertia(frame: str) -> None:
     assert alone == pytest.approx(both, rel=1e-13)
 
 
-
 @cache
 def between(modes: int) -> Array:
     """Each shape of the mean frame as a combination of shapes of the point frame, translations and rotations."""
