@@ -307,4 +307,4 @@ def test_cost_of_second_order(n: int) -> None:
     first, second = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
     assert operations(bodies.MEAN, second) == operations(bodies.MEAN, first)
     counted, predicted = operations(bodies.GIVEN, second)
-    assert counted == {2: 463, 4: 1085, 6: 2003}[n] and predicted == pytest.approx(counted, rel=0.1)
+    assert counted == {2: 445, 4: 1061, 6: 1973}[n] and predicted == pytest.approx(counted, rel=0.1)

@@ -85,4 +85,4 @@ def flat_operations(body: Body) -> int:
     vectors = 4 * (int(c7dot.sum()) + c2) + 2 * (c6 + c4)
     upper = np.triu_indices(body.modes)
     second_order = sum(int(present[f][upper].sum()) for f in (Family.C9, Family.C10) if f in present)
-    return 6 * second_order + 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present[Family.C2].any() else 60)
+    return 6 * second_order + 2 * pairs + 5 * int(s.sum()) + vectors + (135 if present[Family.C2].any() else 45)

@@ -50,16 +50,21 @@ def amd_order(pattern: Pattern) -> tuple[int, ...]:
     return tuple(ca.Sparsity.triplet(pattern.rows, pattern.cols, rows + diagonal, cols + diagonal).amd())
 
 
-def least_degree_order(pattern: Pattern) -> tuple[int, ...]:
+def least_degree_order(pattern: Pattern, coordinates: int | None = None) -> tuple[int, ...]:
     """The minimum degree order with exact degrees; of equal ones, rows that wait for the fewest others come first.
+
+    coordinates: the number of rows before those of multipliers, which wait for their coordinates; by default there are
+    no multipliers.
 
     AMD eliminates rows of one neighbourhood together, such as the three rotations of a body: where the last of its
     modes have as many neighbours, rotations come before them, which adds fill-in and pivots that wait for each other.
     """
     graph, order = graph_of(pattern), list[int]()
     waits = dict.fromkeys(graph, 0)
+    missing = {} if coordinates is None else _coordinates_of(pattern, coordinates)
     while graph:
-        node = min(graph, key=lambda n: (len(graph[n]), waits[n], n))
+        ready = (n for n in graph if missing.get(n, set()).isdisjoint(graph))
+        node = min(ready, key=lambda n: (len(graph[n]), waits[n], n))
         for other in eliminated(graph, node):
             waits[other] = max(waits[other], waits[node] + 1)
         order.append(node)
@@ -88,21 +93,20 @@ def rounds_of_least_degree(pattern: Pattern) -> tuple[int, ...]:
 def safe_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
     """The elimination order of the KKT matrix [M, -G^T; -G, 0], whose first `coordinates` rows are those of M.
 
-    It is a minimum degree order, except that each multiplier is eliminated after its coordinates. Then no pivot
+    It is a minimum degree order, except that each multiplier is eliminated after its coordinates: one in which it moves
+    behind them, or one in which it does not take part before. Then no pivot
     vanishes in any state in which M is positive definite and the rows of G are independent, whatever entries of G
     vanish there: the eliminated block contains every eliminated multiplier with its complete row of G and is
     therefore regular. Pivots of coordinates are positive, those of multipliers negative.
     """
-    orders = (_multipliers_last(pattern, coordinates, order(pattern)) for order in (amd_order, least_degree_order))
+    orders = [_multipliers_last(pattern, coordinates, order(pattern)) for order in (amd_order, least_degree_order)]
+    orders.append(least_degree_order(pattern, coordinates))
     return min(orders, key=lambda order: work(pattern, order))
 
 
 def _multipliers_last(pattern: Pattern, coordinates: int, nodes: Sequence[int]) -> tuple[int, ...]:
     """An order of the rows of a KKT matrix with each multiplier moved behind the last of its coordinates."""
-    missing: dict[int, set[int]] = {k: set() for k in range(coordinates, pattern.rows)}
-    for i, j in pattern.entries:
-        if i >= coordinates > j:
-            missing[i].add(j)
+    missing = _coordinates_of(pattern, coordinates)
     order: list[int] = []
     waiting: list[int] = []
     for node in nodes:
@@ -116,6 +120,15 @@ def _multipliers_last(pattern: Pattern, coordinates: int, nodes: Sequence[int]) 
         order += ready
         waiting = [k for k in waiting if missing[k]]
     return tuple(order)
+
+
+def _coordinates_of(pattern: Pattern, coordinates: int) -> dict[int, set[int]]:
+    """The coordinates of each multiplier."""
+    result: dict[int, set[int]] = {k: set() for k in range(coordinates, pattern.rows)}
+    for i, j in pattern.entries:
+        if i >= coordinates > j:
+            result[i].add(j)
+    return result
 
 
 def coordinates_first(pattern: Pattern, coordinates: int) -> tuple[int, ...]:

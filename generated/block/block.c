@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_563f3aa15ab99ba0
+#ifndef BLOCK_HASH_516daa5d7d1e6891
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -72,54 +72,34 @@ int block_mass(
     const double alpha1 = q[7];
     const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
-    const double alpha3 = q[9];
-    const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
-    const double alpha2 = q[8];
-    const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double alpha2 = q[8];
     const double S_2_11 = 0.8385822755284659 * alpha2;
-    const double S_2_13 = 0.17281858343053574 * alpha3;
     const double S_2_22 = 0.1617571164547129 * alpha2;
-    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
     const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double alpha3 = q[9];
     const double S_3_11 = 0.9959824929644516 * alpha3;
-    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
-    const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
     const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
-    const double alpha7 = q[13];
-    const double S_4_12 = (-0.07653897132838097) * alpha7;
-    const double alpha6 = q[12];
-    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
-    const double alpha5 = q[11];
-    const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double alpha5 = q[11];
     const double S_5_11 = 0.7757986416100022 * alpha5;
-    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
-    const double S_5_13 = (-0.17116304786243786) * alpha7;
     const double S_5_22 = 0.22560185358382823 * alpha5;
-    const double S_5_23 = 0.40905294172354 * alpha4;
     const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double alpha6 = q[12];
     const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
-    const double S_6_12 = (-0.08100155107836308) * alpha5;
-    const double S_6_13 = 0.06612677259881924 * alpha4;
     const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
-    const double S_6_23 = (-0.009791878445593954) * alpha7;
     const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double alpha7 = q[13];
     const double S_7_11 = 0.9836361321701889 * alpha7;
-    const double S_7_12 = (-0.07653897132838097) * alpha4;
-    const double S_7_13 = (-0.17116304786243786) * alpha5;
     const double S_7_22 = 0.7598894642705915 * alpha7;
-    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
     const double S_7_33 = 0.2564744035592197 * alpha7;
     const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
-    const double S_8_12 = 0.05213396507997798 * alpha3;
     const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
-    const double S_8_23 = (-0.02992582521388207) * alpha2;
     const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
 
     /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
@@ -148,15 +128,17 @@ int block_mass(
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
         + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
         + S_7_11 * alpha7 + S_8_11 * alpha8);
-    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
-        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
-    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
-        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_12 = 0.038444918936798696 * alpha5 + (-0.13967354836034546) * (alpha1 * alpha3)
+        + 0.10426793015995596 * (alpha3 * alpha8) + (-0.15307794265676195) * (alpha4 * alpha7)
+        + (-0.16200310215672617) * (alpha5 * alpha6);
+    const double J_13 = (-0.013897455775513832) * alpha4 + 0.3456371668610715 * (alpha2 * alpha3)
+        + 0.1322535451976385 * (alpha4 * alpha6) + (-0.3423260957248757) * (alpha5 * alpha7);
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
         + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
         + S_7_22 * alpha7 + S_8_22 * alpha8);
-    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
-        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_23 = 7.282909540772963e-05 * alpha7 + (-0.8792347547386544) * (alpha1 * alpha2)
+        + (-0.05985165042776414) * (alpha2 * alpha8) + 0.81810588344708 * (alpha4 * alpha5)
+        + (-0.01958375689118791) * (alpha6 * alpha7);
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
         + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
         + S_8_33 * alpha8);
@@ -362,32 +344,33 @@ int block_force(
     const double t10 = 2.0 * omega1;
     const double t11 = 2.0 * omega2;
     const double t12 = 2.0 * omega3;
-    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-        + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2);
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12 + t11 * Sdot_22
-        + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3);
-    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-        + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
-    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22
-        - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
-    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22
-        - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
-    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
-    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
-        - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33 + t10 * c7dot_4_1
-        + t11 * c7dot_4_2 + t12 * c7dot_4_3);
-    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t10 * t1
-        + t11 * c7dot_5_2 + t12 * c7dot_5_3);
-    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
-        + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
-    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t10 * t2
-        - t11 * t6 - t12 * t8);
-    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22
-        - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
+    const double t13 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    h[3] = t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13 + omega2 * t13 - omega3 * t14;
+    const double t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    h[4] = t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23 + omega3 * t15 - omega1 * t13;
+    h[5] = t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33 + omega1 * t14 - omega2 * t15;
+    const double t16 = 2.0 * oo_12;
+    const double t17 = 2.0 * oo_23;
+    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t16 - S_1_22 * oo_22
+        - S_1_23 * t17 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
+    const double t18 = 2.0 * oo_13;
+    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t18 - S_2_22 * oo_22
+        - S_2_23 * t17 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
+    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t16 - S_3_13 * t18
+        - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
+    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t16 - S_4_13 * t18
+        - S_4_22 * oo_22 - (S_4_23 * t17 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2
+        + t12 * c7dot_4_3);
+    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t16 - S_5_13 * t18
+        - S_5_22 * oo_22 - (S_5_23 * t17 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
+        + t12 * c7dot_5_3);
+    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t16 - S_6_13 * t18
+        - S_6_22 * oo_22 - (S_6_23 * t17 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
+    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t16 - S_7_13 * t18
+        - S_7_22 * oo_22 - (S_7_23 * t17 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8);
+    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t16 - S_8_22 * oo_22
+        - S_8_23 * t17 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     return 0;
 }
 
@@ -468,27 +451,29 @@ int block_mass_force(
     const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
 
     /* alpha8 (15): force and column of M of alpha8 */
-    const double t1 = 2.0 * omega1;
+    const double t1 = 2.0 * oo_12;
+    const double t2 = 2.0 * oo_23;
+    const double t3 = 2.0 * omega1;
     const double alpha2dot = v[7];
-    const double t2 = 0.06014933573656158 * alpha2dot;
-    const double t3 = 2.0 * omega3;
+    const double t4 = 0.06014933573656158 * alpha2dot;
+    const double t5 = 2.0 * omega3;
     const double alpha3dot = v[8];
-    const double t4 = 0.10707341325868729 * alpha3dot;
-    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22
-        - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2 + t3 * t4;
+    const double t6 = 0.10707341325868729 * alpha3dot;
+    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t1 - S_8_22 * oo_22 - S_8_23 * t2
+        - S_8_33 * oo_33 + t3 * t4 + t5 * t6;
     M[36] = 1.0;
 
     /* alpha7 (15): force and column of M of alpha7 */
+    const double t7 = 2.0 * oo_13;
     const double alpha6dot = v[11];
-    const double t5 = 0.03812757101123808 * alpha6dot;
-    const double t6 = 2.0 * omega2;
+    const double t8 = 0.03812757101123808 * alpha6dot;
+    const double t9 = 2.0 * omega2;
     const double alpha5dot = v[10];
-    const double t7 = (-0.3338704835108587) * alpha5dot;
+    const double t10 = (-0.3338704835108587) * alpha5dot;
     const double alpha4dot = v[9];
-    const double t8 = 0.16411826642656863 * alpha4dot;
-    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t1 * t5
-        - t6 * t7 - t3 * t8);
+    const double t11 = 0.16411826642656863 * alpha4dot;
+    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t1 - S_7_13 * t7
+        - S_7_22 * oo_22 - (S_7_23 * t2 + S_7_33 * oo_33 - t3 * t8 - t9 * t10 - t5 * t11);
     M[35] = 1.0;
 
     /*
@@ -511,40 +496,38 @@ int block_mass_force(
     const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
 
     /* alpha6 (15): force and column of M of alpha6 */
-    const double t9 = (-0.13286677220194004) * alpha4dot;
-    const double t10 = (-0.17320212202534865) * alpha5dot;
-    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
-        + t1 * c7dot_6_1 - t6 * t9 - t3 * t10);
+    const double t12 = (-0.13286677220194004) * alpha4dot;
+    const double t13 = (-0.17320212202534865) * alpha5dot;
+    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t1 - S_6_13 * t7
+        - S_6_22 * oo_22 - (S_6_23 * t2 + S_6_33 * oo_33 + t3 * c7dot_6_1 - t9 * t12 - t5 * t13);
     M[34] = 1.0;
 
     /* alpha5 (15): force and column of M of alpha5 */
-    const double t11 = 0.8146287617076164 * alpha4dot;
-    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t1 * t11
-        + t6 * c7dot_5_2 + t3 * c7dot_5_3);
+    const double t14 = 0.8146287617076164 * alpha4dot;
+    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t1 - S_5_13 * t7
+        - S_5_22 * oo_22 - (S_5_23 * t2 + S_5_33 * oo_33 - t3 * t14 + t9 * c7dot_5_2
+        + t5 * c7dot_5_3);
     M[33] = 1.0;
 
     /* alpha4 (15): force and column of M of alpha4 */
-    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
-        - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33 + t1 * c7dot_4_1 + t6 * c7dot_4_2
-        + t3 * c7dot_4_3);
+    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t1 - S_4_13 * t7 - S_4_22 * oo_22
+        - (S_4_23 * t2 + S_4_33 * oo_33 + t3 * c7dot_4_1 + t9 * c7dot_4_2 + t5 * c7dot_4_3);
     M[32] = 1.0;
 
     /* alpha3 (15): force and column of M of alpha3 */
-    const double t12 = 0.3434623359074803 * alpha2dot;
-    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t6 * t12 - t3 * c7dot_3_3;
+    const double t15 = 0.3434623359074803 * alpha2dot;
+    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t1 - S_3_13 * t7 - S_3_22 * oo_22
+        - S_3_33 * oo_33 + t9 * t15 - t5 * c7dot_3_3;
     M[31] = 1.0;
 
     /* alpha2 (15): force and column of M of alpha2 */
-    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22
-        - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t1 * c7dot_2_1 - t6 * c7dot_2_2;
+    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t7 - S_2_22 * oo_22 - S_2_23 * t2
+        - S_2_33 * oo_33 - t3 * c7dot_2_1 - t9 * c7dot_2_2;
     M[30] = 1.0;
 
     /* alpha1 (15): force and column of M of alpha1 */
-    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22
-        - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1 - t3 * c7dot_1_3;
+    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t1 - S_1_22 * oo_22 - S_1_23 * t2
+        - S_1_33 * oo_33 - t3 * c7dot_1_1 - t5 * c7dot_1_3;
     M[29] = 1.0;
 
     /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
@@ -608,15 +591,16 @@ int block_mass_force(
 
     /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
     const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
-        - alpha5 * t11 + alpha6 * c7dot_6_1 - alpha7 * t5 - alpha8 * t2;
-    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t12 + alpha4 * c7dot_4_2
-        + alpha5 * c7dot_5_2 - alpha6 * t9 - alpha7 * t7;
+        - alpha5 * t14 + alpha6 * c7dot_6_1 - alpha7 * t8 - alpha8 * t4;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t15 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t12 - alpha7 * t10;
     const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
-        + alpha5 * c7dot_5_3 - alpha6 * t10 - alpha7 * t8 - alpha8 * t4;
+        + alpha5 * c7dot_5_3 - alpha6 * t13 - alpha7 * t11 - alpha8 * t6;
 
     /* pi3 (15): force and column of M of pi3 */
-    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
-        + (t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
+    const double t16 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    const double t17 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    h[5] = t3 * Sdot_13 + t9 * Sdot_23 + t5 * Sdot_33 + omega1 * t16 - omega2 * t17;
     M[21] = J_33;
     M[22] = d3_1_3;
     M[23] = d3_3_3;
@@ -627,8 +611,8 @@ int block_mass_force(
     M[28] = d3_8_3;
 
     /* pi2 (15): force and column of M of pi2 */
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12 + t6 * Sdot_22
-        + (t3 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3);
+    const double t18 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    h[4] = t3 * Sdot_12 + t9 * Sdot_22 + t5 * Sdot_23 + omega3 * t17 - omega1 * t18;
     M[13] = J_22;
     M[14] = J_23;
     M[15] = d3_2_2;
@@ -639,8 +623,7 @@ int block_mass_force(
     M[20] = d3_7_2;
 
     /* pi1 (15): force and column of M of pi1 */
-    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
-        + (t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2);
+    h[3] = t3 * Sdot_11 + t9 * Sdot_12 + t5 * Sdot_13 + omega2 * t18 - omega3 * t16;
     M[3] = J_11;
     M[4] = J_12;
     M[5] = J_13;
@@ -869,68 +852,67 @@ int block_accel(
     vdot[0] = 0.0;
     vdot[1] = 0.0;
     vdot[2] = 0.0;
-    const double t25 = 2.0 * omega1;
-    const double t26 = 2.0 * omega2;
-    const double t27 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-        - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t25 * c7dot_2_1
-        - t26 * c7dot_2_2;
-    const double t28 = 2.0 * omega3;
-    const double t29 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-        - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t25 * c7dot_1_1
-        - t28 * c7dot_1_3;
-    const double t30 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t25 * t18 + t28 * t24;
-    const double t31 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-        - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
-        + t25 * c7dot_4_1 + t26 * c7dot_4_2 + t28 * c7dot_4_3);
-    const double t32 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t25 * t16
-        + t26 * c7dot_5_2 + t28 * c7dot_5_3);
-    const double t33 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
-        + t25 * c7dot_6_1 - t26 * t20 - t28 * t22);
-    const double t34 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t25 * t17
-        - t26 * t21 - t28 * t23);
-    const double t35 = d3_2_1 * t27 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
-        + t25 * Sdot_11 + t26 * Sdot_12 + (t28 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
-        - J_22 * oo_23 - omega3 * d3dot_2) + t1 * t29) + d3_8_1 * t30 - t2 * t31 + d3_5_1 * t32
-        - t3 * t33 + d3_7_1 * t34;
-    const double t36 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t26 * t19 - t28 * c7dot_3_3;
-    const double t37 = d3_3_2 * t36 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
-        + t25 * Sdot_12 + t26 * Sdot_22 + (t28 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
-        - J_33 * oo_13 - omega1 * d3dot_3) + t4 * t27) - t5 * t31 - t6 * t32 + d3_6_2 * t33
-        + d3_7_2 * t34 - t8 * t35;
-    const double t38 = (d3_3_3 * t36 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
-        + t25 * Sdot_13 + t26 * Sdot_23 + (t28 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
-        - J_13 * oo_23 - omega2 * d3dot_1) + t9 * t29) + d3_8_3 * t30 - t10 * t31 - t11 * t32
-        + d3_6_3 * t33 + d3_7_3 * t34 - t13 * t35 - t15 * t37) / pivot_pi3;
-    const double t39 = t37 * inverse_pivot_pi2 - t15 * t38;
-    const double t40 = t35 * inverse_pivot_pi1 - t13 * t38 - t8 * t39;
-    vdot[3] = t40;
-    vdot[4] = t39;
-    vdot[5] = t38;
-    const double t41 = t9 * t38 - t29 + t1 * t40;
-    vdot[6] = t41;
-    const double t42 = t4 * t39 - t27 - d3_2_1 * t40;
-    vdot[7] = t42;
-    const double t43 = t36 + d3_3_3 * t38 + d3_3_2 * t39;
-    vdot[8] = -t43;
-    const double t44 = t10 * t38 - t31 + t5 * t39 + t2 * t40;
-    vdot[9] = t44;
-    const double t45 = t11 * t38 - t32 + t6 * t39 - d3_5_1 * t40;
-    vdot[10] = t45;
-    const double t46 = t3 * t40 - (t33 + d3_6_3 * t38 + d3_6_2 * t39);
-    vdot[11] = t46;
-    const double t47 = t34 + d3_7_3 * t38 + d3_7_2 * t39 + d3_7_1 * t40;
-    vdot[12] = -t47;
-    const double t48 = t30 + d3_8_3 * t38 + d3_8_1 * t40;
-    vdot[13] = -t48;
+    const double t25 = 2.0 * oo_13;
+    const double t26 = 2.0 * oo_23;
+    const double t27 = 2.0 * omega1;
+    const double t28 = 2.0 * omega2;
+    const double t29 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t25 - S_2_22 * oo_22
+        - S_2_23 * t26 - S_2_33 * oo_33 - t27 * c7dot_2_1 - t28 * c7dot_2_2;
+    const double t30 = 2.0 * omega3;
+    const double t31 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    const double t32 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    const double t33 = 2.0 * oo_12;
+    const double t34 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t33 - S_1_22 * oo_22
+        - S_1_23 * t26 - S_1_33 * oo_33 - t27 * c7dot_1_1 - t30 * c7dot_1_3;
+    const double t35 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t33 - S_8_22 * oo_22
+        - S_8_23 * t26 - S_8_33 * oo_33 + t27 * t18 + t30 * t24;
+    const double t36 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t33 - S_4_13 * t25
+        - S_4_22 * oo_22 - (S_4_23 * t26 + S_4_33 * oo_33 + t27 * c7dot_4_1 + t28 * c7dot_4_2
+        + t30 * c7dot_4_3);
+    const double t37 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t33 - S_5_13 * t25
+        - S_5_22 * oo_22 - (S_5_23 * t26 + S_5_33 * oo_33 - t27 * t16 + t28 * c7dot_5_2
+        + t30 * c7dot_5_3);
+    const double t38 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t33 - S_6_13 * t25
+        - S_6_22 * oo_22 - (S_6_23 * t26 + S_6_33 * oo_33 + t27 * c7dot_6_1 - t28 * t20
+        - t30 * t22);
+    const double t39 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t33 - S_7_13 * t25
+        - S_7_22 * oo_22 - (S_7_23 * t26 + S_7_33 * oo_33 - t27 * t17 - t28 * t21 - t30 * t23);
+    const double t40 = d3_2_1 * t29 - (t27 * Sdot_11 + t28 * Sdot_12 + t30 * Sdot_13 + omega2 * t31
+        - omega3 * t32 + t1 * t34) + d3_8_1 * t35 - t2 * t36 + d3_5_1 * t37 - t3 * t38
+        + d3_7_1 * t39;
+    const double t41 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t33 - S_3_13 * t25
+        - S_3_22 * oo_22 - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3;
+    const double t42 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    const double t43 = d3_3_2 * t41 - (t27 * Sdot_12 + t28 * Sdot_22 + t30 * Sdot_23 + omega3 * t42
+        - omega1 * t31 + t4 * t29) - t5 * t36 - t6 * t37 + d3_6_2 * t38 + d3_7_2 * t39 - t8 * t40;
+    const double t44 = (d3_3_3 * t41 - (t27 * Sdot_13 + t28 * Sdot_23 + t30 * Sdot_33 + omega1 * t32
+        - omega2 * t42 + t9 * t34) + d3_8_3 * t35 - t10 * t36 - t11 * t37 + d3_6_3 * t38
+        + d3_7_3 * t39 - t13 * t40 - t15 * t43) / pivot_pi3;
+    const double t45 = t43 * inverse_pivot_pi2 - t15 * t44;
+    const double t46 = t40 * inverse_pivot_pi1 - t13 * t44 - t8 * t45;
+    vdot[3] = t46;
+    vdot[4] = t45;
+    vdot[5] = t44;
+    const double t47 = t9 * t44 - t34 + t1 * t46;
+    vdot[6] = t47;
+    const double t48 = t4 * t45 - t29 - d3_2_1 * t46;
+    vdot[7] = t48;
+    const double t49 = t41 + d3_3_3 * t44 + d3_3_2 * t45;
+    vdot[8] = -t49;
+    const double t50 = t10 * t44 - t36 + t5 * t45 + t2 * t46;
+    vdot[9] = t50;
+    const double t51 = t11 * t44 - t37 + t6 * t45 - d3_5_1 * t46;
+    vdot[10] = t51;
+    const double t52 = t3 * t46 - (t38 + d3_6_3 * t44 + d3_6_2 * t45);
+    vdot[11] = t52;
+    const double t53 = t39 + d3_7_3 * t44 + d3_7_2 * t45 + d3_7_1 * t46;
+    vdot[12] = -t53;
+    const double t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46;
+    vdot[13] = -t54;
 
     /* check: check that the result is finite */
-    if (!isfinite(t40 + t39 + (t38 + (t41 + t42)) + (t44 + t45 - t43 + (t46 - (t47
-        + t48))))) return 2; /* an acceleration is not finite */
+    if (!isfinite(t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53
+        + t54))))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -2177,33 +2159,33 @@ int block_residual(
         - alpha1ddot * t22) + (alpha3ddot * d3_3_3 - alpha4ddot * t23 - alpha5ddot * t24
         + alpha6ddot * d3_6_3 + alpha7ddot * d3_7_3 + (alpha8ddot * d3_8_3 + omega1 * d3dot_2
         - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1));
+    const double t25 = 2.0 * oo_12;
+    const double t26 = 2.0 * oo_23;
     F[21] = 132785871.23214255 * alpha1 + alpha1ddot - t16 * omega1dot - t22 * omega3dot
-        - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - (S_1_22 * oo_22 + 2.0 * S_1_23 * oo_23
-        + S_1_33 * oo_33 + t13 * c7dot_1_1 + t15 * c7dot_1_3);
+        - S_1_11 * oo_11 - S_1_12 * t25 - (S_1_22 * oo_22 + S_1_23 * t26 + S_1_33 * oo_33
+        + t13 * c7dot_1_1 + t15 * c7dot_1_3);
+    const double t27 = 2.0 * oo_13;
     F[22] = 298337711.7011645 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - t19 * omega2dot
-        - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - (S_2_22 * oo_22 + 2.0 * S_2_23 * oo_23
-        + S_2_33 * oo_33 + t13 * c7dot_2_1 + t14 * c7dot_2_2);
+        - S_2_11 * oo_11 - S_2_13 * t27 - (S_2_22 * oo_22 + S_2_23 * t26 + S_2_33 * oo_33
+        + t13 * c7dot_2_1 + t14 * c7dot_2_2);
     F[23] = 424127787.13520163 * alpha3 + alpha3ddot + d3_3_2 * omega2dot + d3_3_3 * omega3dot
-        - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12 - (2.0 * S_3_13 * oo_13 + S_3_22 * oo_22
-        + S_3_33 * oo_33 - t14 * t4 + t15 * c7dot_3_3);
+        - S_3_11 * oo_11 - S_3_12 * t25 - (S_3_13 * t27 + S_3_22 * oo_22 + S_3_33 * oo_33 - t14 * t4
+        + t15 * c7dot_3_3);
     F[24] = 828661201.2040272 * alpha4 + alpha4ddot - t17 * omega1dot - t20 * omega2dot
-        - t23 * omega3dot - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - (2.0 * S_4_13 * oo_13
-        + S_4_22 * oo_22 + 2.0 * S_4_23 * oo_23 + S_4_33 * oo_33 + t13 * c7dot_4_1 + t14 * c7dot_4_2
-        + t15 * c7dot_4_3);
+        - t23 * omega3dot - S_4_11 * oo_11 - S_4_12 * t25 - (S_4_13 * t27 + S_4_22 * oo_22
+        + S_4_23 * t26 + S_4_33 * oo_33 + t13 * c7dot_4_1 + t14 * c7dot_4_2 + t15 * c7dot_4_3);
     F[25] = 1482944676.1858206 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - t21 * omega2dot
-        - t24 * omega3dot - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12 - (2.0 * S_5_13 * oo_13
-        + S_5_22 * oo_22 + 2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t13 * t1 + t14 * c7dot_5_2
-        + t15 * c7dot_5_3);
+        - t24 * omega3dot - S_5_11 * oo_11 - S_5_12 * t25 - (S_5_13 * t27 + S_5_22 * oo_22
+        + S_5_23 * t26 + S_5_33 * oo_33 - t13 * t1 + t14 * c7dot_5_2 + t15 * c7dot_5_3);
     F[26] = 1586764292.5824752 * alpha6 + alpha6ddot - t18 * omega1dot + d3_6_2 * omega2dot
-        + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12 - (2.0 * S_6_13 * oo_13
-        + S_6_22 * oo_22 + 2.0 * S_6_23 * oo_23 + S_6_33 * oo_33 + t13 * c7dot_6_1 - t14 * t5
-        - t15 * t7);
+        + d3_6_3 * omega3dot - S_6_11 * oo_11 - S_6_12 * t25 - (S_6_13 * t27 + S_6_22 * oo_22
+        + S_6_23 * t26 + S_6_33 * oo_33 + t13 * c7dot_6_1 - t14 * t5 - t15 * t7);
     F[27] = 1703959547.9391162 * alpha7 + alpha7ddot + d3_7_1 * omega1dot + d3_7_2 * omega2dot
-        + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12 - (2.0 * S_7_13 * oo_13
-        + S_7_22 * oo_22 + 2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t13 * t2 - t14 * t6 - t15 * t8);
+        + d3_7_3 * omega3dot - S_7_11 * oo_11 - S_7_12 * t25 - (S_7_13 * t27 + S_7_22 * oo_22
+        + S_7_23 * t26 + S_7_33 * oo_33 - t13 * t2 - t14 * t6 - t15 * t8);
     F[28] = 2561832557.220976 * alpha8 + alpha8ddot + d3_8_1 * omega1dot + d3_8_3 * omega3dot
-        - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - (S_8_22 * oo_22 + 2.0 * S_8_23 * oo_23
-        + S_8_33 * oo_33 - t13 * t3 - t15 * t9);
+        - S_8_11 * oo_11 - S_8_12 * t25 - (S_8_22 * oo_22 + S_8_23 * t26 + S_8_33 * oo_33 - t13 * t3
+        - t15 * t9);
     return 0;
 }
 
@@ -2610,31 +2592,34 @@ TISSERAND_SHARED void block_jacobian_part_2(
     const double omega1dot = ydot[18];
     const double t49 = (-0.8784787837749884) * omega1dot;
     const double oo_23 = kept[4];
-    const double t50 = (-0.8792347547386544) * oo_23;
-    jac[24] = t49 - t50;
-    const double t51 = 0.14213269823254854 * omega3dot;
-    const double t52 = (-0.13967354836034546) * oo_12;
-    jac[25] = t51 - t52;
-    const double t53 = (-0.0526587076325526) * oo_11 - (0.00021667253526842326 * oo_22
+    const double t50 = 2.0 * oo_23;
+    kept[122] = t50;
+    const double t51 = (-0.4396173773693272) * t50;
+    jac[24] = t49 - t51;
+    const double t52 = 0.14213269823254854 * omega3dot;
+    const double t53 = 2.0 * oo_12;
+    kept[123] = t53;
+    const double t54 = (-0.06983677418017273) * t53;
+    jac[25] = t52 - t54;
+    const double t55 = (-0.0526587076325526) * oo_11 - (0.00021667253526842326 * oo_22
         + (-0.05287538016782101) * oo_33);
-    kept[122] = t53;
-    jac[26] = t53;
+    kept[124] = t55;
+    jac[26] = t55;
     jac[27] = cj;
     const double S_2_11 = kept[11];
-    const double t54 = 2.0 * S_2_11;
+    const double t56 = 2.0 * S_2_11;
     const double S_2_13 = kept[12];
-    const double t55 = 2.0 * S_2_13;
-    kept[123] = t55;
+    const double t57 = 2.0 * S_2_13;
     const double t7 = kept[14];
     const double S_2_23 = kept[16];
     const double t8 = kept[15];
-    const double t56 = t7 + S_2_23 + t8;
+    const double t58 = t7 + S_2_23 + t8;
     const double S_2_33 = kept[17];
-    const double t57 = 2.0 * S_2_33;
+    const double t59 = 2.0 * S_2_33;
     const double alpha3dot = y[23];
-    const double t58 = 0.17281858343053574 * alpha3dot;
+    const double t60 = 0.17281858343053574 * alpha3dot;
     const double S_2_22 = kept[13];
-    const double t59 = 2.0 * S_2_22;
+    const double t61 = 2.0 * S_2_22;
     const double t39 = kept[113];
     const double t42 = kept[116];
     const double alpha2dot = y[22];
@@ -2642,162 +2627,158 @@ TISSERAND_SHARED void block_jacobian_part_2(
     const double alpha8ddot = ydot[28];
     const double omega3 = y[20];
     const double c7dot_2_2 = kept[91];
-    jac[28] = omega1dot * t54 + omega3dot * t55 + oo_12 * t55 + t39 * t56 + (oo_23 * t57
-        + t42 * (0.8385822755284659 * alpha2dot) + t46 * t58 - (-0.8784787837749884) * alpha1ddot)
-        + (0.06014933573656158 * alpha8ddot - oo_23 * t59 - omega3 * c7dot_2_2);
-    const double t60 = oo_33 - oo_11;
-    kept[124] = t60;
-    const double t61 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot;
+    jac[28] = omega1dot * t56 + omega3dot * t57 + oo_12 * t57 + t39 * t58 + (oo_23 * t59
+        + t42 * (0.8385822755284659 * alpha2dot) + t46 * t60 - (-0.8784787837749884) * alpha1ddot)
+        + (0.06014933573656158 * alpha8ddot - oo_23 * t61 - omega3 * c7dot_2_2);
+    const double t62 = oo_33 - oo_11;
+    kept[125] = t62;
+    const double t63 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot;
     const double c7dot_2_1 = kept[90];
-    jac[29] = oo_13 * t54 + t60 * t55 + omega2dot * t59 + (omega3dot * t56
-        + t43 * (0.1617571164547129 * alpha2dot) + t46 * t61) + (0.3434623359074803 * alpha3ddot
-        + (omega3 * c7dot_2_1 - oo_12 * t56 - oo_13 * t57));
+    jac[29] = oo_13 * t56 + t62 * t57 + omega2dot * t61 + (omega3dot * t58
+        + t43 * (0.1617571164547129 * alpha2dot) + t46 * t63) + (0.3434623359074803 * alpha3ddot
+        + (omega3 * c7dot_2_1 - oo_12 * t58 - oo_13 * t59));
     const double omega1 = y[18];
-    jac[30] = omega1dot * t55 + oo_12 * t59 + omega2dot * t56 + oo_13 * t56 + (omega3dot * t57
-        + t42 * t58 + t43 * t61 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
-        - oo_12 * t54 - oo_23 * t55 - omega2 * c7dot_2_1);
-    jac[31] = -(t49 + t50);
+    jac[30] = omega1dot * t57 + oo_12 * t61 + omega2dot * t58 + oo_13 * t58 + (omega3dot * t59
+        + t42 * t60 + t43 * t63 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
+        - oo_12 * t56 - oo_23 * t57 - omega2 * c7dot_2_1);
+    jac[31] = -(t49 + t51);
     jac[32] = 298337711.7011645 - 0.8385822755284659 * oo_11 - (0.1617571164547129 * oo_22
         + 0.9996606080168212 * oo_33);
-    const double t62 = 0.3434623359074803 * omega2dot;
-    const double t63 = 0.3456371668610715 * oo_13;
-    jac[33] = t62 - t63;
-    const double t64 = 0.06014933573656158 * omega1dot;
-    kept[125] = t64;
-    const double t65 = (-0.05985165042776414) * oo_23;
+    const double t64 = 0.3434623359074803 * omega2dot;
+    const double t65 = 2.0 * oo_13;
     kept[126] = t65;
-    jac[34] = t64 - t65;
+    const double t66 = 0.17281858343053574 * t65;
+    jac[33] = t64 - t66;
+    const double t67 = 0.06014933573656158 * omega1dot;
+    kept[127] = t67;
+    const double t68 = (-0.02992582521388207) * t50;
+    kept[128] = t68;
+    jac[34] = t67 - t68;
     jac[35] = cj;
     const double S_3_11 = kept[18];
-    const double t66 = 2.0 * S_3_11;
+    const double t69 = 2.0 * S_3_11;
     const double t9 = kept[19];
     const double S_3_12 = kept[21];
     const double t10 = kept[20];
-    const double t67 = t9 + S_3_12 + t10;
+    const double t70 = t9 + S_3_12 + t10;
     const double S_3_13 = kept[22];
-    const double t68 = 2.0 * S_3_13;
-    kept[127] = t68;
+    const double t71 = 2.0 * S_3_13;
     const double S_3_33 = kept[24];
-    const double t69 = 2.0 * S_3_33;
-    const double t70 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot;
-    const double t71 = 0.17281858343053574 * alpha2dot;
+    const double t72 = 2.0 * S_3_33;
+    const double t73 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot;
+    const double t74 = 0.17281858343053574 * alpha2dot;
     const double S_3_22 = kept[23];
-    const double t72 = 2.0 * S_3_22;
+    const double t75 = 2.0 * S_3_22;
     const double c7dot_3_3 = kept[92];
     const double t25 = kept[103];
-    jac[36] = omega1dot * t66 + omega2dot * t67 + omega3dot * t68 + oo_12 * t68 + (oo_23 * t69
-        + t42 * (0.9959824929644516 * alpha3dot) + t43 * t70 + t46 * t71) + (omega2 * c7dot_3_3
-        - oo_13 * t67 - oo_23 * t72 + omega3 * t25);
+    jac[36] = omega1dot * t69 + omega2dot * t70 + omega3dot * t71 + oo_12 * t71 + (oo_23 * t72
+        + t42 * (0.9959824929644516 * alpha3dot) + t43 * t73 + t46 * t74) + (omega2 * c7dot_3_3
+        - oo_13 * t70 - oo_23 * t75 + omega3 * t25);
     const double alpha2ddot = ydot[22];
-    jac[37] = oo_13 * t66 + omega1dot * t67 + oo_23 * t67 + t60 * t68 + omega2dot * t72 + (t42 * t70
-        + t43 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot) - (oo_13 * t69
+    jac[37] = oo_13 * t69 + omega1dot * t70 + oo_23 * t70 + t62 * t71 + omega2dot * t75 + (t42 * t73
+        + t43 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot) - (oo_13 * t72
         + omega1 * c7dot_3_3);
-    jac[38] = t48 * t67 + omega1dot * t68 + oo_12 * t72 + (omega3dot * t69 + t42 * t71
+    jac[38] = t48 * t70 + omega1dot * t71 + oo_12 * t75 + (omega3dot * t72 + t42 * t74
         + t46 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot)
-        + (0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t66 - oo_23 * t68);
-    jac[39] = -(t51 + t52);
-    jac[40] = -(t62 + t63);
+        + (0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t69 - oo_23 * t71);
+    jac[39] = -(t52 + t54);
+    jac[40] = -(t64 + t66);
     jac[41] = 424127787.13520163 - 0.9959824929644516 * oo_11 - (0.7416169147200682 * oo_22
         + 0.26240059231547974 * oo_33);
-    const double t73 = 0.10707341325868729 * omega3dot;
-    kept[128] = t73;
-    const double t74 = 0.10426793015995596 * oo_12;
-    kept[129] = t74;
-    jac[42] = t73 - t74;
+    const double t76 = 0.10707341325868729 * omega3dot;
+    kept[129] = t76;
+    const double t77 = 0.05213396507997798 * t53;
+    kept[130] = t77;
+    jac[42] = t76 - t77;
     jac[43] = cj;
     const double S_4_11 = kept[25];
-    const double t75 = 2.0 * S_4_11;
+    const double t78 = 2.0 * S_4_11;
     const double S_4_12 = kept[26];
-    const double t76 = 2.0 * S_4_12;
-    kept[130] = t76;
+    const double t79 = 2.0 * S_4_12;
     const double S_4_13 = kept[28];
     const double t11 = kept[27];
-    const double t77 = -0.006948727887756916 + S_4_13 + t11;
+    const double t80 = -0.006948727887756916 + S_4_13 + t11;
     const double S_4_23 = kept[30];
-    const double t78 = 2.0 * S_4_23;
-    kept[131] = t78;
+    const double t81 = 2.0 * S_4_23;
     const double S_4_33 = kept[31];
-    const double t79 = 2.0 * S_4_33;
+    const double t82 = 2.0 * S_4_33;
     const double alpha7dot = y[27];
-    const double t80 = (-0.07653897132838097) * alpha7dot;
+    const double t83 = (-0.07653897132838097) * alpha7dot;
     const double alpha6dot = y[26];
-    const double t81 = 0.06612677259881924 * alpha6dot;
+    const double t84 = 0.06612677259881924 * alpha6dot;
     const double S_4_22 = kept[29];
-    const double t82 = 2.0 * S_4_22;
+    const double t85 = 2.0 * S_4_22;
     const double alpha4dot = y[24];
     const double alpha5ddot = ydot[25];
     const double c7dot_4_3 = kept[95];
     const double c7dot_4_2 = kept[94];
-    jac[44] = omega1dot * t75 + omega2dot * t76 + omega3dot * t77 + oo_12 * t77 + t39 * t78
-        + (oo_23 * t79 + t42 * (0.8691692710140388 * alpha4dot) + t43 * t80 + t46 * t81)
-        + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t76 - oo_23 * t82
+    jac[44] = omega1dot * t78 + omega2dot * t79 + omega3dot * t80 + oo_12 * t80 + t39 * t81
+        + (oo_23 * t82 + t42 * (0.8691692710140388 * alpha4dot) + t43 * t83 + t46 * t84)
+        + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t79 - oo_23 * t85
         - omega3 * c7dot_4_2));
     const double alpha5dot = y[25];
-    const double t83 = 0.40905294172354 * alpha5dot;
+    const double t86 = 0.40905294172354 * alpha5dot;
     const double alpha6ddot = ydot[26];
     const double c7dot_4_1 = kept[93];
-    jac[45] = oo_13 * t75 + omega1dot * t76 + oo_23 * t76 + t60 * t77 + omega2dot * t82
-        + (omega3dot * t78 + t42 * t80 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t83)
-        + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t78 - oo_13 * t79
+    jac[45] = oo_13 * t78 + omega1dot * t79 + oo_23 * t79 + t62 * t80 + omega2dot * t85
+        + (omega3dot * t81 + t42 * t83 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t86)
+        + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t81 - oo_13 * t82
         - omega1 * c7dot_4_3));
     const double alpha7ddot = ydot[27];
-    jac[46] = t48 * t76 + omega1dot * t77 + oo_12 * t82 + omega2dot * t78 + oo_13 * t78
-        + (omega3dot * t79 + t42 * t81 + t43 * t83 + t46 * (0.13301478065162953 * alpha4dot))
-        + (0.16411826642656863 * alpha7ddot + (omega1 * c7dot_4_2 - oo_12 * t75 - oo_23 * t77
+    jac[46] = t48 * t79 + omega1dot * t80 + oo_12 * t85 + omega2dot * t81 + oo_13 * t81
+        + (omega3dot * t82 + t42 * t84 + t43 * t86 + t46 * (0.13301478065162953 * alpha4dot))
+        + (0.16411826642656863 * alpha7ddot + (omega1 * c7dot_4_2 - oo_12 * t78 - oo_23 * t80
         - omega2 * c7dot_4_1));
     jac[47] = 828661201.2040272 - 0.8691692710140388 * oo_11 - (0.9978159483343315 * oo_22
         + 0.13301478065162953 * oo_33);
-    const double t84 = 0.8146287617076164 * omega1dot;
-    const double t85 = 0.81810588344708 * oo_23;
-    jac[48] = t84 - t85;
-    const double t86 = (-0.13286677220194004) * omega2dot;
-    kept[132] = t86;
-    const double t87 = 0.1322535451976385 * oo_13;
-    kept[133] = t87;
-    jac[49] = t86 - t87;
-    const double t88 = 0.16411826642656863 * omega3dot;
-    kept[134] = t88;
-    const double t89 = (-0.15307794265676195) * oo_12;
-    kept[135] = t89;
-    jac[50] = t88 - t89;
+    const double t87 = 0.8146287617076164 * omega1dot;
+    kept[131] = t87;
+    const double t88 = 0.40905294172354 * t50;
+    kept[132] = t88;
+    jac[48] = t87 - t88;
+    const double t89 = (-0.13286677220194004) * omega2dot;
+    kept[133] = t89;
+    const double t90 = 0.06612677259881924 * t65;
+    kept[134] = t90;
+    jac[49] = t89 - t90;
+    const double t91 = 0.16411826642656863 * omega3dot;
+    kept[135] = t91;
+    const double t92 = (-0.07653897132838097) * t53;
+    kept[136] = t92;
+    jac[50] = t91 - t92;
     jac[51] = cj;
     const double S_5_11 = kept[32];
-    const double t90 = 2.0 * S_5_11;
+    const double t93 = 2.0 * S_5_11;
     const double S_5_12 = kept[34];
     const double t12 = kept[33];
-    const double t91 = 0.019222459468399348 + S_5_12 + t12;
+    const double t94 = 0.019222459468399348 + S_5_12 + t12;
     const double S_5_13 = kept[35];
-    const double t92 = 2.0 * S_5_13;
-    kept[136] = t92;
+    const double t95 = 2.0 * S_5_13;
     const double S_5_23 = kept[37];
-    const double t93 = 2.0 * S_5_23;
-    kept[137] = t93;
+    const double t96 = 2.0 * S_5_23;
     const double S_5_33 = kept[38];
-    const double t94 = 2.0 * S_5_33;
-    const double t95 = (-0.08100155107836308) * alpha6dot;
-    const double t96 = (-0.17116304786243786) * alpha7dot;
+    const double t97 = 2.0 * S_5_33;
+    const double t98 = (-0.08100155107836308) * alpha6dot;
+    const double t99 = (-0.17116304786243786) * alpha7dot;
     const double S_5_22 = kept[36];
-    const double t97 = 2.0 * S_5_22;
+    const double t100 = 2.0 * S_5_22;
     const double c7dot_5_3 = kept[97];
     const double c7dot_5_2 = kept[96];
     const double alpha4ddot = ydot[24];
-    jac[52] = omega1dot * t90 + omega2dot * t91 + omega3dot * t92 + oo_12 * t92 + t39 * t93
-        + (oo_23 * t94 + t42 * (0.7757986416100022 * alpha5dot) + t43 * t95 + t46 * t96)
-        + (omega2 * c7dot_5_3 - oo_13 * t91 - oo_23 * t97 - omega3 * c7dot_5_2
+    jac[52] = omega1dot * t93 + omega2dot * t94 + omega3dot * t95 + oo_12 * t95 + t39 * t96
+        + (oo_23 * t97 + t42 * (0.7757986416100022 * alpha5dot) + t43 * t98 + t46 * t99)
+        + (omega2 * c7dot_5_3 - oo_13 * t94 - oo_23 * t100 - omega3 * c7dot_5_2
         - 0.8146287617076164 * alpha4ddot);
-    const double t98 = 0.40905294172354 * alpha4dot;
+    const double t101 = 0.40905294172354 * alpha4dot;
     const double t22 = kept[99];
-    jac[53] = oo_13 * t90 + omega1dot * t91 + oo_23 * t91 + t60 * t92 + omega2dot * t97
-        + (omega3dot * t93 + t42 * t95 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t98)
-        + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t93 + oo_13 * t94
+    jac[53] = oo_13 * t93 + omega1dot * t94 + oo_23 * t94 + t62 * t95 + omega2dot * t100
+        + (omega3dot * t96 + t42 * t98 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t101)
+        + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t96 + oo_13 * t97
         + omega1 * c7dot_5_3));
-    jac[54] = t48 * t91 + omega1dot * t92 + oo_12 * t97 + omega2dot * t93 + oo_13 * t93
-        + (omega3dot * t94 + t42 * t96 + t43 * t98 + t46 * (0.9985995048061699 * alpha5dot))
-        + ((-0.17320212202534865) * alpha6ddot + (omega1 * c7dot_5_2 - oo_12 * t90 - oo_23 * t92
+    jac[54] = t48 * t94 + omega1dot * t95 + oo_12 * t100 + omega2dot * t96 + oo_13 * t96
+        + (omega3dot * t97 + t42 * t99 + t43 * t101 + t46 * (0.9985995048061699 * alpha5dot))
+        + ((-0.17320212202534865) * alpha6ddot + (omega1 * c7dot_5_2 - oo_12 * t93 - oo_23 * t95
         + omega2 * t22));
-    jac[55] = -(t84 + t85);
-    jac[56] = 1482944676.1858206 - 0.7757986416100022 * oo_11 - (0.22560185358382823 * oo_22
-        + 0.9985995048061699 * oo_33);
 }
 
 /* Part 3 of 4 of jacobian. */
@@ -2808,40 +2789,46 @@ TISSERAND_SHARED void block_jacobian_part_3(
     double *jac,
     double *TISSERAND_RESTRICT kept)
 {
+    const double t87 = kept[131];
+    const double t88 = kept[132];
+    jac[55] = -(t87 + t88);
+    const double oo_11 = kept[0];
+    const double oo_22 = kept[3];
+    const double oo_33 = kept[5];
+    jac[56] = 1482944676.1858206 - 0.7757986416100022 * oo_11 - (0.22560185358382823 * oo_22
+        + 0.9985995048061699 * oo_33);
     const double omega3dot = ydot[20];
-    const double t99 = (-0.17320212202534865) * omega3dot;
-    const double oo_12 = kept[1];
-    const double t100 = (-0.16200310215672617) * oo_12;
-    jac[57] = t99 - t100;
+    const double t102 = (-0.17320212202534865) * omega3dot;
+    const double t53 = kept[123];
+    const double t103 = (-0.08100155107836308) * t53;
+    jac[57] = t102 - t103;
     const double omega2dot = ydot[19];
-    const double t101 = (-0.3338704835108587) * omega2dot;
-    const double oo_13 = kept[2];
-    const double t102 = (-0.3423260957248757) * oo_13;
-    jac[58] = t101 - t102;
+    const double t104 = (-0.3338704835108587) * omega2dot;
+    const double t65 = kept[126];
+    const double t105 = (-0.17116304786243786) * t65;
+    jac[58] = t104 - t105;
     jac[59] = cj;
     const double t13 = kept[39];
     const double S_6_11 = kept[40];
-    const double t103 = 0.006949696462346222 + (t13 + S_6_11);
+    const double t106 = 0.006949696462346222 + (t13 + S_6_11);
     const double S_6_12 = kept[41];
-    const double t104 = 2.0 * S_6_12;
-    kept[120] = t104;
+    const double t107 = 2.0 * S_6_12;
     const double S_6_13 = kept[42];
-    const double t105 = 2.0 * S_6_13;
-    kept[118] = t105;
+    const double t108 = 2.0 * S_6_13;
     const double S_6_23 = kept[45];
-    const double t106 = 2.0 * S_6_23;
-    kept[115] = t106;
+    const double t109 = 2.0 * S_6_23;
     const double t15 = kept[46];
     const double S_6_33 = kept[47];
-    const double t107 = -0.28541913668350255 + (t15 + S_6_33);
+    const double t110 = -0.28541913668350255 + (t15 + S_6_33);
     const double alpha5dot = y[25];
-    const double t108 = (-0.08100155107836308) * alpha5dot;
+    const double t111 = (-0.08100155107836308) * alpha5dot;
     const double alpha4dot = y[24];
-    const double t109 = 0.06612677259881924 * alpha4dot;
+    const double t112 = 0.06612677259881924 * alpha4dot;
     const double t14 = kept[43];
     const double S_6_22 = kept[44];
-    const double t110 = -0.2888453299117188 + (t14 + S_6_22);
+    const double t113 = -0.2888453299117188 + (t14 + S_6_22);
     const double omega1dot = ydot[18];
+    const double oo_12 = kept[1];
     const double t39 = kept[113];
     const double oo_23 = kept[4];
     const double t42 = kept[116];
@@ -2853,240 +2840,229 @@ TISSERAND_SHARED void block_jacobian_part_3(
     const double t26 = kept[104];
     const double omega2 = y[19];
     const double t28 = kept[107];
-    jac[60] = omega1dot * t103 + omega2dot * t104 + omega3dot * t105 + oo_12 * t105 + t39 * t106
-        + (oo_23 * t107 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t108 + t46 * t109)
-        + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t104
-        + oo_23 * t110)));
+    const double oo_13 = kept[2];
+    jac[60] = omega1dot * t106 + omega2dot * t107 + omega3dot * t108 + oo_12 * t108 + t39 * t109
+        + (oo_23 * t110 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t111 + t46 * t112)
+        + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t107
+        + oo_23 * t113)));
     const double alpha7dot = y[27];
-    const double t111 = (-0.009791878445593954) * alpha7dot;
-    const double t60 = kept[124];
+    const double t114 = (-0.009791878445593954) * alpha7dot;
+    const double t62 = kept[125];
     const double c7dot_6_1 = kept[98];
     const double omega1 = y[18];
     const double alpha4ddot = ydot[24];
-    jac[61] = oo_13 * t103 + omega1dot * t104 + oo_23 * t104 + t60 * t105 + omega2dot * t110
-        + (omega3dot * t106 + t42 * t108 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t111)
-        + (omega3 * c7dot_6_1 - oo_12 * t106 - oo_13 * t107 + omega1 * t28
+    jac[61] = oo_13 * t106 + omega1dot * t107 + oo_23 * t107 + t62 * t108 + omega2dot * t113
+        + (omega3dot * t109 + t42 * t111 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t114)
+        + (omega3 * c7dot_6_1 - oo_12 * t109 - oo_13 * t110 + omega1 * t28
         - (-0.13286677220194004) * alpha4ddot);
     const double t48 = kept[121];
     const double alpha5ddot = ydot[25];
-    jac[62] = t48 * t104 + omega1dot * t105 + oo_12 * t110 + omega2dot * t106 + oo_13 * t106
-        + (omega3dot * t107 + t42 * t109 + t43 * t111 + t46 * (0.998030730641106 * alpha6dot))
-        - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t103 + oo_23 * t105
+    jac[62] = t48 * t107 + omega1dot * t108 + oo_12 * t113 + omega2dot * t109 + oo_13 * t109
+        + (omega3dot * t110 + t42 * t112 + t43 * t114 + t46 * (0.998030730641106 * alpha6dot))
+        - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t106 + oo_23 * t108
         + omega2 * c7dot_6_1));
-    const double t86 = kept[132];
-    const double t87 = kept[133];
-    jac[63] = -(t86 + t87);
-    jac[64] = -(t99 + t100);
-    const double oo_11 = kept[0];
-    const double oo_22 = kept[3];
-    const double oo_33 = kept[5];
+    const double t89 = kept[133];
+    const double t90 = kept[134];
+    jac[63] = -(t89 + t90);
+    jac[64] = -(t102 + t103);
     jac[65] = 1586764292.5824752 - 0.008120450003726742 * oo_11 - (0.9938488193551677 * oo_22
         + 0.998030730641106 * oo_33);
-    const double t112 = 0.03812757101123808 * omega1dot;
-    const double t113 = (-0.01958375689118791) * oo_23;
-    jac[66] = t112 - t113;
+    const double t115 = 0.03812757101123808 * omega1dot;
+    const double t50 = kept[122];
+    const double t116 = (-0.009791878445593954) * t50;
+    jac[66] = t115 - t116;
     jac[67] = cj;
     const double S_7_11 = kept[48];
-    const double t114 = 2.0 * S_7_11;
+    const double t117 = 2.0 * S_7_11;
     const double S_7_12 = kept[49];
-    const double t115 = 2.0 * S_7_12;
-    kept[111] = t115;
+    const double t118 = 2.0 * S_7_12;
     const double S_7_13 = kept[50];
-    const double t116 = 2.0 * S_7_13;
-    kept[33] = t116;
+    const double t119 = 2.0 * S_7_13;
     const double S_7_23 = kept[52];
-    const double t117 = S_7_23 + S_7_23;
+    const double t120 = S_7_23 + S_7_23;
     const double S_7_33 = kept[53];
-    const double t118 = 2.0 * S_7_33;
-    const double t119 = (-0.07653897132838097) * alpha4dot;
-    const double t120 = (-0.17116304786243786) * alpha5dot;
+    const double t121 = 2.0 * S_7_33;
+    const double t122 = (-0.07653897132838097) * alpha4dot;
+    const double t123 = (-0.17116304786243786) * alpha5dot;
     const double S_7_22 = kept[51];
-    const double t121 = 2.0 * S_7_22;
+    const double t124 = 2.0 * S_7_22;
     const double t27 = kept[105];
     const double t29 = kept[108];
     const double alpha6ddot = ydot[26];
-    jac[68] = omega1dot * t114 + omega2dot * t115 + omega3dot * t116 + oo_12 * t116 + t39 * t117
-        + (oo_23 * t118 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t119 + t46 * t120)
-        + (omega3 * t27 - (omega2 * t29 + oo_13 * t115 + oo_23 * t121)
+    jac[68] = omega1dot * t117 + omega2dot * t118 + omega3dot * t119 + oo_12 * t119 + t39 * t120
+        + (oo_23 * t121 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t122 + t46 * t123)
+        + (omega3 * t27 - (omega2 * t29 + oo_13 * t118 + oo_23 * t124)
         - 0.03812757101123808 * alpha6ddot);
-    const double t122 = (-0.009791878445593954) * alpha6dot;
+    const double t125 = (-0.009791878445593954) * alpha6dot;
     const double t23 = kept[100];
-    jac[69] = oo_13 * t114 + omega1dot * t115 + oo_23 * t115 + t60 * t116 + omega2dot * t121
-        + (omega3dot * t117 + t42 * t119 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t122)
-        + (omega1 * t29 - (omega3 * t23 + oo_12 * t117 + oo_13 * t118)
+    jac[69] = oo_13 * t117 + omega1dot * t118 + oo_23 * t118 + t62 * t119 + omega2dot * t124
+        + (omega3dot * t120 + t42 * t122 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t125)
+        + (omega1 * t29 - (omega3 * t23 + oo_12 * t120 + oo_13 * t121)
         - (-0.3338704835108587) * alpha5ddot);
-    jac[70] = t48 * t115 + omega1dot * t116 + oo_12 * t121 + omega2dot * t117 + oo_13 * t117
-        + (omega3dot * t118 + t42 * t120 + t43 * t122 + t46 * (0.2564744035592197 * alpha7dot))
-        + (omega2 * t23 - (omega1 * t27 + oo_12 * t114 + oo_23 * t116)
+    jac[70] = t48 * t118 + omega1dot * t119 + oo_12 * t124 + omega2dot * t120 + oo_13 * t120
+        + (omega3dot * t121 + t42 * t123 + t43 * t125 + t46 * (0.2564744035592197 * alpha7dot))
+        + (omega2 * t23 - (omega1 * t27 + oo_12 * t117 + oo_23 * t119)
         - 0.16411826642656863 * alpha4ddot);
-    const double t88 = kept[134];
-    const double t89 = kept[135];
-    jac[71] = -(t88 + t89);
-    jac[72] = -(t101 + t102);
-    jac[73] = -(t112 + t113);
+    const double t91 = kept[135];
+    const double t92 = kept[136];
+    jac[71] = -(t91 + t92);
+    jac[72] = -(t104 + t105);
+    jac[73] = -(t115 + t116);
     jac[74] = 1703959547.9391162 - 0.9836361321701889 * oo_11 - (0.7598894642705915 * oo_22
         + 0.2564744035592197 * oo_33);
     jac[75] = cj;
     const double t16 = kept[54];
     const double t17 = kept[55];
     const double S_8_11 = kept[56];
-    const double t123 = t16 + (t17 + S_8_11);
+    const double t126 = t16 + (t17 + S_8_11);
     const double S_8_12 = kept[57];
-    const double t124 = 2.0 * S_8_12;
-    kept[27] = t124;
+    const double t127 = 2.0 * S_8_12;
     const double S_8_23 = kept[61];
-    const double t125 = 2.0 * S_8_23;
-    kept[20] = t125;
+    const double t128 = 2.0 * S_8_23;
     const double t20 = kept[62];
     const double t21 = kept[63];
     const double S_8_33 = kept[64];
-    const double t126 = t20 + (t21 + S_8_33);
+    const double t129 = t20 + (t21 + S_8_33);
     const double alpha3dot = y[23];
-    const double t127 = 0.05213396507997798 * alpha3dot;
+    const double t130 = 0.05213396507997798 * alpha3dot;
     const double t18 = kept[58];
     const double t19 = kept[59];
     const double S_8_22 = kept[60];
-    const double t128 = t18 + (t19 + S_8_22);
+    const double t131 = t18 + (t19 + S_8_22);
     const double alpha1dot = y[21];
     const double alpha8dot = y[28];
     const double alpha2ddot = ydot[22];
     const double t30 = kept[109];
-    jac[76] = omega1dot * t123 + omega2dot * t124 + t39 * t125 + (oo_23 * t126
-        + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t127)
-        - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t124 + oo_23 * t128));
+    jac[76] = omega1dot * t126 + omega2dot * t127 + t39 * t128 + (oo_23 * t129
+        + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t130)
+        - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t127 + oo_23 * t131));
     const double alpha2dot = y[22];
-    const double t129 = (-0.02992582521388207) * alpha2dot;
+    const double t132 = (-0.02992582521388207) * alpha2dot;
     const double t24 = kept[101];
-    jac[77] = oo_13 * t123 + omega1dot * t124 + oo_23 * t124 + omega2dot * t128 + (omega3dot * t125
-        + t42 * t127 + t43 * (0.00021667253526842326 * alpha1dot + 0.994122776779808 * alpha8dot)
-        + t46 * t129) + (omega1 * t30 - (omega3 * t24 + oo_12 * t125 + oo_13 * t126));
+    jac[77] = oo_13 * t126 + omega1dot * t127 + oo_23 * t127 + omega2dot * t131 + (omega3dot * t128
+        + t42 * t130 + t43 * (0.00021667253526842326 * alpha1dot + 0.994122776779808 * alpha8dot)
+        + t46 * t132) + (omega1 * t30 - (omega3 * t24 + oo_12 * t128 + oo_13 * t129));
     const double alpha3ddot = ydot[23];
-    jac[78] = t48 * t124 + oo_12 * t128 + omega2dot * t125 + oo_13 * t125 + (omega3dot * t126
-        + t43 * t129 + t46 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot))
-        + (omega2 * t24 - oo_12 * t123 - 0.10707341325868729 * alpha3ddot);
-    const double t53 = kept[122];
-    jac[79] = t53;
-    const double t64 = kept[125];
-    const double t65 = kept[126];
-    jac[80] = -(t64 + t65);
-    const double t73 = kept[128];
-    const double t74 = kept[129];
-    jac[81] = -(t73 + t74);
+    jac[78] = t48 * t127 + oo_12 * t131 + omega2dot * t128 + oo_13 * t128 + (omega3dot * t129
+        + t43 * t132 + t46 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot))
+        + (omega2 * t24 - oo_12 * t126 - 0.10707341325868729 * alpha3ddot);
+    const double t55 = kept[124];
+    jac[79] = t55;
+    const double t67 = kept[127];
+    const double t68 = kept[128];
+    jac[80] = -(t67 + t68);
+    const double t76 = kept[129];
+    const double t77 = kept[130];
+    jac[81] = -(t76 + t77);
     jac[82] = 2561832557.220976 - 0.8351337820732403 * oo_11 - (0.994122776779808 * oo_22
         + 0.17074344114695217 * oo_33);
     jac[83] = -1.0;
-    const double t130 = 6.48 * cj;
-    jac[84] = t130;
+    const double t133 = 6.48 * cj;
+    jac[84] = t133;
     jac[85] = -1.0;
-    jac[86] = t130;
+    jac[86] = t133;
     jac[87] = -1.0;
-    jac[88] = t130;
+    jac[88] = t133;
     const double e1 = y[4];
-    const double t131 = 0.5 * e1;
-    kept[19] = t131;
-    jac[89] = t131;
+    const double t134 = 0.5 * e1;
+    kept[120] = t134;
+    jac[89] = t134;
     const double e0 = y[3];
-    const double t132 = (-0.5) * e0;
-    kept[15] = t132;
-    jac[90] = t132;
+    const double t135 = (-0.5) * e0;
+    kept[118] = t135;
+    jac[90] = t135;
     const double e3 = y[6];
-    const double t133 = 0.5 * e3;
-    kept[14] = t133;
-    jac[91] = -t133;
+    const double t136 = 0.5 * e3;
+    kept[115] = t136;
+    jac[91] = -t136;
     const double e2 = y[5];
-    const double t134 = 0.5 * e2;
-    kept[138] = t134;
-    jac[92] = t134;
+    const double t137 = 0.5 * e2;
+    kept[114] = t137;
+    jac[92] = t137;
     const double J_13 = kept[78];
-    const double t135 = J_13 * omega2;
-    kept[139] = t135;
+    const double t138 = J_13 * omega2;
+    kept[112] = t138;
     const double J_12 = kept[77];
-    const double t136 = J_12 * omega3;
-    kept[140] = t136;
+    const double t139 = J_12 * omega3;
+    kept[111] = t139;
     const double Sdot_11 = kept[82];
     const double J_11 = kept[76];
-    jac[93] = t135 + 2.0 * Sdot_11 - t136 + cj * J_11;
+    jac[93] = t138 + 2.0 * Sdot_11 - t139 + cj * J_11;
     const double Sdot_12 = kept[83];
-    const double t137 = 2.0 * Sdot_12;
+    const double t140 = 2.0 * Sdot_12;
     const double J_33 = kept[81];
-    const double t138 = J_33 * omega3;
-    const double t139 = cj * J_12;
+    const double t141 = J_33 * omega3;
+    const double t142 = cj * J_12;
     const double J_23 = kept[80];
     const double d3dot_3 = kept[110];
-    jac[94] = J_11 * omega3 - J_13 * t42 + t137 - (J_23 * omega2 + t138 + d3dot_3) + t139;
+    jac[94] = J_11 * omega3 - J_13 * t42 + t140 - (J_23 * omega2 + t141 + d3dot_3) + t142;
     const double J_22 = kept[79];
-    const double t140 = J_22 * omega2;
-    kept[141] = t140;
+    const double t143 = J_22 * omega2;
+    kept[33] = t143;
     const double Sdot_13 = kept[84];
-    const double t141 = 2.0 * Sdot_13;
-    kept[142] = t141;
-    const double t142 = cj * J_13;
-    kept[143] = t142;
+    const double t144 = 2.0 * Sdot_13;
+    kept[27] = t144;
+    const double t145 = cj * J_13;
+    kept[20] = t145;
     const double d3dot_2 = kept[106];
-    jac[95] = J_12 * t42 + t140 + J_23 * omega3 + t141 + (d3dot_2 - J_11 * omega2) + t142;
+    jac[95] = J_12 * t42 + t143 + J_23 * omega3 + t144 + (d3dot_2 - J_11 * omega2) + t145;
     const double alpha2 = y[8];
-    const double t143 = (-0.8784787837749884) * alpha2;
-    kept[144] = t143;
-    const double t144 = cj * t143;
-    kept[145] = t144;
+    const double t146 = (-0.8784787837749884) * alpha2;
+    kept[19] = t146;
+    const double t147 = cj * t146;
+    kept[15] = t147;
     const double S_1_11 = kept[6];
-    const double t38 = kept[112];
+    const double S_1_12 = kept[7];
     const double c7dot_1_1 = kept[88];
-    jac[96] = -(S_1_11 * t42) - t38 * omega2 - 2.0 * c7dot_1_1 - t144;
+    jac[96] = -(S_1_11 * t42) - S_1_12 * t43 - 2.0 * c7dot_1_1 - t147;
     const double d3_2_1 = kept[65];
-    const double t145 = cj * d3_2_1;
-    kept[146] = t145;
+    const double t148 = cj * d3_2_1;
+    kept[14] = t148;
     const double S_2_11 = kept[11];
-    const double t55 = kept[123];
+    const double S_2_13 = kept[12];
     const double c7dot_2_1 = kept[90];
-    jac[97] = t145 - (S_2_11 * t42 + t55 * omega3 + 2.0 * c7dot_2_1);
-    const double S_3_12 = kept[21];
-    const double t146 = 2.0 * S_3_12;
-    kept[147] = t146;
+    jac[97] = t148 - (S_2_11 * t42 + S_2_13 * t46 + 2.0 * c7dot_2_1);
     const double S_3_11 = kept[18];
-    const double t68 = kept[127];
-    jac[98] = -(S_3_11 * t42) - t146 * omega2 - t68 * omega3;
-    const double S_4_13 = kept[28];
-    const double t147 = 2.0 * S_4_13;
-    kept[148] = t147;
+    const double S_3_12 = kept[21];
+    const double S_3_13 = kept[22];
+    jac[98] = -(S_3_11 * t42) - S_3_12 * t43 - S_3_13 * t46;
     const double alpha5 = y[11];
-    const double t148 = 0.8146287617076164 * alpha5;
-    kept[149] = t148;
-    const double t149 = cj * t148;
-    kept[150] = t149;
+    const double t149 = 0.8146287617076164 * alpha5;
+    kept[137] = t149;
+    const double t150 = cj * t149;
+    kept[138] = t150;
     const double S_4_11 = kept[25];
-    const double t76 = kept[130];
+    const double S_4_12 = kept[26];
+    const double S_4_13 = kept[28];
     const double c7dot_4_1 = kept[93];
-    jac[99] = -(S_4_11 * t42) - t76 * omega2 - (t147 * omega3 + 2.0 * c7dot_4_1) - t149;
+    jac[99] = -(S_4_11 * t42) - S_4_12 * t43 - (S_4_13 * t46 + 2.0 * c7dot_4_1) - t150;
     const double d3_5_1 = kept[68];
-    const double t150 = cj * d3_5_1;
-    kept[151] = t150;
-    const double S_5_12 = kept[34];
-    const double t151 = 2.0 * S_5_12;
-    kept[152] = t151;
+    const double t151 = cj * d3_5_1;
+    kept[139] = t151;
     const double S_5_11 = kept[32];
-    const double t92 = kept[136];
+    const double S_5_12 = kept[34];
+    const double S_5_13 = kept[35];
     const double t22 = kept[99];
-    jac[100] = t150 - (S_5_11 * t42 + t151 * omega2 + (t92 * omega3 - 2.0 * t22));
+    jac[100] = t151 - (S_5_11 * t42 + S_5_12 * t43 + (S_5_13 * t46 - 2.0 * t22));
     const double alpha7 = y[13];
     const double t152 = 0.03812757101123808 * alpha7;
-    kept[153] = t152;
+    kept[140] = t152;
     const double t153 = cj * t152;
-    kept[154] = t153;
-    jac[101] = -(S_6_11 * t42) - t104 * omega2 - (t105 * omega3 + 2.0 * c7dot_6_1) - t153;
+    kept[141] = t153;
+    jac[101] = -(S_6_11 * t42) - S_6_12 * t43 - (S_6_13 * t46 + 2.0 * c7dot_6_1) - t153;
     const double d3_7_1 = kept[71];
     const double t154 = cj * d3_7_1;
-    kept[155] = t154;
-    jac[102] = t154 - (S_7_11 * t42 + t115 * omega2 + (t116 * omega3 - 2.0 * t23));
+    kept[142] = t154;
+    jac[102] = t154 - (S_7_11 * t42 + S_7_12 * t43 + (S_7_13 * t46 - 2.0 * t23));
     const double d3_8_1 = kept[74];
     const double t155 = cj * d3_8_1;
-    kept[156] = t155;
-    jac[103] = 2.0 * t24 - (S_8_11 * t42 + t124 * omega2) + t155;
-    jac[104] = t134;
-    jac[105] = t133;
-    jac[106] = t132;
-    jac[107] = -t131;
-    jac[108] = J_13 * omega1 + J_23 * t43 + (t138 + t137) + (d3dot_3 - J_22 * omega3) + t139;
+    kept[143] = t155;
+    jac[103] = 2.0 * t24 - (S_8_11 * t42 + S_8_12 * t43) + t155;
+    jac[104] = t137;
+    jac[105] = t136;
+    jac[106] = t135;
+    jac[107] = -t134;
+    jac[108] = J_13 * omega1 + J_23 * t43 + (t141 + t140) + (d3dot_3 - J_22 * omega3) + t142;
 }
 
 /* Part 4 of 4 of jacobian. */
@@ -3099,10 +3075,10 @@ TISSERAND_SHARED void block_jacobian_part_4(
     const double J_23 = kept[80];
     const double omega1 = y[18];
     const double t156 = J_23 * omega1;
-    const double t136 = kept[140];
+    const double t139 = kept[111];
     const double Sdot_22 = kept[85];
     const double J_22 = kept[79];
-    jac[109] = t136 + 2.0 * Sdot_22 - t156 + cj * J_22;
+    jac[109] = t139 + 2.0 * Sdot_22 - t156 + cj * J_22;
     const double Sdot_23 = kept[86];
     const double t157 = 2.0 * Sdot_23;
     const double J_11 = kept[76];
@@ -3114,243 +3090,223 @@ TISSERAND_SHARED void block_jacobian_part_4(
     const double omega3 = y[20];
     const double d3dot_1 = kept[102];
     jac[110] = J_22 * omega1 - J_12 * t43 + t157 - (t158 + J_13 * omega3 + d3dot_1) + t159;
-    const double t38 = kept[112];
+    const double S_1_12 = kept[7];
+    const double t42 = kept[116];
     const double S_1_22 = kept[8];
-    const double t40 = kept[114];
-    jac[111] = -(t38 * omega1) - (S_1_22 * t43 + t40 * omega3);
-    const double S_2_23 = kept[16];
-    const double t160 = 2.0 * S_2_23;
+    const double S_1_23 = kept[9];
+    const double t46 = kept[119];
+    jac[111] = -(S_1_12 * t42) - (S_1_22 * t43 + S_1_23 * t46);
     const double alpha3 = y[9];
-    const double t161 = 0.3434623359074803 * alpha3;
-    const double t162 = cj * t161;
+    const double t160 = 0.3434623359074803 * alpha3;
+    const double t161 = cj * t160;
     const double S_2_22 = kept[13];
+    const double S_2_23 = kept[16];
     const double c7dot_2_2 = kept[91];
-    jac[112] = -(S_2_22 * t43) - t160 * omega3 - 2.0 * c7dot_2_2 - t162;
+    jac[112] = -(S_2_22 * t43) - S_2_23 * t46 - 2.0 * c7dot_2_2 - t161;
     const double d3_3_2 = kept[66];
-    const double t163 = cj * d3_3_2;
-    const double t146 = kept[147];
+    const double t162 = cj * d3_3_2;
+    const double S_3_12 = kept[21];
     const double S_3_22 = kept[23];
     const double t25 = kept[103];
-    jac[113] = t163 - (t146 * omega1 + (S_3_22 * t43 - 2.0 * t25));
+    jac[113] = t162 - (S_3_12 * t42 + (S_3_22 * t43 - 2.0 * t25));
     const double alpha6 = y[12];
-    const double t164 = (-0.13286677220194004) * alpha6;
-    const double t165 = cj * t164;
-    const double t76 = kept[130];
+    const double t163 = (-0.13286677220194004) * alpha6;
+    const double t164 = cj * t163;
+    const double S_4_12 = kept[26];
     const double S_4_22 = kept[29];
-    const double t78 = kept[131];
+    const double S_4_23 = kept[30];
     const double c7dot_4_2 = kept[94];
-    jac[114] = -(t76 * omega1) - (S_4_22 * t43 + t78 * omega3 + 2.0 * c7dot_4_2) - t165;
+    jac[114] = -(S_4_12 * t42) - (S_4_22 * t43 + S_4_23 * t46 + 2.0 * c7dot_4_2) - t164;
     const double alpha7 = y[13];
-    const double t166 = (-0.3338704835108587) * alpha7;
-    const double t167 = cj * t166;
-    const double t151 = kept[152];
+    const double t165 = (-0.3338704835108587) * alpha7;
+    const double t166 = cj * t165;
+    const double S_5_12 = kept[34];
     const double S_5_22 = kept[36];
-    const double t93 = kept[137];
+    const double S_5_23 = kept[37];
     const double c7dot_5_2 = kept[96];
-    jac[115] = -(t151 * omega1) - (S_5_22 * t43 + t93 * omega3 + 2.0 * c7dot_5_2) - t167;
+    jac[115] = -(S_5_12 * t42) - (S_5_22 * t43 + S_5_23 * t46 + 2.0 * c7dot_5_2) - t166;
     const double d3_6_2 = kept[69];
-    const double t168 = cj * d3_6_2;
-    const double t104 = kept[120];
+    const double t167 = cj * d3_6_2;
+    const double S_6_12 = kept[41];
     const double S_6_22 = kept[44];
-    const double t106 = kept[115];
+    const double S_6_23 = kept[45];
     const double t26 = kept[104];
-    jac[116] = t168 - (t104 * omega1 + (S_6_22 * t43 + t106 * omega3 - 2.0 * t26));
+    jac[116] = t167 - (S_6_12 * t42 + (S_6_22 * t43 + S_6_23 * t46 - 2.0 * t26));
     const double d3_7_2 = kept[72];
-    const double t169 = cj * d3_7_2;
-    const double S_7_23 = kept[52];
-    const double t170 = 2.0 * S_7_23;
-    const double t115 = kept[111];
+    const double t168 = cj * d3_7_2;
+    const double S_7_12 = kept[49];
     const double S_7_22 = kept[51];
+    const double S_7_23 = kept[52];
     const double t27 = kept[105];
-    jac[117] = t169 - (t115 * omega1 + (S_7_22 * t43 + t170 * omega3 - 2.0 * t27));
-    const double t124 = kept[27];
+    jac[117] = t168 - (S_7_12 * t42 + (S_7_22 * t43 + S_7_23 * t46 - 2.0 * t27));
+    const double S_8_12 = kept[57];
     const double S_8_22 = kept[60];
-    const double t125 = kept[20];
-    jac[118] = -(t124 * omega1) - (S_8_22 * t43 + t125 * omega3);
-    const double t133 = kept[14];
-    jac[119] = t133;
-    const double t134 = kept[138];
-    jac[120] = -t134;
-    const double t131 = kept[19];
-    jac[121] = t131;
-    const double t132 = kept[15];
-    jac[122] = t132;
+    const double S_8_23 = kept[61];
+    jac[118] = -(S_8_12 * t42) - (S_8_22 * t43 + S_8_23 * t46);
+    const double t136 = kept[115];
+    jac[119] = t136;
+    const double t137 = kept[114];
+    jac[120] = -t137;
+    const double t134 = kept[120];
+    jac[121] = t134;
+    const double t135 = kept[118];
+    jac[122] = t135;
     const double J_33 = kept[81];
     const double omega2 = y[19];
-    const double t141 = kept[142];
-    const double t46 = kept[119];
-    const double t140 = kept[141];
+    const double t144 = kept[27];
+    const double t143 = kept[33];
     const double d3dot_2 = kept[106];
-    const double t142 = kept[143];
-    jac[123] = J_33 * omega2 + t141 - J_23 * t46 - (J_12 * omega1 + t140 + d3dot_2) + t142;
+    const double t145 = kept[20];
+    jac[123] = J_33 * omega2 + t144 - J_23 * t46 - (J_12 * omega1 + t143 + d3dot_2) + t145;
     jac[124] = t158 + J_12 * omega2 + J_13 * t46 + t157 + (d3dot_1 - J_33 * omega1) + t159;
     const double Sdot_33 = kept[87];
-    const double t135 = kept[139];
-    jac[125] = t156 + 2.0 * Sdot_33 - t135 + cj * J_33;
-    const double t171 = 0.14213269823254854 * alpha3;
-    const double t172 = cj * t171;
+    const double t138 = kept[112];
+    jac[125] = t156 + 2.0 * Sdot_33 - t138 + cj * J_33;
+    const double t169 = 0.14213269823254854 * alpha3;
+    const double t170 = cj * t169;
     const double S_1_33 = kept[10];
     const double c7dot_1_3 = kept[89];
-    jac[126] = -(t40 * omega2) - S_1_33 * t46 - 2.0 * c7dot_1_3 - t172;
-    const double t55 = kept[123];
+    jac[126] = -(S_1_23 * t43) - S_1_33 * t46 - 2.0 * c7dot_1_3 - t170;
+    const double S_2_13 = kept[12];
     const double S_2_33 = kept[17];
-    jac[127] = -(t55 * omega1) - (t160 * omega2 + S_2_33 * t46);
+    jac[127] = -(S_2_13 * t42) - (S_2_23 * t43 + S_2_33 * t46);
     const double d3_3_3 = kept[67];
-    const double t173 = cj * d3_3_3;
-    const double t68 = kept[127];
+    const double t171 = cj * d3_3_3;
+    const double S_3_13 = kept[22];
     const double S_3_33 = kept[24];
     const double c7dot_3_3 = kept[92];
-    jac[128] = t173 - (t68 * omega1 + S_3_33 * t46 + 2.0 * c7dot_3_3);
-    const double t174 = 0.16411826642656863 * alpha7;
-    const double t175 = cj * t174;
-    const double t147 = kept[148];
+    jac[128] = t171 - (S_3_13 * t42 + S_3_33 * t46 + 2.0 * c7dot_3_3);
+    const double t172 = 0.16411826642656863 * alpha7;
+    const double t173 = cj * t172;
+    const double S_4_13 = kept[28];
     const double S_4_33 = kept[31];
     const double c7dot_4_3 = kept[95];
-    jac[129] = -(t147 * omega1) - t78 * omega2 - S_4_33 * t46 - 2.0 * c7dot_4_3 - t175;
-    const double t176 = (-0.17320212202534865) * alpha6;
-    const double t177 = cj * t176;
-    const double t92 = kept[136];
+    jac[129] = -(S_4_13 * t42) - S_4_23 * t43 - S_4_33 * t46 - 2.0 * c7dot_4_3 - t173;
+    const double t174 = (-0.17320212202534865) * alpha6;
+    const double t175 = cj * t174;
+    const double S_5_13 = kept[35];
     const double S_5_33 = kept[38];
     const double c7dot_5_3 = kept[97];
-    jac[130] = -(t92 * omega1) - t93 * omega2 - S_5_33 * t46 - 2.0 * c7dot_5_3 - t177;
+    jac[130] = -(S_5_13 * t42) - S_5_23 * t43 - S_5_33 * t46 - 2.0 * c7dot_5_3 - t175;
     const double d3_6_3 = kept[70];
-    const double t178 = cj * d3_6_3;
-    const double t105 = kept[118];
+    const double t176 = cj * d3_6_3;
+    const double S_6_13 = kept[42];
     const double S_6_33 = kept[47];
     const double t28 = kept[107];
-    jac[131] = t178 - (t105 * omega1 + t106 * omega2 + S_6_33 * t46 - 2.0 * t28);
+    jac[131] = t176 - (S_6_13 * t42 + S_6_23 * t43 + S_6_33 * t46 - 2.0 * t28);
     const double d3_7_3 = kept[73];
-    const double t179 = cj * d3_7_3;
-    const double t116 = kept[33];
+    const double t177 = cj * d3_7_3;
+    const double S_7_13 = kept[50];
     const double S_7_33 = kept[53];
     const double t29 = kept[108];
-    jac[132] = t179 - (t116 * omega1 + t170 * omega2 + S_7_33 * t46 - 2.0 * t29);
+    jac[132] = t177 - (S_7_13 * t42 + S_7_23 * t43 + S_7_33 * t46 - 2.0 * t29);
     const double d3_8_3 = kept[75];
-    const double t180 = cj * d3_8_3;
+    const double t178 = cj * d3_8_3;
     const double S_8_33 = kept[64];
     const double t30 = kept[109];
-    jac[133] = t180 - (t125 * omega2 + S_8_33 * t46 - 2.0 * t30);
+    jac[133] = t178 - (S_8_23 * t43 + S_8_33 * t46 - 2.0 * t30);
     jac[134] = -1.0;
-    const double t42 = kept[116];
     const double S_1_11 = kept[6];
-    const double S_1_12 = kept[7];
-    const double t144 = kept[145];
-    jac[135] = t42 * S_1_11 + t43 * S_1_12 - omega2 * t171 - t144;
-    const double S_1_23 = kept[9];
-    const double t143 = kept[144];
-    jac[136] = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t171 - omega3 * t143);
-    jac[137] = t43 * S_1_23 + t46 * S_1_33 + omega2 * t143 - t172;
+    const double t147 = kept[15];
+    jac[135] = t42 * S_1_11 + t43 * S_1_12 - omega2 * t169 - t147;
+    const double t146 = kept[19];
+    jac[136] = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t169 - omega3 * t146);
+    jac[137] = t43 * S_1_23 + t46 * S_1_33 + omega2 * t146 - t170;
     jac[138] = cj;
-    const double t181 = (-0.8784787837749884) * t42;
-    jac[139] = t181;
-    const double t182 = 0.14213269823254854 * t46;
-    jac[140] = t182;
+    const double t179 = (-0.8784787837749884) * t42;
+    jac[139] = t179;
+    const double t180 = 0.14213269823254854 * t46;
+    jac[140] = t180;
     jac[141] = -1.0;
     const double S_2_11 = kept[11];
-    const double S_2_13 = kept[12];
-    const double t145 = kept[146];
-    jac[142] = t42 * S_2_11 + t46 * S_2_13 + omega3 * t161 + t145;
+    const double t148 = kept[14];
+    jac[142] = t42 * S_2_11 + t46 * S_2_13 + omega3 * t160 + t148;
     const double d3_2_1 = kept[65];
-    jac[143] = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t162;
-    jac[144] = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t161 + omega2 * d3_2_1);
-    jac[145] = -t181;
+    jac[143] = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t161;
+    jac[144] = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t160 + omega2 * d3_2_1);
+    jac[145] = -t179;
     jac[146] = cj;
-    const double t183 = 0.3434623359074803 * t43;
-    jac[147] = t183;
-    const double t184 = 0.06014933573656158 * t42;
-    jac[148] = t184;
+    const double t181 = 0.3434623359074803 * t43;
+    jac[147] = t181;
+    const double t182 = 0.06014933573656158 * t42;
+    jac[148] = t182;
     jac[149] = -1.0;
     const double S_3_11 = kept[18];
-    const double S_3_12 = kept[21];
-    const double S_3_13 = kept[22];
     jac[150] = t42 * S_3_11 + t43 * S_3_12 + t46 * S_3_13 + (omega2 * d3_3_3 - omega3 * d3_3_2);
-    jac[151] = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t163;
-    jac[152] = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t173;
-    jac[153] = -t182;
-    jac[154] = -t183;
+    jac[151] = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t162;
+    jac[152] = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t171;
+    jac[153] = -t180;
+    jac[154] = -t181;
     jac[155] = cj;
-    const double t185 = 0.10707341325868729 * t46;
-    jac[156] = t185;
+    const double t183 = 0.10707341325868729 * t46;
+    jac[156] = t183;
     jac[157] = -1.0;
     const double S_4_11 = kept[25];
-    const double S_4_12 = kept[26];
-    const double S_4_13 = kept[28];
-    const double t149 = kept[150];
-    jac[158] = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t164 - omega2 * t174) - t149;
-    const double S_4_23 = kept[30];
-    const double t148 = kept[149];
-    jac[159] = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t174 - omega3 * t148) - t165;
-    jac[160] = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t148 - omega1 * t164) - t175;
+    const double t150 = kept[138];
+    jac[158] = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t163 - omega2 * t172) - t150;
+    const double t149 = kept[137];
+    jac[159] = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t172 - omega3 * t149) - t164;
+    jac[160] = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t149 - omega1 * t163) - t173;
     jac[161] = cj;
-    const double t186 = 0.8146287617076164 * t42;
-    jac[162] = t186;
-    const double t187 = (-0.13286677220194004) * t43;
-    jac[163] = t187;
-    const double t188 = 0.16411826642656863 * t46;
-    jac[164] = t188;
+    const double t184 = 0.8146287617076164 * t42;
+    jac[162] = t184;
+    const double t185 = (-0.13286677220194004) * t43;
+    jac[163] = t185;
+    const double t186 = 0.16411826642656863 * t46;
+    jac[164] = t186;
     jac[165] = -1.0;
     const double S_5_11 = kept[32];
-    const double S_5_12 = kept[34];
-    const double S_5_13 = kept[35];
-    const double t150 = kept[151];
-    jac[166] = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t166 - omega2 * t176) + t150;
-    const double S_5_23 = kept[37];
+    const double t151 = kept[139];
+    jac[166] = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t165 - omega2 * t174) + t151;
     const double d3_5_1 = kept[68];
-    jac[167] = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t176)
-        - t167;
-    jac[168] = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t166 + omega2 * d3_5_1)
-        - t177;
-    jac[169] = -t186;
+    jac[167] = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t174)
+        - t166;
+    jac[168] = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t165 + omega2 * d3_5_1)
+        - t175;
+    jac[169] = -t184;
     jac[170] = cj;
-    const double t189 = (-0.17320212202534865) * t46;
-    jac[171] = t189;
-    const double t190 = (-0.3338704835108587) * t43;
-    jac[172] = t190;
+    const double t187 = (-0.17320212202534865) * t46;
+    jac[171] = t187;
+    const double t188 = (-0.3338704835108587) * t43;
+    jac[172] = t188;
     jac[173] = -1.0;
     const double S_6_11 = kept[40];
-    const double S_6_12 = kept[41];
-    const double S_6_13 = kept[42];
-    const double t153 = kept[154];
+    const double t153 = kept[141];
     jac[174] = t42 * S_6_11 + t43 * S_6_12 + t46 * S_6_13 + (omega2 * d3_6_3 - omega3 * d3_6_2)
         - t153;
-    const double S_6_23 = kept[45];
-    const double t152 = kept[153];
+    const double t152 = kept[140];
     jac[175] = t42 * S_6_12 + t43 * S_6_22 + t46 * S_6_23 - (omega3 * t152 + omega1 * d3_6_3)
-        + t168;
+        + t167;
     jac[176] = t42 * S_6_13 + t43 * S_6_23 + t46 * S_6_33 + (omega1 * d3_6_2 + omega2 * t152)
-        + t178;
-    jac[177] = -t187;
-    jac[178] = -t189;
+        + t176;
+    jac[177] = -t185;
+    jac[178] = -t187;
     jac[179] = cj;
-    const double t191 = 0.03812757101123808 * t42;
-    jac[180] = t191;
+    const double t189 = 0.03812757101123808 * t42;
+    jac[180] = t189;
     jac[181] = -1.0;
     const double S_7_11 = kept[48];
-    const double S_7_12 = kept[49];
-    const double S_7_13 = kept[50];
-    const double t154 = kept[155];
+    const double t154 = kept[142];
     jac[182] = t42 * S_7_11 + t43 * S_7_12 + t46 * S_7_13 + (omega2 * d3_7_3 - omega3 * d3_7_2)
         + t154;
     const double d3_7_1 = kept[71];
     jac[183] = t42 * S_7_12 + t43 * S_7_22 + t46 * S_7_23 + (omega3 * d3_7_1 - omega1 * d3_7_3)
-        + t169;
+        + t168;
     jac[184] = t42 * S_7_13 + t43 * S_7_23 + t46 * S_7_33 + (omega1 * d3_7_2 - omega2 * d3_7_1)
-        + t179;
-    jac[185] = -t188;
-    jac[186] = -t190;
-    jac[187] = -t191;
+        + t177;
+    jac[185] = -t186;
+    jac[186] = -t188;
+    jac[187] = -t189;
     jac[188] = cj;
     jac[189] = -1.0;
     const double S_8_11 = kept[56];
-    const double S_8_12 = kept[57];
-    const double t155 = kept[156];
+    const double t155 = kept[143];
     jac[190] = t42 * S_8_11 + t43 * S_8_12 + omega2 * d3_8_3 + t155;
-    const double S_8_23 = kept[61];
     const double d3_8_1 = kept[74];
     jac[191] = t42 * S_8_12 + t43 * S_8_22 + t46 * S_8_23 + (omega3 * d3_8_1 - omega1 * d3_8_3);
-    jac[192] = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t180;
-    jac[193] = -t184;
-    jac[194] = -t185;
+    jac[192] = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t178;
+    jac[193] = -t182;
+    jac[194] = -t183;
     jac[195] = cj;
 }
 
@@ -3364,7 +3320,7 @@ int block_jacobian(
 {
     (void) t;
     (void) k;
-    double kept[157];
+    double kept[144];
     {
         const int failed = block_jacobian_part_1(
             y, ydot, cj, jac, kept);
@@ -3426,48 +3382,28 @@ static void block_mass_states(
         const double alpha7 = q[13 * all + b];
         const double alpha8 = q[14 * all + b];
         const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
-        const double S_1_12 = (-0.06983677418017273) * alpha3;
         const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
-        const double S_1_23 = (-0.4396173773693272) * alpha2;
         const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
         const double S_2_11 = 0.8385822755284659 * alpha2;
-        const double S_2_13 = 0.17281858343053574 * alpha3;
         const double S_2_22 = 0.1617571164547129 * alpha2;
-        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
         const double S_2_33 = 0.9996606080168212 * alpha2;
         const double S_3_11 = 0.9959824929644516 * alpha3;
-        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
-        const double S_3_13 = 0.17281858343053574 * alpha2;
         const double S_3_22 = 0.7416169147200682 * alpha3;
         const double S_3_33 = 0.26240059231547974 * alpha3;
         const double S_4_11 = 0.8691692710140388 * alpha4;
-        const double S_4_12 = (-0.07653897132838097) * alpha7;
-        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
         const double S_4_22 = 0.9978159483343315 * alpha4;
-        const double S_4_23 = 0.40905294172354 * alpha5;
         const double S_4_33 = 0.13301478065162953 * alpha4;
         const double S_5_11 = 0.7757986416100022 * alpha5;
-        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
-        const double S_5_13 = (-0.17116304786243786) * alpha7;
         const double S_5_22 = 0.22560185358382823 * alpha5;
-        const double S_5_23 = 0.40905294172354 * alpha4;
         const double S_5_33 = 0.9985995048061699 * alpha5;
         const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
-        const double S_6_12 = (-0.08100155107836308) * alpha5;
-        const double S_6_13 = 0.06612677259881924 * alpha4;
         const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
-        const double S_6_23 = (-0.009791878445593954) * alpha7;
         const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
         const double S_7_11 = 0.9836361321701889 * alpha7;
-        const double S_7_12 = (-0.07653897132838097) * alpha4;
-        const double S_7_13 = (-0.17116304786243786) * alpha5;
         const double S_7_22 = 0.7598894642705915 * alpha7;
-        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
         const double S_7_33 = 0.2564744035592197 * alpha7;
         const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
-        const double S_8_12 = 0.05213396507997798 * alpha3;
         const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
-        const double S_8_23 = (-0.02992582521388207) * alpha2;
         const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
         const double d3_1_1 = 0.8784787837749884 * alpha2;
         const double d3_1_3 = (-0.14213269823254854) * alpha3;
@@ -3492,15 +3428,17 @@ static void block_mass_states(
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
             + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
             + S_7_11 * alpha7 + S_8_11 * alpha8);
-        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
-            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
-        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
-            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_12 = 0.038444918936798696 * alpha5 + (-0.13967354836034546) * (alpha1 * alpha3)
+            + 0.10426793015995596 * (alpha3 * alpha8) + (-0.15307794265676195) * (alpha4 * alpha7)
+            + (-0.16200310215672617) * (alpha5 * alpha6);
+        const double J_13 = (-0.013897455775513832) * alpha4 + 0.3456371668610715 * (alpha2 * alpha3)
+            + 0.1322535451976385 * (alpha4 * alpha6) + (-0.3423260957248757) * (alpha5 * alpha7);
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
             + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
             + S_7_22 * alpha7 + S_8_22 * alpha8);
-        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
-            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_23 = 7.282909540772963e-05 * alpha7 + (-0.8792347547386544) * (alpha1 * alpha2)
+            + (-0.05985165042776414) * (alpha2 * alpha8) + 0.81810588344708 * (alpha4 * alpha5)
+            + (-0.01958375689118791) * (alpha6 * alpha7);
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
             + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
             + S_8_33 * alpha8);
@@ -3751,37 +3689,33 @@ static void block_force_states(
         const double t10 = 2.0 * omega1;
         const double t11 = 2.0 * omega2;
         const double t12 = 2.0 * omega3;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11
-            + t11 * Sdot_12 + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2);
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12
-            + t11 * Sdot_22 + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3);
-        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13
-            + t11 * Sdot_23 + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1);
-        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1
-            - t12 * c7dot_1_3;
-        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1
-            - t11 * c7dot_2_2;
-        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
-        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
-            + t10 * c7dot_4_1 + t11 * c7dot_4_2 + t12 * c7dot_4_3);
-        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t10 * t1
-            + t11 * c7dot_5_2 + t12 * c7dot_5_3);
-        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
-            + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
-        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t10 * t2
-            - t11 * t6 - t12 * t8);
-        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
+        const double t13 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        h[3 * all + b] = t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13 + omega2 * t13 - omega3 * t14;
+        const double t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        h[4 * all + b] = t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23 + omega3 * t15 - omega1 * t13;
+        h[5 * all + b] = t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33 + omega1 * t14 - omega2 * t15;
+        const double t16 = 2.0 * oo_12;
+        const double t17 = 2.0 * oo_23;
+        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t16 - S_1_22 * oo_22
+            - S_1_23 * t17 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
+        const double t18 = 2.0 * oo_13;
+        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t18 - S_2_22 * oo_22
+            - S_2_23 * t17 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
+        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t16 - S_3_13 * t18
+            - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
+        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t16 - S_4_13 * t18
+            - S_4_22 * oo_22 - (S_4_23 * t17 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2
+            + t12 * c7dot_4_3);
+        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t16 - S_5_13 * t18
+            - S_5_22 * oo_22 - (S_5_23 * t17 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
+            + t12 * c7dot_5_3);
+        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t16 - S_6_13 * t18
+            - S_6_22 * oo_22 - (S_6_23 * t17 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
+        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t16 - S_7_13 * t18
+            - S_7_22 * oo_22 - (S_7_23 * t17 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8);
+        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t16 - S_8_22 * oo_22
+            - S_8_23 * t17 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     }
 }
 
@@ -3941,20 +3875,22 @@ static void block_mass_force_states(
         const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
         const double S_8_23 = (-0.02992582521388207) * alpha2;
         const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
-        const double t1 = 2.0 * omega1;
-        const double t2 = 0.06014933573656158 * alpha2dot;
-        const double t3 = 2.0 * omega3;
-        const double t4 = 0.10707341325868729 * alpha3dot;
-        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2 + t3 * t4;
+        const double t1 = 2.0 * oo_12;
+        const double t2 = 2.0 * oo_23;
+        const double t3 = 2.0 * omega1;
+        const double t4 = 0.06014933573656158 * alpha2dot;
+        const double t5 = 2.0 * omega3;
+        const double t6 = 0.10707341325868729 * alpha3dot;
+        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t1 - S_8_22 * oo_22
+            - S_8_23 * t2 - S_8_33 * oo_33 + t3 * t4 + t5 * t6;
         M[36 * all + b] = 1.0;
-        const double t5 = 0.03812757101123808 * alpha6dot;
-        const double t6 = 2.0 * omega2;
-        const double t7 = (-0.3338704835108587) * alpha5dot;
-        const double t8 = 0.16411826642656863 * alpha4dot;
-        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t1 * t5
-            - t6 * t7 - t3 * t8);
+        const double t7 = 2.0 * oo_13;
+        const double t8 = 0.03812757101123808 * alpha6dot;
+        const double t9 = 2.0 * omega2;
+        const double t10 = (-0.3338704835108587) * alpha5dot;
+        const double t11 = 0.16411826642656863 * alpha4dot;
+        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t1 - S_7_13 * t7
+            - S_7_22 * oo_22 - (S_7_23 * t2 + S_7_33 * oo_33 - t3 * t8 - t9 * t10 - t5 * t11);
         M[35 * all + b] = 1.0;
         const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
         const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
@@ -3967,30 +3903,29 @@ static void block_mass_force_states(
         const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
         const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
         const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
-        const double t9 = (-0.13286677220194004) * alpha4dot;
-        const double t10 = (-0.17320212202534865) * alpha5dot;
-        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
-            + t1 * c7dot_6_1 - t6 * t9 - t3 * t10);
+        const double t12 = (-0.13286677220194004) * alpha4dot;
+        const double t13 = (-0.17320212202534865) * alpha5dot;
+        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t1 - S_6_13 * t7
+            - S_6_22 * oo_22 - (S_6_23 * t2 + S_6_33 * oo_33 + t3 * c7dot_6_1 - t9 * t12 - t5 * t13);
         M[34 * all + b] = 1.0;
-        const double t11 = 0.8146287617076164 * alpha4dot;
-        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t1 * t11
-            + t6 * c7dot_5_2 + t3 * c7dot_5_3);
+        const double t14 = 0.8146287617076164 * alpha4dot;
+        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t1 - S_5_13 * t7
+            - S_5_22 * oo_22 - (S_5_23 * t2 + S_5_33 * oo_33 - t3 * t14 + t9 * c7dot_5_2
+            + t5 * c7dot_5_3);
         M[33 * all + b] = 1.0;
-        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
-            + t1 * c7dot_4_1 + t6 * c7dot_4_2 + t3 * c7dot_4_3);
+        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t1 - S_4_13 * t7
+            - S_4_22 * oo_22 - (S_4_23 * t2 + S_4_33 * oo_33 + t3 * c7dot_4_1 + t9 * c7dot_4_2
+            + t5 * c7dot_4_3);
         M[32 * all + b] = 1.0;
-        const double t12 = 0.3434623359074803 * alpha2dot;
-        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t6 * t12 - t3 * c7dot_3_3;
+        const double t15 = 0.3434623359074803 * alpha2dot;
+        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t1 - S_3_13 * t7
+            - S_3_22 * oo_22 - S_3_33 * oo_33 + t9 * t15 - t5 * c7dot_3_3;
         M[31 * all + b] = 1.0;
-        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t1 * c7dot_2_1 - t6 * c7dot_2_2;
+        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t7 - S_2_22 * oo_22
+            - S_2_23 * t2 - S_2_33 * oo_33 - t3 * c7dot_2_1 - t9 * c7dot_2_2;
         M[30 * all + b] = 1.0;
-        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1 - t3 * c7dot_1_3;
+        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t1 - S_1_22 * oo_22
+            - S_1_23 * t2 - S_1_33 * oo_33 - t3 * c7dot_1_1 - t5 * c7dot_1_3;
         M[29 * all + b] = 1.0;
         const double d3_1_1 = 0.8784787837749884 * alpha2;
         const double d3_1_3 = (-0.14213269823254854) * alpha3;
@@ -4043,14 +3978,14 @@ static void block_mass_force_states(
             + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
             + alpha8dot * S_8_33;
         const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
-            - alpha5 * t11 + alpha6 * c7dot_6_1 - alpha7 * t5 - alpha8 * t2;
-        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t12 + alpha4 * c7dot_4_2
-            + alpha5 * c7dot_5_2 - alpha6 * t9 - alpha7 * t7;
+            - alpha5 * t14 + alpha6 * c7dot_6_1 - alpha7 * t8 - alpha8 * t4;
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t15 + alpha4 * c7dot_4_2
+            + alpha5 * c7dot_5_2 - alpha6 * t12 - alpha7 * t10;
         const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
-            + alpha5 * c7dot_5_3 - alpha6 * t10 - alpha7 * t8 - alpha8 * t4;
-        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13
-            + t6 * Sdot_23 + (t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1);
+            + alpha5 * c7dot_5_3 - alpha6 * t13 - alpha7 * t11 - alpha8 * t6;
+        const double t16 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        const double t17 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        h[5 * all + b] = t3 * Sdot_13 + t9 * Sdot_23 + t5 * Sdot_33 + omega1 * t16 - omega2 * t17;
         M[21 * all + b] = J_33;
         M[22 * all + b] = d3_1_3;
         M[23 * all + b] = d3_3_3;
@@ -4059,9 +3994,8 @@ static void block_mass_force_states(
         M[26 * all + b] = d3_6_3;
         M[27 * all + b] = d3_7_3;
         M[28 * all + b] = d3_8_3;
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12
-            + t6 * Sdot_22 + (t3 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3);
+        const double t18 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        h[4 * all + b] = t3 * Sdot_12 + t9 * Sdot_22 + t5 * Sdot_23 + omega3 * t17 - omega1 * t18;
         M[13 * all + b] = J_22;
         M[14 * all + b] = J_23;
         M[15 * all + b] = d3_2_2;
@@ -4070,9 +4004,7 @@ static void block_mass_force_states(
         M[18 * all + b] = d3_5_2;
         M[19 * all + b] = d3_6_2;
         M[20 * all + b] = d3_7_2;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11
-            + t6 * Sdot_12 + (t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2);
+        h[3 * all + b] = t3 * Sdot_11 + t9 * Sdot_12 + t5 * Sdot_13 + omega2 * t18 - omega3 * t16;
         M[3 * all + b] = J_11;
         M[4 * all + b] = J_12;
         M[5 * all + b] = J_13;
@@ -4350,66 +4282,65 @@ static int block_accel_states(
         vdot[b] = 0.0;
         vdot[all + b] = 0.0;
         vdot[2 * all + b] = 0.0;
-        const double t25 = 2.0 * omega1;
-        const double t26 = 2.0 * omega2;
-        const double t27 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t25 * c7dot_2_1
-            - t26 * c7dot_2_2;
-        const double t28 = 2.0 * omega3;
-        const double t29 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t25 * c7dot_1_1
-            - t28 * c7dot_1_3;
-        const double t30 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t25 * t18 + t28 * t24;
-        const double t31 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
-            + t25 * c7dot_4_1 + t26 * c7dot_4_2 + t28 * c7dot_4_3);
-        const double t32 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t25 * t16
-            + t26 * c7dot_5_2 + t28 * c7dot_5_3);
-        const double t33 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
-            + t25 * c7dot_6_1 - t26 * t20 - t28 * t22);
-        const double t34 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t25 * t17
-            - t26 * t21 - t28 * t23);
-        const double t35 = d3_2_1 * t27 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
-            + t25 * Sdot_11 + t26 * Sdot_12 + (t28 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
-            - J_22 * oo_23 - omega3 * d3dot_2) + t1 * t29) + d3_8_1 * t30 - t2 * t31 + d3_5_1 * t32
-            - t3 * t33 + d3_7_1 * t34;
-        const double t36 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t26 * t19 - t28 * c7dot_3_3;
-        const double t37 = d3_3_2 * t36 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
-            + t25 * Sdot_12 + t26 * Sdot_22 + (t28 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
-            - J_33 * oo_13 - omega1 * d3dot_3) + t4 * t27) - t5 * t31 - t6 * t32 + d3_6_2 * t33
-            + d3_7_2 * t34 - t8 * t35;
-        const double t38 = (d3_3_3 * t36 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
-            + t25 * Sdot_13 + t26 * Sdot_23 + (t28 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
-            - J_13 * oo_23 - omega2 * d3dot_1) + t9 * t29) + d3_8_3 * t30 - t10 * t31 - t11 * t32
-            + d3_6_3 * t33 + d3_7_3 * t34 - t13 * t35 - t15 * t37) / pivot_pi3;
-        const double t39 = t37 * inverse_pivot_pi2 - t15 * t38;
-        const double t40 = t35 * inverse_pivot_pi1 - t13 * t38 - t8 * t39;
-        vdot[3 * all + b] = t40;
-        vdot[4 * all + b] = t39;
-        vdot[5 * all + b] = t38;
-        const double t41 = t9 * t38 - t29 + t1 * t40;
-        vdot[6 * all + b] = t41;
-        const double t42 = t4 * t39 - t27 - d3_2_1 * t40;
-        vdot[7 * all + b] = t42;
-        const double t43 = t36 + d3_3_3 * t38 + d3_3_2 * t39;
-        vdot[8 * all + b] = -t43;
-        const double t44 = t10 * t38 - t31 + t5 * t39 + t2 * t40;
-        vdot[9 * all + b] = t44;
-        const double t45 = t11 * t38 - t32 + t6 * t39 - d3_5_1 * t40;
-        vdot[10 * all + b] = t45;
-        const double t46 = t3 * t40 - (t33 + d3_6_3 * t38 + d3_6_2 * t39);
-        vdot[11 * all + b] = t46;
-        const double t47 = t34 + d3_7_3 * t38 + d3_7_2 * t39 + d3_7_1 * t40;
-        vdot[12 * all + b] = -t47;
-        const double t48 = t30 + d3_8_3 * t38 + d3_8_1 * t40;
-        vdot[13 * all + b] = -t48;
+        const double t25 = 2.0 * oo_13;
+        const double t26 = 2.0 * oo_23;
+        const double t27 = 2.0 * omega1;
+        const double t28 = 2.0 * omega2;
+        const double t29 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t25 - S_2_22 * oo_22
+            - S_2_23 * t26 - S_2_33 * oo_33 - t27 * c7dot_2_1 - t28 * c7dot_2_2;
+        const double t30 = 2.0 * omega3;
+        const double t31 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        const double t32 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        const double t33 = 2.0 * oo_12;
+        const double t34 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t33 - S_1_22 * oo_22
+            - S_1_23 * t26 - S_1_33 * oo_33 - t27 * c7dot_1_1 - t30 * c7dot_1_3;
+        const double t35 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t33 - S_8_22 * oo_22
+            - S_8_23 * t26 - S_8_33 * oo_33 + t27 * t18 + t30 * t24;
+        const double t36 = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t33 - S_4_13 * t25
+            - S_4_22 * oo_22 - (S_4_23 * t26 + S_4_33 * oo_33 + t27 * c7dot_4_1 + t28 * c7dot_4_2
+            + t30 * c7dot_4_3);
+        const double t37 = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t33 - S_5_13 * t25
+            - S_5_22 * oo_22 - (S_5_23 * t26 + S_5_33 * oo_33 - t27 * t16 + t28 * c7dot_5_2
+            + t30 * c7dot_5_3);
+        const double t38 = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t33 - S_6_13 * t25
+            - S_6_22 * oo_22 - (S_6_23 * t26 + S_6_33 * oo_33 + t27 * c7dot_6_1 - t28 * t20
+            - t30 * t22);
+        const double t39 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t33 - S_7_13 * t25
+            - S_7_22 * oo_22 - (S_7_23 * t26 + S_7_33 * oo_33 - t27 * t17 - t28 * t21 - t30 * t23);
+        const double t40 = d3_2_1 * t29 - (t27 * Sdot_11 + t28 * Sdot_12 + t30 * Sdot_13 + omega2 * t31
+            - omega3 * t32 + t1 * t34) + d3_8_1 * t35 - t2 * t36 + d3_5_1 * t37 - t3 * t38
+            + d3_7_1 * t39;
+        const double t41 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t33 - S_3_13 * t25
+            - S_3_22 * oo_22 - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3;
+        const double t42 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        const double t43 = d3_3_2 * t41 - (t27 * Sdot_12 + t28 * Sdot_22 + t30 * Sdot_23 + omega3 * t42
+            - omega1 * t31 + t4 * t29) - t5 * t36 - t6 * t37 + d3_6_2 * t38 + d3_7_2 * t39 - t8 * t40;
+        const double t44 = (d3_3_3 * t41 - (t27 * Sdot_13 + t28 * Sdot_23 + t30 * Sdot_33 + omega1 * t32
+            - omega2 * t42 + t9 * t34) + d3_8_3 * t35 - t10 * t36 - t11 * t37 + d3_6_3 * t38
+            + d3_7_3 * t39 - t13 * t40 - t15 * t43) / pivot_pi3;
+        const double t45 = t43 * inverse_pivot_pi2 - t15 * t44;
+        const double t46 = t40 * inverse_pivot_pi1 - t13 * t44 - t8 * t45;
+        vdot[3 * all + b] = t46;
+        vdot[4 * all + b] = t45;
+        vdot[5 * all + b] = t44;
+        const double t47 = t9 * t44 - t34 + t1 * t46;
+        vdot[6 * all + b] = t47;
+        const double t48 = t4 * t45 - t29 - d3_2_1 * t46;
+        vdot[7 * all + b] = t48;
+        const double t49 = t41 + d3_3_3 * t44 + d3_3_2 * t45;
+        vdot[8 * all + b] = -t49;
+        const double t50 = t10 * t44 - t36 + t5 * t45 + t2 * t46;
+        vdot[9 * all + b] = t50;
+        const double t51 = t11 * t44 - t37 + t6 * t45 - d3_5_1 * t46;
+        vdot[10 * all + b] = t51;
+        const double t52 = t3 * t46 - (t38 + d3_6_3 * t44 + d3_6_2 * t45);
+        vdot[11 * all + b] = t52;
+        const double t53 = t39 + d3_7_3 * t44 + d3_7_2 * t45 + d3_7_1 * t46;
+        vdot[12 * all + b] = -t53;
+        const double t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46;
+        vdot[13 * all + b] = -t54;
         double code = 0.0;
-        const double finite = t40 + t39 + (t38 + (t41 + t42)) + (t44 + t45 - t43 + (t46 - (t47 + t48)));
+        const double finite = t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54)));
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
         code = pivot_pi3
             - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */

@@ -11,7 +11,7 @@ The floating frame has its origin at c and the rotation Q. r = X + u, the shape 
 and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
 markers are resolved in the inertial frame.
 c is where the centre of mass of the undeformed body lies in the floating frame.
-Kernels are unrolled, the faster form; predicted evaluation time of h: 49 ns unrolled, 57 ns looped.
+Kernels are unrolled, the faster form; predicted evaluation time of h: 48 ns unrolled, 57 ns looped.
 
 Generalised coordinates q:
   0  c1      [m]  translation of the floating frame along e1
@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "563f3aa15ab99ba0"
+HASH = "516daa5d7d1e6891"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -359,7 +359,7 @@ def mass(q, k):
         triangles
 
     From appendix, (15).
-    187 operations.
+    153 operations.
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
         k.shape == (0,)):
@@ -377,48 +377,28 @@ def mass(q, k):
 
     # S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8
     S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8
-    S_1_12 = (-0.06983677418017273) * alpha3
     S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8
-    S_1_23 = (-0.4396173773693272) * alpha2
     S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8
     S_2_11 = 0.8385822755284659 * alpha2
-    S_2_13 = 0.17281858343053574 * alpha3
     S_2_22 = 0.1617571164547129 * alpha2
-    S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8
     S_2_33 = 0.9996606080168212 * alpha2
     S_3_11 = 0.9959824929644516 * alpha3
-    S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8
-    S_3_13 = 0.17281858343053574 * alpha2
     S_3_22 = 0.7416169147200682 * alpha3
     S_3_33 = 0.26240059231547974 * alpha3
     S_4_11 = 0.8691692710140388 * alpha4
-    S_4_12 = (-0.07653897132838097) * alpha7
-    S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6
     S_4_22 = 0.9978159483343315 * alpha4
-    S_4_23 = 0.40905294172354 * alpha5
     S_4_33 = 0.13301478065162953 * alpha4
     S_5_11 = 0.7757986416100022 * alpha5
-    S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6
-    S_5_13 = (-0.17116304786243786) * alpha7
     S_5_22 = 0.22560185358382823 * alpha5
-    S_5_23 = 0.40905294172354 * alpha4
     S_5_33 = 0.9985995048061699 * alpha5
     S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6
-    S_6_12 = (-0.08100155107836308) * alpha5
-    S_6_13 = 0.06612677259881924 * alpha4
     S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6
-    S_6_23 = (-0.009791878445593954) * alpha7
     S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6
     S_7_11 = 0.9836361321701889 * alpha7
-    S_7_12 = (-0.07653897132838097) * alpha4
-    S_7_13 = (-0.17116304786243786) * alpha5
     S_7_22 = 0.7598894642705915 * alpha7
-    S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6
     S_7_33 = 0.2564744035592197 * alpha7
     S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8
-    S_8_12 = 0.05213396507997798 * alpha3
     S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8
-    S_8_23 = (-0.02992582521388207) * alpha2
     S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8
 
     # d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3
@@ -450,12 +430,13 @@ def mass(q, k):
             + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
-        0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
-            + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8
+        0.038444918936798696 * alpha5 + (-0.13967354836034546) * (alpha1 * alpha3)
+            + 0.10426793015995596 * (alpha3 * alpha8) + (-0.15307794265676195) * (alpha4 * alpha7)
+            + (-0.16200310215672617) * (alpha5 * alpha6)
     )
     J_13 = (
-        (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3 + S_4_13 * alpha4
-            + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7
+        (-0.013897455775513832) * alpha4 + 0.3456371668610715 * (alpha2 * alpha3)
+            + 0.1322535451976385 * (alpha4 * alpha6) + (-0.3423260957248757) * (alpha5 * alpha7)
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
@@ -463,8 +444,9 @@ def mass(q, k):
             + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
-        3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
-            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8
+        7.282909540772963e-05 * alpha7 + (-0.8792347547386544) * (alpha1 * alpha2)
+            + (-0.05985165042776414) * (alpha2 * alpha8) + 0.81810588344708 * (alpha4 * alpha5)
+            + (-0.01958375689118791) * (alpha6 * alpha7)
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
@@ -528,7 +510,7 @@ def force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
-    531 operations.
+    499 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -709,53 +691,46 @@ def force(t, q, v, k):
     t10 = 2 * omega1
     t11 = 2 * omega2
     t12 = 2 * omega3
-    h_3 = (
-        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-            + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2)
-    )
-    h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12 + t11 * Sdot_22
-            + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3)
-    )
-    h_5 = (
-        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-            + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
-    )
+    t13 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33
+    t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23
+    h_3 = t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13 + omega2 * t13 - omega3 * t14
+    t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13
+    h_4 = t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23 + omega3 * t15 - omega1 * t13
+    h_5 = t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33 + omega1 * t14 - omega2 * t15
+    t16 = 2 * oo_12
+    t17 = 2 * oo_23
     h_6 = (
-        132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22
-            - 2 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3
+        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t16 - S_1_22 * oo_22 - S_1_23 * t17
+            - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3
     )
+    t18 = 2 * oo_13
     h_7 = (
-        298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - S_2_22 * oo_22
-            - 2 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2
+        298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t18 - S_2_22 * oo_22 - S_2_23 * t17
+            - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2
     )
     h_8 = (
-        424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - 2 * S_3_13 * oo_13
-            - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3
+        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t16 - S_3_13 * t18 - S_3_22 * oo_22
+            - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3
     )
     h_9 = (
-        828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
-            - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t10 * c7dot_4_1
-            + t11 * c7dot_4_2 + t12 * c7dot_4_3)
+        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t16 - S_4_13 * t18 - S_4_22 * oo_22
+            - (S_4_23 * t17 + S_4_33 * oo_33 + t10 * c7dot_4_1 + t11 * c7dot_4_2 + t12 * c7dot_4_3)
     )
     h_10 = (
-        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
-            - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
-            + t12 * c7dot_5_3)
+        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t16 - S_5_13 * t18 - S_5_22 * oo_22
+            - (S_5_23 * t17 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2 + t12 * c7dot_5_3)
     )
     h_11 = (
-        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
-            - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5
-            - t12 * t7)
+        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t16 - S_6_13 * t18 - S_6_22 * oo_22
+            - (S_6_23 * t17 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5 - t12 * t7)
     )
     h_12 = (
-        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t10 * t2 - t11 * t6
-            - t12 * t8)
+        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t16 - S_7_13 * t18 - S_7_22 * oo_22
+            - (S_7_23 * t17 + S_7_33 * oo_33 - t10 * t2 - t11 * t6 - t12 * t8)
     )
     h_13 = (
-        2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22
-            - 2 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9
+        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t16 - S_8_22 * oo_22 - S_8_23 * t17
+            - S_8_33 * oo_33 + t10 * t3 + t12 * t9
     )
 
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9, h_10, h_11, h_12,
@@ -776,7 +751,7 @@ def mass_force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
-    555 operations.
+    523 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -858,24 +833,27 @@ def mass_force(t, q, v, k):
     S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8
 
     # alpha8 (15): force and column of M of alpha8
-    t1 = 2 * omega1
-    t2 = 0.06014933573656158 * alpha2dot
-    t3 = 2 * omega3
-    t4 = 0.10707341325868729 * alpha3dot
+    t1 = 2 * oo_12
+    t2 = 2 * oo_23
+    t3 = 2 * omega1
+    t4 = 0.06014933573656158 * alpha2dot
+    t5 = 2 * omega3
+    t6 = 0.10707341325868729 * alpha3dot
     h_13 = (
-        2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22
-            - 2 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2 + t3 * t4
+        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t1 - S_8_22 * oo_22 - S_8_23 * t2
+            - S_8_33 * oo_33 + t3 * t4 + t5 * t6
     )
     M_36 = 1
 
     # alpha7 (15): force and column of M of alpha7
-    t5 = 0.03812757101123808 * alpha6dot
-    t6 = 2 * omega2
-    t7 = (-0.3338704835108587) * alpha5dot
-    t8 = 0.16411826642656863 * alpha4dot
+    t7 = 2 * oo_13
+    t8 = 0.03812757101123808 * alpha6dot
+    t9 = 2 * omega2
+    t10 = (-0.3338704835108587) * alpha5dot
+    t11 = 0.16411826642656863 * alpha4dot
     h_12 = (
-        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t1 * t5 - t6 * t7 - t3 * t8)
+        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t1 - S_7_13 * t7 - S_7_22 * oo_22
+            - (S_7_23 * t2 + S_7_33 * oo_33 - t3 * t8 - t9 * t10 - t5 * t11)
     )
     M_35 = 1
 
@@ -894,51 +872,48 @@ def mass_force(t, q, v, k):
     c7dot_6_1 = 0.03812757101123808 * alpha7dot
 
     # alpha6 (15): force and column of M of alpha6
-    t9 = (-0.13286677220194004) * alpha4dot
-    t10 = (-0.17320212202534865) * alpha5dot
+    t12 = (-0.13286677220194004) * alpha4dot
+    t13 = (-0.17320212202534865) * alpha5dot
     h_11 = (
-        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
-            - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t1 * c7dot_6_1 - t6 * t9
-            - t3 * t10)
+        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t1 - S_6_13 * t7 - S_6_22 * oo_22
+            - (S_6_23 * t2 + S_6_33 * oo_33 + t3 * c7dot_6_1 - t9 * t12 - t5 * t13)
     )
     M_34 = 1
 
     # alpha5 (15): force and column of M of alpha5
-    t11 = 0.8146287617076164 * alpha4dot
+    t14 = 0.8146287617076164 * alpha4dot
     h_10 = (
-        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
-            - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t1 * t11 + t6 * c7dot_5_2
-            + t3 * c7dot_5_3)
+        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t1 - S_5_13 * t7 - S_5_22 * oo_22
+            - (S_5_23 * t2 + S_5_33 * oo_33 - t3 * t14 + t9 * c7dot_5_2 + t5 * c7dot_5_3)
     )
     M_33 = 1
 
     # alpha4 (15): force and column of M of alpha4
     h_9 = (
-        828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
-            - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t1 * c7dot_4_1
-            + t6 * c7dot_4_2 + t3 * c7dot_4_3)
+        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t1 - S_4_13 * t7 - S_4_22 * oo_22
+            - (S_4_23 * t2 + S_4_33 * oo_33 + t3 * c7dot_4_1 + t9 * c7dot_4_2 + t5 * c7dot_4_3)
     )
     M_32 = 1
 
     # alpha3 (15): force and column of M of alpha3
-    t12 = 0.3434623359074803 * alpha2dot
+    t15 = 0.3434623359074803 * alpha2dot
     h_8 = (
-        424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - 2 * S_3_13 * oo_13
-            - S_3_22 * oo_22 - S_3_33 * oo_33 + t6 * t12 - t3 * c7dot_3_3
+        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t1 - S_3_13 * t7 - S_3_22 * oo_22
+            - S_3_33 * oo_33 + t9 * t15 - t5 * c7dot_3_3
     )
     M_31 = 1
 
     # alpha2 (15): force and column of M of alpha2
     h_7 = (
-        298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - S_2_22 * oo_22
-            - 2 * S_2_23 * oo_23 - S_2_33 * oo_33 - t1 * c7dot_2_1 - t6 * c7dot_2_2
+        298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t7 - S_2_22 * oo_22 - S_2_23 * t2
+            - S_2_33 * oo_33 - t3 * c7dot_2_1 - t9 * c7dot_2_2
     )
     M_30 = 1
 
     # alpha1 (15): force and column of M of alpha1
     h_6 = (
-        132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22
-            - 2 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1 - t3 * c7dot_1_3
+        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t1 - S_1_22 * oo_22 - S_1_23 * t2
+            - S_1_33 * oo_33 - t3 * c7dot_1_1 - t5 * c7dot_1_3
     )
     M_29 = 1
 
@@ -1022,23 +997,22 @@ def mass_force(t, q, v, k):
 
     # d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3
     d3dot_1 = (
-        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1 - alpha5 * t11
-            + alpha6 * c7dot_6_1 - alpha7 * t5 - alpha8 * t2
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1 - alpha5 * t14
+            + alpha6 * c7dot_6_1 - alpha7 * t8 - alpha8 * t4
     )
     d3dot_2 = (
-        alpha2 * c7dot_2_2 - alpha3 * t12 + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * t9
-            - alpha7 * t7
+        alpha2 * c7dot_2_2 - alpha3 * t15 + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * t12
+            - alpha7 * t10
     )
     d3dot_3 = (
         alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3 + alpha5 * c7dot_5_3
-            - alpha6 * t10 - alpha7 * t8 - alpha8 * t4
+            - alpha6 * t13 - alpha7 * t11 - alpha8 * t6
     )
 
     # pi3 (15): force and column of M of pi3
-    h_5 = (
-        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
-            + (t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
-    )
+    t16 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23
+    t17 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13
+    h_5 = t3 * Sdot_13 + t9 * Sdot_23 + t5 * Sdot_33 + omega1 * t16 - omega2 * t17
     M_21 = J_33
     M_22 = d3_1_3
     M_23 = d3_3_3
@@ -1049,10 +1023,8 @@ def mass_force(t, q, v, k):
     M_28 = d3_8_3
 
     # pi2 (15): force and column of M of pi2
-    h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12 + t6 * Sdot_22
-            + (t3 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3)
-    )
+    t18 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33
+    h_4 = t3 * Sdot_12 + t9 * Sdot_22 + t5 * Sdot_23 + omega3 * t17 - omega1 * t18
     M_13 = J_22
     M_14 = J_23
     M_15 = d3_2_2
@@ -1063,10 +1035,7 @@ def mass_force(t, q, v, k):
     M_20 = d3_7_2
 
     # pi1 (15): force and column of M of pi1
-    h_3 = (
-        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
-            + (t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2)
-    )
+    h_3 = t3 * Sdot_11 + t9 * Sdot_12 + t5 * Sdot_13 + omega2 * t18 - omega3 * t16
     M_3 = J_11
     M_4 = J_12
     M_5 = J_13
@@ -1110,7 +1079,7 @@ def accel(t, q, v, k):
         alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
 
     From appendix, LDL^T, (5).
-    754 operations.
+    722 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1341,87 +1310,84 @@ def accel(t, q, v, k):
     vdot_0 = 0
     vdot_1 = 0
     vdot_2 = 0
-    t25 = 2 * omega1
-    t26 = 2 * omega2
-    t27 = (
-        298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - S_2_22 * oo_22
-            - 2 * S_2_23 * oo_23 - S_2_33 * oo_33 - t25 * c7dot_2_1 - t26 * c7dot_2_2
-    )
-    t28 = 2 * omega3
+    t25 = 2 * oo_13
+    t26 = 2 * oo_23
+    t27 = 2 * omega1
+    t28 = 2 * omega2
     t29 = (
-        132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22
-            - 2 * S_1_23 * oo_23 - S_1_33 * oo_33 - t25 * c7dot_1_1 - t28 * c7dot_1_3
+        298337711.7011645 * alpha2 - S_2_11 * oo_11 - S_2_13 * t25 - S_2_22 * oo_22 - S_2_23 * t26
+            - S_2_33 * oo_33 - t27 * c7dot_2_1 - t28 * c7dot_2_2
     )
-    t30 = (
-        2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22
-            - 2 * S_8_23 * oo_23 - S_8_33 * oo_33 + t25 * t18 + t28 * t24
-    )
-    t31 = (
-        828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
-            - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t25 * c7dot_4_1
-            + t26 * c7dot_4_2 + t28 * c7dot_4_3)
-    )
-    t32 = (
-        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
-            - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t25 * t16 + t26 * c7dot_5_2
-            + t28 * c7dot_5_3)
-    )
-    t33 = (
-        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
-            - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t25 * c7dot_6_1 - t26 * t20
-            - t28 * t22)
-    )
+    t30 = 2 * omega3
+    t31 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33
+    t32 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23
+    t33 = 2 * oo_12
     t34 = (
-        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t25 * t17 - t26 * t21
-            - t28 * t23)
+        132785871.23214255 * alpha1 - S_1_11 * oo_11 - S_1_12 * t33 - S_1_22 * oo_22 - S_1_23 * t26
+            - S_1_33 * oo_33 - t27 * c7dot_1_1 - t30 * c7dot_1_3
     )
     t35 = (
-        d3_2_1 * t27 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t25 * Sdot_11
-            + t26 * Sdot_12 + (t28 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - omega3 * d3dot_2) + t1 * t29) + d3_8_1 * t30 - t2 * t31 + d3_5_1 * t32 - t3 * t33
-            + d3_7_1 * t34
+        2561832557.220976 * alpha8 - S_8_11 * oo_11 - S_8_12 * t33 - S_8_22 * oo_22 - S_8_23 * t26
+            - S_8_33 * oo_33 + t27 * t18 + t30 * t24
     )
     t36 = (
-        424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - 2 * S_3_13 * oo_13
-            - S_3_22 * oo_22 - S_3_33 * oo_33 + t26 * t19 - t28 * c7dot_3_3
+        828661201.2040272 * alpha4 - S_4_11 * oo_11 - S_4_12 * t33 - S_4_13 * t25 - S_4_22 * oo_22
+            - (S_4_23 * t26 + S_4_33 * oo_33 + t27 * c7dot_4_1 + t28 * c7dot_4_2 + t30 * c7dot_4_3)
     )
     t37 = (
-        d3_3_2 * t36 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t25 * Sdot_12
-            + t26 * Sdot_22 + (t28 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3) + t4 * t27) - t5 * t31 - t6 * t32 + d3_6_2 * t33 + d3_7_2 * t34
-            - t8 * t35
+        1482944676.1858206 * alpha5 - S_5_11 * oo_11 - S_5_12 * t33 - S_5_13 * t25 - S_5_22 * oo_22
+            - (S_5_23 * t26 + S_5_33 * oo_33 - t27 * t16 + t28 * c7dot_5_2 + t30 * c7dot_5_3)
     )
     t38 = (
-        (d3_3_3 * t36 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t25 * Sdot_13
-            + t26 * Sdot_23 + (t28 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
-            - omega2 * d3dot_1) + t9 * t29) + d3_8_3 * t30 - t10 * t31 - t11 * t32 + d3_6_3 * t33
-            + d3_7_3 * t34 - t13 * t35 - t15 * t37) / pivot_pi3
+        1586764292.5824752 * alpha6 - S_6_11 * oo_11 - S_6_12 * t33 - S_6_13 * t25 - S_6_22 * oo_22
+            - (S_6_23 * t26 + S_6_33 * oo_33 + t27 * c7dot_6_1 - t28 * t20 - t30 * t22)
     )
-    t39 = t37 * inverse_pivot_pi2 - t15 * t38
-    t40 = t35 * inverse_pivot_pi1 - t13 * t38 - t8 * t39
-    vdot_3 = t40
-    vdot_4 = t39
-    vdot_5 = t38
-    t41 = t9 * t38 - t29 + t1 * t40
-    vdot_6 = t41
-    t42 = t4 * t39 - t27 - d3_2_1 * t40
-    vdot_7 = t42
-    t43 = t36 + d3_3_3 * t38 + d3_3_2 * t39
-    vdot_8 = -t43
-    t44 = t10 * t38 - t31 + t5 * t39 + t2 * t40
-    vdot_9 = t44
-    t45 = t11 * t38 - t32 + t6 * t39 - d3_5_1 * t40
-    vdot_10 = t45
-    t46 = t3 * t40 - (t33 + d3_6_3 * t38 + d3_6_2 * t39)
-    vdot_11 = t46
-    t47 = t34 + d3_7_3 * t38 + d3_7_2 * t39 + d3_7_1 * t40
-    vdot_12 = -t47
-    t48 = t30 + d3_8_3 * t38 + d3_8_1 * t40
-    vdot_13 = -t48
+    t39 = (
+        1703959547.9391162 * alpha7 - S_7_11 * oo_11 - S_7_12 * t33 - S_7_13 * t25 - S_7_22 * oo_22
+            - (S_7_23 * t26 + S_7_33 * oo_33 - t27 * t17 - t28 * t21 - t30 * t23)
+    )
+    t40 = (
+        d3_2_1 * t29 - (t27 * Sdot_11 + t28 * Sdot_12 + t30 * Sdot_13 + omega2 * t31 - omega3 * t32
+            + t1 * t34) + d3_8_1 * t35 - t2 * t36 + d3_5_1 * t37 - t3 * t38 + d3_7_1 * t39
+    )
+    t41 = (
+        424127787.13520163 * alpha3 - S_3_11 * oo_11 - S_3_12 * t33 - S_3_13 * t25 - S_3_22 * oo_22
+            - S_3_33 * oo_33 + t28 * t19 - t30 * c7dot_3_3
+    )
+    t42 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13
+    t43 = (
+        d3_3_2 * t41 - (t27 * Sdot_12 + t28 * Sdot_22 + t30 * Sdot_23 + omega3 * t42 - omega1 * t31
+            + t4 * t29) - t5 * t36 - t6 * t37 + d3_6_2 * t38 + d3_7_2 * t39 - t8 * t40
+    )
+    t44 = (
+        (d3_3_3 * t41 - (t27 * Sdot_13 + t28 * Sdot_23 + t30 * Sdot_33 + omega1 * t32 - omega2 * t42
+            + t9 * t34) + d3_8_3 * t35 - t10 * t36 - t11 * t37 + d3_6_3 * t38 + d3_7_3 * t39
+            - t13 * t40 - t15 * t43) / pivot_pi3
+    )
+    t45 = t43 * inverse_pivot_pi2 - t15 * t44
+    t46 = t40 * inverse_pivot_pi1 - t13 * t44 - t8 * t45
+    vdot_3 = t46
+    vdot_4 = t45
+    vdot_5 = t44
+    t47 = t9 * t44 - t34 + t1 * t46
+    vdot_6 = t47
+    t48 = t4 * t45 - t29 - d3_2_1 * t46
+    vdot_7 = t48
+    t49 = t41 + d3_3_3 * t44 + d3_3_2 * t45
+    vdot_8 = -t49
+    t50 = t10 * t44 - t36 + t5 * t45 + t2 * t46
+    vdot_9 = t50
+    t51 = t11 * t44 - t37 + t6 * t45 - d3_5_1 * t46
+    vdot_10 = t51
+    t52 = t3 * t46 - (t38 + d3_6_3 * t44 + d3_6_2 * t45)
+    vdot_11 = t52
+    t53 = t39 + d3_7_3 * t44 + d3_7_2 * t45 + d3_7_1 * t46
+    vdot_12 = -t53
+    t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46
+    vdot_13 = -t54
 
     # check: check that the result is finite
-    valid_4 = xp.isfinite(t40 + t39 + (t38 + (t41 + t42)) + (t44 + t45 - t43 + (t46 - (t47 + t48))))
+    valid_4 = xp.isfinite(t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54))))
     _require(batch[0] or valid_4, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
@@ -2613,7 +2579,7 @@ def residual(t, y, ydot, k):
         alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
 
     From (5), appendix, (15).
-    709 operations.
+    692 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float)):
@@ -2895,48 +2861,48 @@ def residual(t, y, ydot, k):
             + alpha7ddot * d3_7_3 + (alpha8ddot * d3_8_3 + omega1 * d3dot_2 - J_11 * oo_12
             - J_13 * oo_23 - omega2 * d3dot_1))
     )
+    t25 = 2 * oo_12
+    t26 = 2 * oo_23
     F_21 = (
         132785871.23214255 * alpha1 + alpha1ddot - t16 * omega1dot - t22 * omega3dot
-            - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - (S_1_22 * oo_22 + 2 * S_1_23 * oo_23
-            + S_1_33 * oo_33 + t13 * c7dot_1_1 + t15 * c7dot_1_3)
+            - S_1_11 * oo_11 - S_1_12 * t25 - (S_1_22 * oo_22 + S_1_23 * t26 + S_1_33 * oo_33
+            + t13 * c7dot_1_1 + t15 * c7dot_1_3)
     )
+    t27 = 2 * oo_13
     F_22 = (
         298337711.7011645 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - t19 * omega2dot
-            - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - (S_2_22 * oo_22 + 2 * S_2_23 * oo_23
-            + S_2_33 * oo_33 + t13 * c7dot_2_1 + t14 * c7dot_2_2)
+            - S_2_11 * oo_11 - S_2_13 * t27 - (S_2_22 * oo_22 + S_2_23 * t26 + S_2_33 * oo_33
+            + t13 * c7dot_2_1 + t14 * c7dot_2_2)
     )
     F_23 = (
         424127787.13520163 * alpha3 + alpha3ddot + d3_3_2 * omega2dot + d3_3_3 * omega3dot
-            - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - (2 * S_3_13 * oo_13 + S_3_22 * oo_22
-            + S_3_33 * oo_33 - t14 * t4 + t15 * c7dot_3_3)
+            - S_3_11 * oo_11 - S_3_12 * t25 - (S_3_13 * t27 + S_3_22 * oo_22 + S_3_33 * oo_33
+            - t14 * t4 + t15 * c7dot_3_3)
     )
     F_24 = (
         828661201.2040272 * alpha4 + alpha4ddot - t17 * omega1dot - t20 * omega2dot
-            - t23 * omega3dot - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - (2 * S_4_13 * oo_13
-            + S_4_22 * oo_22 + 2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t13 * c7dot_4_1
-            + t14 * c7dot_4_2 + t15 * c7dot_4_3)
+            - t23 * omega3dot - S_4_11 * oo_11 - S_4_12 * t25 - (S_4_13 * t27 + S_4_22 * oo_22
+            + S_4_23 * t26 + S_4_33 * oo_33 + t13 * c7dot_4_1 + t14 * c7dot_4_2 + t15 * c7dot_4_3)
     )
     F_25 = (
         1482944676.1858206 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - t21 * omega2dot
-            - t24 * omega3dot - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - (2 * S_5_13 * oo_13
-            + S_5_22 * oo_22 + 2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t13 * t1 + t14 * c7dot_5_2
-            + t15 * c7dot_5_3)
+            - t24 * omega3dot - S_5_11 * oo_11 - S_5_12 * t25 - (S_5_13 * t27 + S_5_22 * oo_22
+            + S_5_23 * t26 + S_5_33 * oo_33 - t13 * t1 + t14 * c7dot_5_2 + t15 * c7dot_5_3)
     )
     F_26 = (
         1586764292.5824752 * alpha6 + alpha6ddot - t18 * omega1dot + d3_6_2 * omega2dot
-            + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - (2 * S_6_13 * oo_13
-            + S_6_22 * oo_22 + 2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t13 * c7dot_6_1 - t14 * t5
-            - t15 * t7)
+            + d3_6_3 * omega3dot - S_6_11 * oo_11 - S_6_12 * t25 - (S_6_13 * t27 + S_6_22 * oo_22
+            + S_6_23 * t26 + S_6_33 * oo_33 + t13 * c7dot_6_1 - t14 * t5 - t15 * t7)
     )
     F_27 = (
         1703959547.9391162 * alpha7 + alpha7ddot + d3_7_1 * omega1dot + d3_7_2 * omega2dot
-            + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - (2 * S_7_13 * oo_13
-            + S_7_22 * oo_22 + 2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t13 * t2 - t14 * t6 - t15 * t8)
+            + d3_7_3 * omega3dot - S_7_11 * oo_11 - S_7_12 * t25 - (S_7_13 * t27 + S_7_22 * oo_22
+            + S_7_23 * t26 + S_7_33 * oo_33 - t13 * t2 - t14 * t6 - t15 * t8)
     )
     F_28 = (
         2561832557.220976 * alpha8 + alpha8ddot + d3_8_1 * omega1dot + d3_8_3 * omega3dot
-            - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - (S_8_22 * oo_22 + 2 * S_8_23 * oo_23
-            + S_8_33 * oo_33 - t13 * t3 - t15 * t9)
+            - S_8_11 * oo_11 - S_8_12 * t25 - (S_8_22 * oo_22 + S_8_23 * t26 + S_8_33 * oo_33
+            - t13 * t3 - t15 * t9)
     )
 
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
@@ -2956,7 +2922,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 196 values
 
     From (5), appendix, (15).
-    1669 operations.
+    1667 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float) and
@@ -3244,448 +3210,446 @@ def jacobian(t, y, ydot, cj, k):
             + 0.07747607894019715 * oo_33)
     )
     t49 = (-0.8784787837749884) * omega1dot
-    t50 = (-0.8792347547386544) * oo_23
-    jac_24 = t49 - t50
-    t51 = 0.14213269823254854 * omega3dot
-    t52 = (-0.13967354836034546) * oo_12
-    jac_25 = t51 - t52
-    t53 = (
+    t50 = 2 * oo_23
+    t51 = (-0.4396173773693272) * t50
+    jac_24 = t49 - t51
+    t52 = 0.14213269823254854 * omega3dot
+    t53 = 2 * oo_12
+    t54 = (-0.06983677418017273) * t53
+    jac_25 = t52 - t54
+    t55 = (
         (-0.0526587076325526) * oo_11 - (0.00021667253526842326 * oo_22
             + (-0.05287538016782101) * oo_33)
     )
-    jac_26 = t53
+    jac_26 = t55
     jac_27 = cj
-    t54 = 2 * S_2_11
-    t55 = 2 * S_2_13
-    t56 = t7 + S_2_23 + t8
-    t57 = 2 * S_2_33
-    t58 = 0.17281858343053574 * alpha3dot
-    t59 = 2 * S_2_22
+    t56 = 2 * S_2_11
+    t57 = 2 * S_2_13
+    t58 = t7 + S_2_23 + t8
+    t59 = 2 * S_2_33
+    t60 = 0.17281858343053574 * alpha3dot
+    t61 = 2 * S_2_22
     jac_28 = (
-        omega1dot * t54 + omega3dot * t55 + oo_12 * t55 + t39 * t56 + (oo_23 * t57
-            + t42 * (0.8385822755284659 * alpha2dot) + t46 * t58
-            - (-0.8784787837749884) * alpha1ddot) + (0.06014933573656158 * alpha8ddot - oo_23 * t59
+        omega1dot * t56 + omega3dot * t57 + oo_12 * t57 + t39 * t58 + (oo_23 * t59
+            + t42 * (0.8385822755284659 * alpha2dot) + t46 * t60
+            - (-0.8784787837749884) * alpha1ddot) + (0.06014933573656158 * alpha8ddot - oo_23 * t61
             - omega3 * c7dot_2_2)
     )
-    t60 = oo_33 - oo_11
-    t61 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot
+    t62 = oo_33 - oo_11
+    t63 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot
     jac_29 = (
-        oo_13 * t54 + t60 * t55 + omega2dot * t59 + (omega3dot * t56
-            + t43 * (0.1617571164547129 * alpha2dot) + t46 * t61) + (0.3434623359074803 * alpha3ddot
-            + (omega3 * c7dot_2_1 - oo_12 * t56 - oo_13 * t57))
+        oo_13 * t56 + t62 * t57 + omega2dot * t61 + (omega3dot * t58
+            + t43 * (0.1617571164547129 * alpha2dot) + t46 * t63) + (0.3434623359074803 * alpha3ddot
+            + (omega3 * c7dot_2_1 - oo_12 * t58 - oo_13 * t59))
     )
     jac_30 = (
-        omega1dot * t55 + oo_12 * t59 + omega2dot * t56 + oo_13 * t56 + (omega3dot * t57 + t42 * t58
-            + t43 * t61 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
-            - oo_12 * t54 - oo_23 * t55 - omega2 * c7dot_2_1)
+        omega1dot * t57 + oo_12 * t61 + omega2dot * t58 + oo_13 * t58 + (omega3dot * t59 + t42 * t60
+            + t43 * t63 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
+            - oo_12 * t56 - oo_23 * t57 - omega2 * c7dot_2_1)
     )
-    jac_31 = -(t49 + t50)
+    jac_31 = -(t49 + t51)
     jac_32 = (
         298337711.7011645 - 0.8385822755284659 * oo_11 - (0.1617571164547129 * oo_22
             + 0.9996606080168212 * oo_33)
     )
-    t62 = 0.3434623359074803 * omega2dot
-    t63 = 0.3456371668610715 * oo_13
-    jac_33 = t62 - t63
-    t64 = 0.06014933573656158 * omega1dot
-    t65 = (-0.05985165042776414) * oo_23
-    jac_34 = t64 - t65
+    t64 = 0.3434623359074803 * omega2dot
+    t65 = 2 * oo_13
+    t66 = 0.17281858343053574 * t65
+    jac_33 = t64 - t66
+    t67 = 0.06014933573656158 * omega1dot
+    t68 = (-0.02992582521388207) * t50
+    jac_34 = t67 - t68
     jac_35 = cj
-    t66 = 2 * S_3_11
-    t67 = t9 + S_3_12 + t10
-    t68 = 2 * S_3_13
-    t69 = 2 * S_3_33
-    t70 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot
-    t71 = 0.17281858343053574 * alpha2dot
-    t72 = 2 * S_3_22
+    t69 = 2 * S_3_11
+    t70 = t9 + S_3_12 + t10
+    t71 = 2 * S_3_13
+    t72 = 2 * S_3_33
+    t73 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot
+    t74 = 0.17281858343053574 * alpha2dot
+    t75 = 2 * S_3_22
     jac_36 = (
-        omega1dot * t66 + omega2dot * t67 + omega3dot * t68 + oo_12 * t68 + (oo_23 * t69
-            + t42 * (0.9959824929644516 * alpha3dot) + t43 * t70 + t46 * t71) + (omega2 * c7dot_3_3
-            - oo_13 * t67 - oo_23 * t72 + omega3 * t25)
+        omega1dot * t69 + omega2dot * t70 + omega3dot * t71 + oo_12 * t71 + (oo_23 * t72
+            + t42 * (0.9959824929644516 * alpha3dot) + t43 * t73 + t46 * t74) + (omega2 * c7dot_3_3
+            - oo_13 * t70 - oo_23 * t75 + omega3 * t25)
     )
     jac_37 = (
-        oo_13 * t66 + omega1dot * t67 + oo_23 * t67 + t60 * t68 + omega2dot * t72 + (t42 * t70
+        oo_13 * t69 + omega1dot * t70 + oo_23 * t70 + t62 * t71 + omega2dot * t75 + (t42 * t73
             + t43 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot)
-            - (oo_13 * t69 + omega1 * c7dot_3_3)
+            - (oo_13 * t72 + omega1 * c7dot_3_3)
     )
     jac_38 = (
-        t48 * t67 + omega1dot * t68 + oo_12 * t72 + (omega3dot * t69 + t42 * t71
+        t48 * t70 + omega1dot * t71 + oo_12 * t75 + (omega3dot * t72 + t42 * t74
             + t46 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot)
-            + (0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t66 - oo_23 * t68)
+            + (0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t69 - oo_23 * t71)
     )
-    jac_39 = -(t51 + t52)
-    jac_40 = -(t62 + t63)
+    jac_39 = -(t52 + t54)
+    jac_40 = -(t64 + t66)
     jac_41 = (
         424127787.13520163 - 0.9959824929644516 * oo_11 - (0.7416169147200682 * oo_22
             + 0.26240059231547974 * oo_33)
     )
-    t73 = 0.10707341325868729 * omega3dot
-    t74 = 0.10426793015995596 * oo_12
-    jac_42 = t73 - t74
+    t76 = 0.10707341325868729 * omega3dot
+    t77 = 0.05213396507997798 * t53
+    jac_42 = t76 - t77
     jac_43 = cj
-    t75 = 2 * S_4_11
-    t76 = 2 * S_4_12
-    t77 = -0.006948727887756916 + S_4_13 + t11
-    t78 = 2 * S_4_23
-    t79 = 2 * S_4_33
-    t80 = (-0.07653897132838097) * alpha7dot
-    t81 = 0.06612677259881924 * alpha6dot
-    t82 = 2 * S_4_22
+    t78 = 2 * S_4_11
+    t79 = 2 * S_4_12
+    t80 = -0.006948727887756916 + S_4_13 + t11
+    t81 = 2 * S_4_23
+    t82 = 2 * S_4_33
+    t83 = (-0.07653897132838097) * alpha7dot
+    t84 = 0.06612677259881924 * alpha6dot
+    t85 = 2 * S_4_22
     jac_44 = (
-        omega1dot * t75 + omega2dot * t76 + omega3dot * t77 + oo_12 * t77 + t39 * t78 + (oo_23 * t79
-            + t42 * (0.8691692710140388 * alpha4dot) + t43 * t80 + t46 * t81)
-            + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t76 - oo_23 * t82
+        omega1dot * t78 + omega2dot * t79 + omega3dot * t80 + oo_12 * t80 + t39 * t81 + (oo_23 * t82
+            + t42 * (0.8691692710140388 * alpha4dot) + t43 * t83 + t46 * t84)
+            + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t79 - oo_23 * t85
             - omega3 * c7dot_4_2))
     )
-    t83 = 0.40905294172354 * alpha5dot
+    t86 = 0.40905294172354 * alpha5dot
     jac_45 = (
-        oo_13 * t75 + omega1dot * t76 + oo_23 * t76 + t60 * t77 + omega2dot * t82 + (omega3dot * t78
-            + t42 * t80 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t83)
-            + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t78 - oo_13 * t79
+        oo_13 * t78 + omega1dot * t79 + oo_23 * t79 + t62 * t80 + omega2dot * t85 + (omega3dot * t81
+            + t42 * t83 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t86)
+            + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t81 - oo_13 * t82
             - omega1 * c7dot_4_3))
     )
     jac_46 = (
-        t48 * t76 + omega1dot * t77 + oo_12 * t82 + omega2dot * t78 + oo_13 * t78 + (omega3dot * t79
-            + t42 * t81 + t43 * t83 + t46 * (0.13301478065162953 * alpha4dot))
-            + (0.16411826642656863 * alpha7ddot + (omega1 * c7dot_4_2 - oo_12 * t75 - oo_23 * t77
+        t48 * t79 + omega1dot * t80 + oo_12 * t85 + omega2dot * t81 + oo_13 * t81 + (omega3dot * t82
+            + t42 * t84 + t43 * t86 + t46 * (0.13301478065162953 * alpha4dot))
+            + (0.16411826642656863 * alpha7ddot + (omega1 * c7dot_4_2 - oo_12 * t78 - oo_23 * t80
             - omega2 * c7dot_4_1))
     )
     jac_47 = (
         828661201.2040272 - 0.8691692710140388 * oo_11 - (0.9978159483343315 * oo_22
             + 0.13301478065162953 * oo_33)
     )
-    t84 = 0.8146287617076164 * omega1dot
-    t85 = 0.81810588344708 * oo_23
-    jac_48 = t84 - t85
-    t86 = (-0.13286677220194004) * omega2dot
-    t87 = 0.1322535451976385 * oo_13
-    jac_49 = t86 - t87
-    t88 = 0.16411826642656863 * omega3dot
-    t89 = (-0.15307794265676195) * oo_12
-    jac_50 = t88 - t89
+    t87 = 0.8146287617076164 * omega1dot
+    t88 = 0.40905294172354 * t50
+    jac_48 = t87 - t88
+    t89 = (-0.13286677220194004) * omega2dot
+    t90 = 0.06612677259881924 * t65
+    jac_49 = t89 - t90
+    t91 = 0.16411826642656863 * omega3dot
+    t92 = (-0.07653897132838097) * t53
+    jac_50 = t91 - t92
     jac_51 = cj
-    t90 = 2 * S_5_11
-    t91 = 0.019222459468399348 + S_5_12 + t12
-    t92 = 2 * S_5_13
-    t93 = 2 * S_5_23
-    t94 = 2 * S_5_33
-    t95 = (-0.08100155107836308) * alpha6dot
-    t96 = (-0.17116304786243786) * alpha7dot
-    t97 = 2 * S_5_22
+    t93 = 2 * S_5_11
+    t94 = 0.019222459468399348 + S_5_12 + t12
+    t95 = 2 * S_5_13
+    t96 = 2 * S_5_23
+    t97 = 2 * S_5_33
+    t98 = (-0.08100155107836308) * alpha6dot
+    t99 = (-0.17116304786243786) * alpha7dot
+    t100 = 2 * S_5_22
     jac_52 = (
-        omega1dot * t90 + omega2dot * t91 + omega3dot * t92 + oo_12 * t92 + t39 * t93 + (oo_23 * t94
-            + t42 * (0.7757986416100022 * alpha5dot) + t43 * t95 + t46 * t96) + (omega2 * c7dot_5_3
-            - oo_13 * t91 - oo_23 * t97 - omega3 * c7dot_5_2 - 0.8146287617076164 * alpha4ddot)
+        omega1dot * t93 + omega2dot * t94 + omega3dot * t95 + oo_12 * t95 + t39 * t96 + (oo_23 * t97
+            + t42 * (0.7757986416100022 * alpha5dot) + t43 * t98 + t46 * t99) + (omega2 * c7dot_5_3
+            - oo_13 * t94 - oo_23 * t100 - omega3 * c7dot_5_2 - 0.8146287617076164 * alpha4ddot)
     )
-    t98 = 0.40905294172354 * alpha4dot
+    t101 = 0.40905294172354 * alpha4dot
     jac_53 = (
-        oo_13 * t90 + omega1dot * t91 + oo_23 * t91 + t60 * t92 + omega2dot * t97 + (omega3dot * t93
-            + t42 * t95 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t98)
-            + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t93 + oo_13 * t94
+        oo_13 * t93 + omega1dot * t94 + oo_23 * t94 + t62 * t95 + omega2dot * t100
+            + (omega3dot * t96 + t42 * t98 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t101)
+            + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t96 + oo_13 * t97
             + omega1 * c7dot_5_3))
     )
     jac_54 = (
-        t48 * t91 + omega1dot * t92 + oo_12 * t97 + omega2dot * t93 + oo_13 * t93 + (omega3dot * t94
-            + t42 * t96 + t43 * t98 + t46 * (0.9985995048061699 * alpha5dot))
-            + ((-0.17320212202534865) * alpha6ddot + (omega1 * c7dot_5_2 - oo_12 * t90 - oo_23 * t92
+        t48 * t94 + omega1dot * t95 + oo_12 * t100 + omega2dot * t96 + oo_13 * t96
+            + (omega3dot * t97 + t42 * t99 + t43 * t101 + t46 * (0.9985995048061699 * alpha5dot))
+            + ((-0.17320212202534865) * alpha6ddot + (omega1 * c7dot_5_2 - oo_12 * t93 - oo_23 * t95
             + omega2 * t22))
     )
-    jac_55 = -(t84 + t85)
+    jac_55 = -(t87 + t88)
     jac_56 = (
         1482944676.1858206 - 0.7757986416100022 * oo_11 - (0.22560185358382823 * oo_22
             + 0.9985995048061699 * oo_33)
     )
-    t99 = (-0.17320212202534865) * omega3dot
-    t100 = (-0.16200310215672617) * oo_12
-    jac_57 = t99 - t100
-    t101 = (-0.3338704835108587) * omega2dot
-    t102 = (-0.3423260957248757) * oo_13
-    jac_58 = t101 - t102
+    t102 = (-0.17320212202534865) * omega3dot
+    t103 = (-0.08100155107836308) * t53
+    jac_57 = t102 - t103
+    t104 = (-0.3338704835108587) * omega2dot
+    t105 = (-0.17116304786243786) * t65
+    jac_58 = t104 - t105
     jac_59 = cj
-    t103 = 0.006949696462346222 + (t13 + S_6_11)
-    t104 = 2 * S_6_12
-    t105 = 2 * S_6_13
-    t106 = 2 * S_6_23
-    t107 = -0.28541913668350255 + (t15 + S_6_33)
-    t108 = (-0.08100155107836308) * alpha5dot
-    t109 = 0.06612677259881924 * alpha4dot
-    t110 = -0.2888453299117188 + (t14 + S_6_22)
+    t106 = 0.006949696462346222 + (t13 + S_6_11)
+    t107 = 2 * S_6_12
+    t108 = 2 * S_6_13
+    t109 = 2 * S_6_23
+    t110 = -0.28541913668350255 + (t15 + S_6_33)
+    t111 = (-0.08100155107836308) * alpha5dot
+    t112 = 0.06612677259881924 * alpha4dot
+    t113 = -0.2888453299117188 + (t14 + S_6_22)
     jac_60 = (
-        omega1dot * t103 + omega2dot * t104 + omega3dot * t105 + oo_12 * t105 + t39 * t106
-            + (oo_23 * t107 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t108 + t46 * t109)
-            + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t104
-            + oo_23 * t110)))
+        omega1dot * t106 + omega2dot * t107 + omega3dot * t108 + oo_12 * t108 + t39 * t109
+            + (oo_23 * t110 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t111 + t46 * t112)
+            + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t107
+            + oo_23 * t113)))
     )
-    t111 = (-0.009791878445593954) * alpha7dot
+    t114 = (-0.009791878445593954) * alpha7dot
     jac_61 = (
-        oo_13 * t103 + omega1dot * t104 + oo_23 * t104 + t60 * t105 + omega2dot * t110
-            + (omega3dot * t106 + t42 * t108 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t111)
-            + (omega3 * c7dot_6_1 - oo_12 * t106 - oo_13 * t107 + omega1 * t28
+        oo_13 * t106 + omega1dot * t107 + oo_23 * t107 + t62 * t108 + omega2dot * t113
+            + (omega3dot * t109 + t42 * t111 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t114)
+            + (omega3 * c7dot_6_1 - oo_12 * t109 - oo_13 * t110 + omega1 * t28
             - (-0.13286677220194004) * alpha4ddot)
     )
     jac_62 = (
-        t48 * t104 + omega1dot * t105 + oo_12 * t110 + omega2dot * t106 + oo_13 * t106
-            + (omega3dot * t107 + t42 * t109 + t43 * t111 + t46 * (0.998030730641106 * alpha6dot))
-            - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t103 + oo_23 * t105
+        t48 * t107 + omega1dot * t108 + oo_12 * t113 + omega2dot * t109 + oo_13 * t109
+            + (omega3dot * t110 + t42 * t112 + t43 * t114 + t46 * (0.998030730641106 * alpha6dot))
+            - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t106 + oo_23 * t108
             + omega2 * c7dot_6_1))
     )
-    jac_63 = -(t86 + t87)
-    jac_64 = -(t99 + t100)
+    jac_63 = -(t89 + t90)
+    jac_64 = -(t102 + t103)
     jac_65 = (
         1586764292.5824752 - 0.008120450003726742 * oo_11 - (0.9938488193551677 * oo_22
             + 0.998030730641106 * oo_33)
     )
-    t112 = 0.03812757101123808 * omega1dot
-    t113 = (-0.01958375689118791) * oo_23
-    jac_66 = t112 - t113
+    t115 = 0.03812757101123808 * omega1dot
+    t116 = (-0.009791878445593954) * t50
+    jac_66 = t115 - t116
     jac_67 = cj
-    t114 = 2 * S_7_11
-    t115 = 2 * S_7_12
-    t116 = 2 * S_7_13
-    t117 = S_7_23 + S_7_23
-    t118 = 2 * S_7_33
-    t119 = (-0.07653897132838097) * alpha4dot
-    t120 = (-0.17116304786243786) * alpha5dot
-    t121 = 2 * S_7_22
+    t117 = 2 * S_7_11
+    t118 = 2 * S_7_12
+    t119 = 2 * S_7_13
+    t120 = S_7_23 + S_7_23
+    t121 = 2 * S_7_33
+    t122 = (-0.07653897132838097) * alpha4dot
+    t123 = (-0.17116304786243786) * alpha5dot
+    t124 = 2 * S_7_22
     jac_68 = (
-        omega1dot * t114 + omega2dot * t115 + omega3dot * t116 + oo_12 * t116 + t39 * t117
-            + (oo_23 * t118 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t119 + t46 * t120)
-            + (omega3 * t27 - (omega2 * t29 + oo_13 * t115 + oo_23 * t121)
+        omega1dot * t117 + omega2dot * t118 + omega3dot * t119 + oo_12 * t119 + t39 * t120
+            + (oo_23 * t121 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t122 + t46 * t123)
+            + (omega3 * t27 - (omega2 * t29 + oo_13 * t118 + oo_23 * t124)
             - 0.03812757101123808 * alpha6ddot)
     )
-    t122 = (-0.009791878445593954) * alpha6dot
+    t125 = (-0.009791878445593954) * alpha6dot
     jac_69 = (
-        oo_13 * t114 + omega1dot * t115 + oo_23 * t115 + t60 * t116 + omega2dot * t121
-            + (omega3dot * t117 + t42 * t119 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t122)
-            + (omega1 * t29 - (omega3 * t23 + oo_12 * t117 + oo_13 * t118)
+        oo_13 * t117 + omega1dot * t118 + oo_23 * t118 + t62 * t119 + omega2dot * t124
+            + (omega3dot * t120 + t42 * t122 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t125)
+            + (omega1 * t29 - (omega3 * t23 + oo_12 * t120 + oo_13 * t121)
             - (-0.3338704835108587) * alpha5ddot)
     )
     jac_70 = (
-        t48 * t115 + omega1dot * t116 + oo_12 * t121 + omega2dot * t117 + oo_13 * t117
-            + (omega3dot * t118 + t42 * t120 + t43 * t122 + t46 * (0.2564744035592197 * alpha7dot))
-            + (omega2 * t23 - (omega1 * t27 + oo_12 * t114 + oo_23 * t116)
+        t48 * t118 + omega1dot * t119 + oo_12 * t124 + omega2dot * t120 + oo_13 * t120
+            + (omega3dot * t121 + t42 * t123 + t43 * t125 + t46 * (0.2564744035592197 * alpha7dot))
+            + (omega2 * t23 - (omega1 * t27 + oo_12 * t117 + oo_23 * t119)
             - 0.16411826642656863 * alpha4ddot)
     )
-    jac_71 = -(t88 + t89)
-    jac_72 = -(t101 + t102)
-    jac_73 = -(t112 + t113)
+    jac_71 = -(t91 + t92)
+    jac_72 = -(t104 + t105)
+    jac_73 = -(t115 + t116)
     jac_74 = (
         1703959547.9391162 - 0.9836361321701889 * oo_11 - (0.7598894642705915 * oo_22
             + 0.2564744035592197 * oo_33)
     )
     jac_75 = cj
-    t123 = t16 + (t17 + S_8_11)
-    t124 = 2 * S_8_12
-    t125 = 2 * S_8_23
-    t126 = t20 + (t21 + S_8_33)
-    t127 = 0.05213396507997798 * alpha3dot
-    t128 = t18 + (t19 + S_8_22)
+    t126 = t16 + (t17 + S_8_11)
+    t127 = 2 * S_8_12
+    t128 = 2 * S_8_23
+    t129 = t20 + (t21 + S_8_33)
+    t130 = 0.05213396507997798 * alpha3dot
+    t131 = t18 + (t19 + S_8_22)
     jac_76 = (
-        omega1dot * t123 + omega2dot * t124 + t39 * t125 + (oo_23 * t126
-            + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t127)
-            - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t124 + oo_23 * t128))
+        omega1dot * t126 + omega2dot * t127 + t39 * t128 + (oo_23 * t129
+            + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t130)
+            - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t127 + oo_23 * t131))
     )
-    t129 = (-0.02992582521388207) * alpha2dot
+    t132 = (-0.02992582521388207) * alpha2dot
     jac_77 = (
-        oo_13 * t123 + omega1dot * t124 + oo_23 * t124 + omega2dot * t128 + (omega3dot * t125
-            + t42 * t127 + t43 * (0.00021667253526842326 * alpha1dot
-            + 0.994122776779808 * alpha8dot) + t46 * t129) + (omega1 * t30 - (omega3 * t24
-            + oo_12 * t125 + oo_13 * t126))
+        oo_13 * t126 + omega1dot * t127 + oo_23 * t127 + omega2dot * t131 + (omega3dot * t128
+            + t42 * t130 + t43 * (0.00021667253526842326 * alpha1dot
+            + 0.994122776779808 * alpha8dot) + t46 * t132) + (omega1 * t30 - (omega3 * t24
+            + oo_12 * t128 + oo_13 * t129))
     )
     jac_78 = (
-        t48 * t124 + oo_12 * t128 + omega2dot * t125 + oo_13 * t125 + (omega3dot * t126 + t43 * t129
+        t48 * t127 + oo_12 * t131 + omega2dot * t128 + oo_13 * t128 + (omega3dot * t129 + t43 * t132
             + t46 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot))
-            + (omega2 * t24 - oo_12 * t123 - 0.10707341325868729 * alpha3ddot)
+            + (omega2 * t24 - oo_12 * t126 - 0.10707341325868729 * alpha3ddot)
     )
-    jac_79 = t53
-    jac_80 = -(t64 + t65)
-    jac_81 = -(t73 + t74)
+    jac_79 = t55
+    jac_80 = -(t67 + t68)
+    jac_81 = -(t76 + t77)
     jac_82 = (
         2561832557.220976 - 0.8351337820732403 * oo_11 - (0.994122776779808 * oo_22
             + 0.17074344114695217 * oo_33)
     )
     jac_83 = -1
-    t130 = 6.48 * cj
-    jac_84 = t130
+    t133 = 6.48 * cj
+    jac_84 = t133
     jac_85 = -1
-    jac_86 = t130
+    jac_86 = t133
     jac_87 = -1
-    jac_88 = t130
-    t131 = 0.5 * e1
-    jac_89 = t131
-    t132 = (-0.5) * e0
-    jac_90 = t132
-    t133 = 0.5 * e3
-    jac_91 = -t133
-    t134 = 0.5 * e2
-    jac_92 = t134
-    t135 = J_13 * omega2
-    t136 = J_12 * omega3
-    jac_93 = t135 + 2 * Sdot_11 - t136 + cj * J_11
-    t137 = 2 * Sdot_12
-    t138 = J_33 * omega3
-    t139 = cj * J_12
-    jac_94 = J_11 * omega3 - J_13 * t42 + t137 - (J_23 * omega2 + t138 + d3dot_3) + t139
-    t140 = J_22 * omega2
-    t141 = 2 * Sdot_13
-    t142 = cj * J_13
-    jac_95 = J_12 * t42 + t140 + J_23 * omega3 + t141 + (d3dot_2 - J_11 * omega2) + t142
-    t143 = (-0.8784787837749884) * alpha2
-    t144 = cj * t143
-    jac_96 = -(S_1_11 * t42) - t38 * omega2 - 2 * c7dot_1_1 - t144
-    t145 = cj * d3_2_1
-    jac_97 = t145 - (S_2_11 * t42 + t55 * omega3 + 2 * c7dot_2_1)
-    t146 = 2 * S_3_12
-    jac_98 = -(S_3_11 * t42) - t146 * omega2 - t68 * omega3
-    t147 = 2 * S_4_13
-    t148 = 0.8146287617076164 * alpha5
-    t149 = cj * t148
-    jac_99 = -(S_4_11 * t42) - t76 * omega2 - (t147 * omega3 + 2 * c7dot_4_1) - t149
-    t150 = cj * d3_5_1
-    t151 = 2 * S_5_12
-    jac_100 = t150 - (S_5_11 * t42 + t151 * omega2 + (t92 * omega3 - 2 * t22))
+    jac_88 = t133
+    t134 = 0.5 * e1
+    jac_89 = t134
+    t135 = (-0.5) * e0
+    jac_90 = t135
+    t136 = 0.5 * e3
+    jac_91 = -t136
+    t137 = 0.5 * e2
+    jac_92 = t137
+    t138 = J_13 * omega2
+    t139 = J_12 * omega3
+    jac_93 = t138 + 2 * Sdot_11 - t139 + cj * J_11
+    t140 = 2 * Sdot_12
+    t141 = J_33 * omega3
+    t142 = cj * J_12
+    jac_94 = J_11 * omega3 - J_13 * t42 + t140 - (J_23 * omega2 + t141 + d3dot_3) + t142
+    t143 = J_22 * omega2
+    t144 = 2 * Sdot_13
+    t145 = cj * J_13
+    jac_95 = J_12 * t42 + t143 + J_23 * omega3 + t144 + (d3dot_2 - J_11 * omega2) + t145
+    t146 = (-0.8784787837749884) * alpha2
+    t147 = cj * t146
+    jac_96 = -(S_1_11 * t42) - S_1_12 * t43 - 2 * c7dot_1_1 - t147
+    t148 = cj * d3_2_1
+    jac_97 = t148 - (S_2_11 * t42 + S_2_13 * t46 + 2 * c7dot_2_1)
+    jac_98 = -(S_3_11 * t42) - S_3_12 * t43 - S_3_13 * t46
+    t149 = 0.8146287617076164 * alpha5
+    t150 = cj * t149
+    jac_99 = -(S_4_11 * t42) - S_4_12 * t43 - (S_4_13 * t46 + 2 * c7dot_4_1) - t150
+    t151 = cj * d3_5_1
+    jac_100 = t151 - (S_5_11 * t42 + S_5_12 * t43 + (S_5_13 * t46 - 2 * t22))
     t152 = 0.03812757101123808 * alpha7
     t153 = cj * t152
-    jac_101 = -(S_6_11 * t42) - t104 * omega2 - (t105 * omega3 + 2 * c7dot_6_1) - t153
+    jac_101 = -(S_6_11 * t42) - S_6_12 * t43 - (S_6_13 * t46 + 2 * c7dot_6_1) - t153
     t154 = cj * d3_7_1
-    jac_102 = t154 - (S_7_11 * t42 + t115 * omega2 + (t116 * omega3 - 2 * t23))
+    jac_102 = t154 - (S_7_11 * t42 + S_7_12 * t43 + (S_7_13 * t46 - 2 * t23))
     t155 = cj * d3_8_1
-    jac_103 = 2 * t24 - (S_8_11 * t42 + t124 * omega2) + t155
-    jac_104 = t134
-    jac_105 = t133
-    jac_106 = t132
-    jac_107 = -t131
-    jac_108 = J_13 * omega1 + J_23 * t43 + (t138 + t137) + (d3dot_3 - J_22 * omega3) + t139
+    jac_103 = 2 * t24 - (S_8_11 * t42 + S_8_12 * t43) + t155
+    jac_104 = t137
+    jac_105 = t136
+    jac_106 = t135
+    jac_107 = -t134
+    jac_108 = J_13 * omega1 + J_23 * t43 + (t141 + t140) + (d3dot_3 - J_22 * omega3) + t142
     t156 = J_23 * omega1
-    jac_109 = t136 + 2 * Sdot_22 - t156 + cj * J_22
+    jac_109 = t139 + 2 * Sdot_22 - t156 + cj * J_22
     t157 = 2 * Sdot_23
     t158 = J_11 * omega1
     t159 = cj * J_23
     jac_110 = J_22 * omega1 - J_12 * t43 + t157 - (t158 + J_13 * omega3 + d3dot_1) + t159
-    jac_111 = -(t38 * omega1) - (S_1_22 * t43 + t40 * omega3)
-    t160 = 2 * S_2_23
-    t161 = 0.3434623359074803 * alpha3
-    t162 = cj * t161
-    jac_112 = -(S_2_22 * t43) - t160 * omega3 - 2 * c7dot_2_2 - t162
-    t163 = cj * d3_3_2
-    jac_113 = t163 - (t146 * omega1 + (S_3_22 * t43 - 2 * t25))
-    t164 = (-0.13286677220194004) * alpha6
-    t165 = cj * t164
-    jac_114 = -(t76 * omega1) - (S_4_22 * t43 + t78 * omega3 + 2 * c7dot_4_2) - t165
-    t166 = (-0.3338704835108587) * alpha7
-    t167 = cj * t166
-    jac_115 = -(t151 * omega1) - (S_5_22 * t43 + t93 * omega3 + 2 * c7dot_5_2) - t167
-    t168 = cj * d3_6_2
-    jac_116 = t168 - (t104 * omega1 + (S_6_22 * t43 + t106 * omega3 - 2 * t26))
-    t169 = cj * d3_7_2
-    t170 = 2 * S_7_23
-    jac_117 = t169 - (t115 * omega1 + (S_7_22 * t43 + t170 * omega3 - 2 * t27))
-    jac_118 = -(t124 * omega1) - (S_8_22 * t43 + t125 * omega3)
-    jac_119 = t133
-    jac_120 = -t134
-    jac_121 = t131
-    jac_122 = t132
-    jac_123 = J_33 * omega2 + t141 - J_23 * t46 - (J_12 * omega1 + t140 + d3dot_2) + t142
+    jac_111 = -(S_1_12 * t42) - (S_1_22 * t43 + S_1_23 * t46)
+    t160 = 0.3434623359074803 * alpha3
+    t161 = cj * t160
+    jac_112 = -(S_2_22 * t43) - S_2_23 * t46 - 2 * c7dot_2_2 - t161
+    t162 = cj * d3_3_2
+    jac_113 = t162 - (S_3_12 * t42 + (S_3_22 * t43 - 2 * t25))
+    t163 = (-0.13286677220194004) * alpha6
+    t164 = cj * t163
+    jac_114 = -(S_4_12 * t42) - (S_4_22 * t43 + S_4_23 * t46 + 2 * c7dot_4_2) - t164
+    t165 = (-0.3338704835108587) * alpha7
+    t166 = cj * t165
+    jac_115 = -(S_5_12 * t42) - (S_5_22 * t43 + S_5_23 * t46 + 2 * c7dot_5_2) - t166
+    t167 = cj * d3_6_2
+    jac_116 = t167 - (S_6_12 * t42 + (S_6_22 * t43 + S_6_23 * t46 - 2 * t26))
+    t168 = cj * d3_7_2
+    jac_117 = t168 - (S_7_12 * t42 + (S_7_22 * t43 + S_7_23 * t46 - 2 * t27))
+    jac_118 = -(S_8_12 * t42) - (S_8_22 * t43 + S_8_23 * t46)
+    jac_119 = t136
+    jac_120 = -t137
+    jac_121 = t134
+    jac_122 = t135
+    jac_123 = J_33 * omega2 + t144 - J_23 * t46 - (J_12 * omega1 + t143 + d3dot_2) + t145
     jac_124 = t158 + J_12 * omega2 + J_13 * t46 + t157 + (d3dot_1 - J_33 * omega1) + t159
-    jac_125 = t156 + 2 * Sdot_33 - t135 + cj * J_33
-    t171 = 0.14213269823254854 * alpha3
-    t172 = cj * t171
-    jac_126 = -(t40 * omega2) - S_1_33 * t46 - 2 * c7dot_1_3 - t172
-    jac_127 = -(t55 * omega1) - (t160 * omega2 + S_2_33 * t46)
-    t173 = cj * d3_3_3
-    jac_128 = t173 - (t68 * omega1 + S_3_33 * t46 + 2 * c7dot_3_3)
-    t174 = 0.16411826642656863 * alpha7
+    jac_125 = t156 + 2 * Sdot_33 - t138 + cj * J_33
+    t169 = 0.14213269823254854 * alpha3
+    t170 = cj * t169
+    jac_126 = -(S_1_23 * t43) - S_1_33 * t46 - 2 * c7dot_1_3 - t170
+    jac_127 = -(S_2_13 * t42) - (S_2_23 * t43 + S_2_33 * t46)
+    t171 = cj * d3_3_3
+    jac_128 = t171 - (S_3_13 * t42 + S_3_33 * t46 + 2 * c7dot_3_3)
+    t172 = 0.16411826642656863 * alpha7
+    t173 = cj * t172
+    jac_129 = -(S_4_13 * t42) - S_4_23 * t43 - S_4_33 * t46 - 2 * c7dot_4_3 - t173
+    t174 = (-0.17320212202534865) * alpha6
     t175 = cj * t174
-    jac_129 = -(t147 * omega1) - t78 * omega2 - S_4_33 * t46 - 2 * c7dot_4_3 - t175
-    t176 = (-0.17320212202534865) * alpha6
-    t177 = cj * t176
-    jac_130 = -(t92 * omega1) - t93 * omega2 - S_5_33 * t46 - 2 * c7dot_5_3 - t177
-    t178 = cj * d3_6_3
-    jac_131 = t178 - (t105 * omega1 + t106 * omega2 + S_6_33 * t46 - 2 * t28)
-    t179 = cj * d3_7_3
-    jac_132 = t179 - (t116 * omega1 + t170 * omega2 + S_7_33 * t46 - 2 * t29)
-    t180 = cj * d3_8_3
-    jac_133 = t180 - (t125 * omega2 + S_8_33 * t46 - 2 * t30)
+    jac_130 = -(S_5_13 * t42) - S_5_23 * t43 - S_5_33 * t46 - 2 * c7dot_5_3 - t175
+    t176 = cj * d3_6_3
+    jac_131 = t176 - (S_6_13 * t42 + S_6_23 * t43 + S_6_33 * t46 - 2 * t28)
+    t177 = cj * d3_7_3
+    jac_132 = t177 - (S_7_13 * t42 + S_7_23 * t43 + S_7_33 * t46 - 2 * t29)
+    t178 = cj * d3_8_3
+    jac_133 = t178 - (S_8_23 * t43 + S_8_33 * t46 - 2 * t30)
     jac_134 = -1
-    jac_135 = t42 * S_1_11 + t43 * S_1_12 - omega2 * t171 - t144
-    jac_136 = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t171 - omega3 * t143)
-    jac_137 = t43 * S_1_23 + t46 * S_1_33 + omega2 * t143 - t172
+    jac_135 = t42 * S_1_11 + t43 * S_1_12 - omega2 * t169 - t147
+    jac_136 = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t169 - omega3 * t146)
+    jac_137 = t43 * S_1_23 + t46 * S_1_33 + omega2 * t146 - t170
     jac_138 = cj
-    t181 = (-0.8784787837749884) * t42
-    jac_139 = t181
-    t182 = 0.14213269823254854 * t46
-    jac_140 = t182
+    t179 = (-0.8784787837749884) * t42
+    jac_139 = t179
+    t180 = 0.14213269823254854 * t46
+    jac_140 = t180
     jac_141 = -1
-    jac_142 = t42 * S_2_11 + t46 * S_2_13 + omega3 * t161 + t145
-    jac_143 = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t162
-    jac_144 = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t161 + omega2 * d3_2_1)
-    jac_145 = -t181
+    jac_142 = t42 * S_2_11 + t46 * S_2_13 + omega3 * t160 + t148
+    jac_143 = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t161
+    jac_144 = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t160 + omega2 * d3_2_1)
+    jac_145 = -t179
     jac_146 = cj
-    t183 = 0.3434623359074803 * t43
-    jac_147 = t183
-    t184 = 0.06014933573656158 * t42
-    jac_148 = t184
+    t181 = 0.3434623359074803 * t43
+    jac_147 = t181
+    t182 = 0.06014933573656158 * t42
+    jac_148 = t182
     jac_149 = -1
     jac_150 = t42 * S_3_11 + t43 * S_3_12 + t46 * S_3_13 + (omega2 * d3_3_3 - omega3 * d3_3_2)
-    jac_151 = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t163
-    jac_152 = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t173
-    jac_153 = -t182
-    jac_154 = -t183
+    jac_151 = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t162
+    jac_152 = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t171
+    jac_153 = -t180
+    jac_154 = -t181
     jac_155 = cj
-    t185 = 0.10707341325868729 * t46
-    jac_156 = t185
+    t183 = 0.10707341325868729 * t46
+    jac_156 = t183
     jac_157 = -1
-    jac_158 = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t164 - omega2 * t174) - t149
-    jac_159 = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t174 - omega3 * t148) - t165
-    jac_160 = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t148 - omega1 * t164) - t175
+    jac_158 = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t163 - omega2 * t172) - t150
+    jac_159 = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t172 - omega3 * t149) - t164
+    jac_160 = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t149 - omega1 * t163) - t173
     jac_161 = cj
-    t186 = 0.8146287617076164 * t42
-    jac_162 = t186
-    t187 = (-0.13286677220194004) * t43
-    jac_163 = t187
-    t188 = 0.16411826642656863 * t46
-    jac_164 = t188
+    t184 = 0.8146287617076164 * t42
+    jac_162 = t184
+    t185 = (-0.13286677220194004) * t43
+    jac_163 = t185
+    t186 = 0.16411826642656863 * t46
+    jac_164 = t186
     jac_165 = -1
-    jac_166 = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t166 - omega2 * t176) + t150
-    jac_167 = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t176) - t167
-    jac_168 = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t166 + omega2 * d3_5_1) - t177
-    jac_169 = -t186
+    jac_166 = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t165 - omega2 * t174) + t151
+    jac_167 = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t174) - t166
+    jac_168 = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t165 + omega2 * d3_5_1) - t175
+    jac_169 = -t184
     jac_170 = cj
-    t189 = (-0.17320212202534865) * t46
-    jac_171 = t189
-    t190 = (-0.3338704835108587) * t43
-    jac_172 = t190
+    t187 = (-0.17320212202534865) * t46
+    jac_171 = t187
+    t188 = (-0.3338704835108587) * t43
+    jac_172 = t188
     jac_173 = -1
     jac_174 = (
         t42 * S_6_11 + t43 * S_6_12 + t46 * S_6_13 + (omega2 * d3_6_3 - omega3 * d3_6_2) - t153
     )
-    jac_175 = t42 * S_6_12 + t43 * S_6_22 + t46 * S_6_23 - (omega3 * t152 + omega1 * d3_6_3) + t168
-    jac_176 = t42 * S_6_13 + t43 * S_6_23 + t46 * S_6_33 + (omega1 * d3_6_2 + omega2 * t152) + t178
-    jac_177 = -t187
-    jac_178 = -t189
+    jac_175 = t42 * S_6_12 + t43 * S_6_22 + t46 * S_6_23 - (omega3 * t152 + omega1 * d3_6_3) + t167
+    jac_176 = t42 * S_6_13 + t43 * S_6_23 + t46 * S_6_33 + (omega1 * d3_6_2 + omega2 * t152) + t176
+    jac_177 = -t185
+    jac_178 = -t187
     jac_179 = cj
-    t191 = 0.03812757101123808 * t42
-    jac_180 = t191
+    t189 = 0.03812757101123808 * t42
+    jac_180 = t189
     jac_181 = -1
     jac_182 = (
         t42 * S_7_11 + t43 * S_7_12 + t46 * S_7_13 + (omega2 * d3_7_3 - omega3 * d3_7_2) + t154
     )
     jac_183 = (
-        t42 * S_7_12 + t43 * S_7_22 + t46 * S_7_23 + (omega3 * d3_7_1 - omega1 * d3_7_3) + t169
+        t42 * S_7_12 + t43 * S_7_22 + t46 * S_7_23 + (omega3 * d3_7_1 - omega1 * d3_7_3) + t168
     )
     jac_184 = (
-        t42 * S_7_13 + t43 * S_7_23 + t46 * S_7_33 + (omega1 * d3_7_2 - omega2 * d3_7_1) + t179
+        t42 * S_7_13 + t43 * S_7_23 + t46 * S_7_33 + (omega1 * d3_7_2 - omega2 * d3_7_1) + t177
     )
-    jac_185 = -t188
-    jac_186 = -t190
-    jac_187 = -t191
+    jac_185 = -t186
+    jac_186 = -t188
+    jac_187 = -t189
     jac_188 = cj
     jac_189 = -1
     jac_190 = t42 * S_8_11 + t43 * S_8_12 + omega2 * d3_8_3 + t155
     jac_191 = t42 * S_8_12 + t43 * S_8_22 + t46 * S_8_23 + (omega3 * d3_8_1 - omega1 * d3_8_3)
-    jac_192 = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t180
-    jac_193 = -t184
-    jac_194 = -t185
+    jac_192 = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t178
+    jac_193 = -t182
+    jac_194 = -t183
     jac_195 = cj
 
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,

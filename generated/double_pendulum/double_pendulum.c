@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_8ddb8117ac00515b
+#ifndef DOUBLE_PENDULUM_HASH_6019a93bdde6495f
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -521,8 +521,8 @@ int double_pendulum_accel(
         + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
     if (!(-(pivot_elbow_2
         + 5.684341886080802e-14 * t51) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
-    if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69
-        + t70)) return 2; /* a result is not finite */
+    if (!isfinite(t61 + t63 + (t64 + (t65 + t66)) + (t60 + t67 + (t68 + (t69
+        + t70))))) return 2; /* a result is not finite */
     return 0;
 }
 
@@ -1750,8 +1750,8 @@ int double_pendulum_solve(
         + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
     if (!(-(pivot_elbow_2
         + 5.684341886080802e-14 * t51) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
-    if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
-        + t56)) return 2; /* a result is not finite */
+    if (!isfinite(t61 + (t63 + t64) + (t65 + t66 + (t60 + t67)) + (t68 + (t69 + t70) + (t59 + t58
+        + (t57 + t56))))) return 2; /* a result is not finite */
     return 0;
 }
 
@@ -1922,8 +1922,8 @@ int double_pendulum_project_velocity(
         + 5.684341886080802e-14 * t25) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
     if (!(-(pivot_elbow_2
         + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
-    if (!isfinite(t46 - t48 + t49 + t50 + t51 + t45 + t47 + t52 + t53
-        + t54)) return 2; /* a result is not finite */
+    if (!isfinite(t46 - t48 + (t49 + (t50 + t51)) + (t45 + t47 + (t52 + (t53
+        + t54))))) return 2; /* a result is not finite */
     return 0;
 }
 
@@ -3807,7 +3807,7 @@ static int double_pendulum_accel_states(
         const double t70 = t33 * t57 - ((1000000000.0 / 14128191.0) * t41 + t48 * t56);
         vdot[9 * all + b] = t70;
         double code = 0.0;
-        const double finite = t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70;
+        const double finite = t61 + t63 + (t64 + (t65 + t66)) + (t60 + t67 + (t68 + (t69 + t70)));
         code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
         code = -(pivot_elbow_2
             + 5.684341886080802e-14 * t51) > 0.0 ? code : 1.0; /* the pivot of elbow_2 vanished */

@@ -24,7 +24,7 @@ def test_operations_are_foreseen(n: int, frame: str) -> None:
 def test_operations_of_the_block_are_foreseen() -> None:
     spec = derive.read(ROOT / "scenes/block.toml")
     counted = derive.lower(derive.derive(spec)).kernel("force").operations
-    assert counted == 531  # the README says so
+    assert counted == 499
     assert flat_operations(modal_body(derive.modal(spec))) == pytest.approx(counted, rel=0.1)
 
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern, pattern
-from derive.lowering.elimination_orders import elimination_order, matched_order, safe_order, work
+from derive.lowering.elimination_orders import coordinates_first, elimination_order, matched_order, safe_order, work
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.ldlt import factorise, solve
 
@@ -65,6 +65,21 @@ def test_a_matched_order_takes_no_more_work_and_is_not_safe() -> None:
         if not vanished[-1]:
             assert np.allclose(solution, np.linalg.solve(matrix, right), rtol=1e-8, atol=1e-9)
     assert any(vanished) and not all(vanished)
+
+
+def test_modes_of_welded_bodies_come_before_their_rotations() -> None:
+    """They have fewer neighbours, unless multipliers that only seem to come first connect them with each other."""
+    modes, bodies = 8, 3
+    each = modes + 3
+    count = bodies * each
+    entries = {(i, i) for i in range(count)}
+    for first in range(0, count, each):
+        entries |= {(i, j) for i in range(first, first + each) for j in range(first, min(i, first + 3))}
+    for k in range(6 * bodies):
+        ends = (k // 6, k // 6 - 1)
+        entries |= {(count + k, body * each + j) for body in ends if body >= 0 for j in range(each)}
+    shape = pattern(count + 6 * bodies, count + 6 * bodies, entries, symmetric=True)
+    assert work(shape, safe_order(shape, count)) <= work(shape, coordinates_first(shape, count))
 
 
 def test_an_order_that_does_not_know_of_multipliers_fails() -> None:

@@ -38,7 +38,7 @@ def _factorised(context: Context, function: ModelFunction) -> Kernel:
     shape = context.mass_pattern()
     entries = {(i, j): symbols(eq.mass[i, j]) for i, j in shape.entries}
     factors = factorise(shape, entries)
-    solution = solve(factors, [-symbols(h) for h in eq.force])
+    solution = solve(factors, [-symbols(h) for h in context.force_rows])
     pivots = list(zip(factors.pivots, factors.order, strict=True))
     named = tuple(NamedValue(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
     required = pivot_checks(symbols, factors, context.rows)

@@ -12,6 +12,7 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
+from derive.lowering.flat.quadratic_inertia import quadratic_inertias
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
 from derive.lowering.ldlt import Factorisation
 from derive.lowering.model_functions import ModelFunction, OutputElements
@@ -24,6 +25,8 @@ VANISHING = Fraction(1, 2**44)
 def mass(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of the mass matrix M(q)."""
     symbols = context.symbols(context.q)
+    symbols.fixed.update(quadratic_inertias(context, symbols))
+    symbols.values.update(symbols.fixed)
     return context.kernel(function, {"M": _mass_elements(context)}, symbols, _mass_step(context, symbols))
 
 
@@ -37,7 +40,7 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of M and h together."""
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
-    entries, forces = context.mass_pattern().entries, context.equations.force
+    entries, forces = context.mass_pattern().entries, context.force_rows
     steps = []
     # From the last row to the first: the last rows are cheap, and compilers keep their values in registers.
     for row in reversed(range(len(context.rows))):
@@ -215,5 +218,5 @@ def _mass_step(context: Context, symbols: Symbols) -> Step:
 
 def _force_step(context: Context, symbols: Symbols) -> Step:
     """The step that computes h."""
-    values = [symbols(h) for h in context.equations.force]
+    values = [symbols(h) for h in context.force_rows]
     return Step("h", "(15)", "centrifugal, Coriolis and elastic terms", stores("h", values))

@@ -48,7 +48,8 @@ class Symbols:
     """The CasADi values of SymPy symbols, and the kernel leaves of CasADi symbols.
 
     early, late: the symbols that come first and last in products, see `TermOrder`. model: the name of the model, with
-    which the functions of its tables begin. sums: what sums share.
+    which the functions of its tables begin. sums: what sums share. fixed: the values of symbols whose definitions a
+    function computes in another way.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Symbols:
         self.values: dict[sp.Symbol, ca.SX] = {}
         self.inputs: list[ca.SX] = []
         self.leaves: list[Leaf] = []
+        self.fixed: dict[sp.Symbol, ca.SX] = {}
         self._numbers: dict[Fraction, ca.SX] = {}
         self._converted: dict[sp.Expr, ca.SX] = {}
 
@@ -69,6 +71,7 @@ class Symbols:
         """A copy of the symbols and values, to which others can be added."""
         result = copy(self)
         result.values, result.inputs, result.leaves = dict(self.values), [*self.inputs], [*self.leaves]
+        result.fixed = dict(self.fixed)
         result._numbers, result._converted = dict(self._numbers), dict(self._converted)
         return result
 
@@ -77,8 +80,8 @@ class Symbols:
         self.values[symbol] = self._leaf(leaf)
 
     def define(self, symbol: sp.Symbol, expr: sp.Expr) -> ca.SX:
-        """Define the value of a symbol by an expression, and return it."""
-        self.values[symbol] = self(expr)
+        """Define the value of a symbol, by an expression if it is not fixed, and return it."""
+        self.values[symbol] = self.fixed[symbol] if symbol in self.fixed else self(expr)
         return self.values[symbol]
 
     def values_of(self, symbols: Iterable[sp.Symbol]) -> list[ca.SX]:
@@ -188,6 +191,7 @@ class Symbols:
         factors: dict[FactorPlace, list[ca.SX]] = {place: [] for place in FactorPlace}
         for base, place, root, count in order.factors:
             value = self.call(ca.sqrt, self(base)) if root else self(base)
+            value = 2 * value if base == order.doubled else value
             factors[place].extend([value] * count)
         first, last, below = factors.values()
         if magnitude.numerator == 1 and (first or last) and not _is_dyadic(magnitude):

@@ -17,6 +17,7 @@ from derive.ir.model import Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule, coordinates_first, fill_in, work
+from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
@@ -88,7 +89,7 @@ def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
 def accelerations_and_multipliers(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot and lambda."""
     symbols = context.symbols(context.t, context.q, context.v)
-    right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
+    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
     outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
     return by_factors(context, function, outputs, symbols, right)
 
@@ -96,7 +97,7 @@ def accelerations_and_multipliers(context: Context, function: ModelFunction) -> 
 def accelerations(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
     symbols = context.symbols(context.t, context.q, context.v)
-    right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
+    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
     return by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
 
 
@@ -314,8 +315,8 @@ def _with_pivots(
     for name, elements in outputs.items():
         results.append(stores(name, solution[start : start + len(elements.names)]))
         start += len(elements.names)
-    total = sum(solution[1:start], start=solution[0])
-    finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
+    present = [value for value in solution[:start] if not value.is_zero()]
+    finite = RequiredValue(Requirement.FINITE, balanced(present), ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(
         [
             *(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import chain
 
 import casadi as ca
@@ -17,6 +18,7 @@ from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph, representable
+from derive.lowering.flat.gyroscopic_terms import force_rows
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, StepItem, schedule
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.flat.shared_sums import SharedSums
@@ -92,6 +94,11 @@ class Context:
         self._symbols: dict[tuple[sp.Symbol, ...], Symbols] = {}
         self._constant_symbols: Symbols | None = None
         self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
+
+    @cached_property
+    def force_rows(self) -> tuple[sp.Expr, ...]:
+        """The rows of h."""
+        return force_rows(self.equations)
 
     def symbols(self, *inputs: Input) -> Symbols:
         """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them.

@@ -75,3 +75,9 @@ class SharedSums:
             minus = all(product.could_extract_minus_sign() for product in products)
             result.append(-rest * sp.Add(*(-p for p in products)) if minus else rest * sp.Add(*products))
         return result
+
+    def doubled_product(self, factors: Iterable[sp.Expr]) -> sp.Expr | None:
+        """The product of the angular velocity among the factors of a term that vary, with whose double rows share."""
+        varying = [factor for factor in factors if factor not in self._constants]
+        products = [factor for factor in varying if factor in self._products]
+        return products[0] if len(varying) > len(products) == 1 else None

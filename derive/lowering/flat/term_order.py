@@ -35,11 +35,15 @@ class FactorPlace(Enum):
 
 @dataclass(frozen=True)
 class OrderedProduct:
-    """A product: its number, and its factors in order, each with its place, whether it is a root, and how often."""
+    """A product: its number, and its factors in order, each with its place, whether it is a root, and how often.
+
+    doubled: a factor that is multiplied by a further 2, since other products have twice this factor as well.
+    """
 
     negative: bool
     magnitude: Fraction
     factors: Sequence[tuple[sp.Expr, FactorPlace, bool, int]]
+    doubled: sp.Expr | None = None
 
 
 class TermOrder:
@@ -99,7 +103,10 @@ class TermOrder:
             root = not exponent.is_Integer
             count = abs(int(2 * exponent if root else exponent))
             factors.append((base, above if exponent > 0 else FactorPlace.BELOW, root, count))
-        return OrderedProduct(weight < 0, abs(Fraction(int(weight.p), int(weight.q))), factors)
+        magnitude = abs(Fraction(int(weight.p), int(weight.q)))
+        once = (base for base, _, root, count in factors if count == 1 and not root)
+        doubled = self.shared.doubled_product(once) if magnitude == 2 else None
+        return OrderedProduct(weight < 0, magnitude if doubled is None else Fraction(1), factors, doubled)
 
     def _order(self, factor: tuple[sp.Expr, sp.Expr]) -> tuple[int, tuple[object, ...]]:
         """The sort key of a factor (base, exponent): early factors, others, late factors."""
