@@ -17,6 +17,11 @@ from derive.ir.statements import Let
 
 LEAST = 2
 """The angles that are worth a call."""
+MANY, STORES = 24, 50
+"""Loops over as many bodies that store as many numbers of each wait for their memory, and compute sines meanwhile.
+
+With its sines before the loop, the Jacobian of a chain of 100 beams took up to 8 % longer, that of ten 20 % less.
+"""
 
 Part = tuple[Node, ...]
 """The plain statements of a statement of a section."""
@@ -86,7 +91,7 @@ def with_sines_of_bodies(parts: Sequence[Part]) -> list[Part]:
 
 def _angles(loop: Node, written: Set[str]) -> dict[str, _Angles]:
     """The angles in all iterations of a loop, by the names of their sines and cosines; written: arrays that change."""
-    if not isinstance(loop, For) or not loop.count:
+    if not isinstance(loop, For) or not loop.count or _waits(loop):
         return {}
     lets = {node.name: node.expr for node in every(loop.body) if isinstance(node, Let)}
     result: dict[str, _Angles] = {}
@@ -98,6 +103,11 @@ def _angles(loop: Node, written: Set[str]) -> dict[str, _Angles]:
             stride = abs(index.stride(loop.variable) * loop.step) or 1
             result[name] = _Angles(angle.array, places[0], stride, len(places))
     return result
+
+
+def _waits(loop: For) -> bool:
+    """Whether a loop stores so much that it waits for its memory."""
+    return (loop.count or 0) >= MANY and sum(isinstance(node, Assign) for node in every(loop.body)) >= STORES
 
 
 def _angle(expr: Expr | None, lets: Mapping[str, Expr]) -> Element | None:

@@ -11,7 +11,7 @@ from derive.ir.expressions import Element, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import constant, variable
 from derive.ir.interpreter import interpret
 from derive.ir.loop_nests import Assign, For, Integer, Local, Node, Sines, every, expressions_of
-from derive.ir.sines_of_bodies import with_sines_of_bodies
+from derive.ir.sines_of_bodies import MANY, STORES, with_sines_of_bodies
 from derive.ir.statements import Let
 from kernel.test_instance_lanes import arguments, looped, nodes_in_lanes
 
@@ -84,6 +84,13 @@ def test_kernels_of_a_chain_keep_the_bits(name: str) -> None:
     assert len([item for item in sines_of(nodes) if item.stride]) == 1
     assert not has_calls(nodes)
     assert interpret(kernel, given, nodes=nodes) == interpret(kernel, given)
+
+
+@pytest.mark.parametrize("count", [MANY - 1, MANY])
+def test_loops_that_store_much_of_many_bodies_keep_their_sines(count: int) -> None:
+    stores = [Assign(Element("z", variable("n", STORES, k)), ScalarRef("phi_0")) for k in range(STORES)]
+    (nodes,) = with_sines_of_bodies([(body(0, 0, count, at(2), *stores),)])
+    assert has_calls(nodes) == (count == MANY)
 
 
 def test_bodies_of_one_vector_keep_their_sines() -> None:
