@@ -35,6 +35,7 @@ TRUSTED = (
     "derive.ir.indices",
     "derive.ir.kernel",
     "derive.ir.model",
+    "derive.ir.packing",
     "derive.ir.patterns",
     "derive.ir.statements",
     "derive.roles",

@@ -38,6 +38,7 @@ from derive.ir.loop_nests import (
     Node,
     ordered_loop,
 )
+from derive.ir.packing import Packing
 from derive.ir.statements import (
     Accumulate,
     Cholesky,
@@ -51,7 +52,6 @@ from derive.ir.statements import (
     MatrixStore,
     MatVec,
     Pack,
-    Packing,
     PackSource,
     Product,
     Require,

@@ -146,6 +146,13 @@ class _Run:
         array, first = self.arrays[element.array]
         return array[first + element.index.at(self.variables)] if element.index else array
 
+    def _angles(self, node: Sines) -> list[Any]:
+        """The angles of some sines."""
+        if not node.stride:
+            return self._row(node.angle)[: node.count]
+        array, first = self.place(node.angle)
+        return array[first :: node.stride][: node.count]
+
     def all(self, nodes: Iterable[Node]) -> None:
         """Run plain statements."""
         for node in nodes:
@@ -181,7 +188,7 @@ class _Run:
             case BlockProduct():
                 self._block_product(node)
             case Sines():
-                angles = self._row(node.angle)[: node.count]
+                angles = self._angles(node)
                 for k, (name, operator) in enumerate(((node.sine, Operator.SIN), (node.cosine, Operator.COS))):
                     values = [self.call[operator](angle) for angle in angles]
                     if node.rows:

@@ -30,6 +30,7 @@ from derive.ir.loop_nests import (
     expressions_of,
     reindexed,
 )
+from derive.ir.sines_of_bodies import with_sines_of_bodies
 from derive.ir.statements import Statement
 
 
@@ -39,7 +40,7 @@ def section_in_lanes(body: Sequence[Statement]) -> Iterator[tuple[int, tuple[Nod
     Matrices that are stored directly behind products with matrices of the same array are stored within these, block by
     block, since a block stays in the nearest memory. Of the products they read the same row only.
     """
-    plain = [expand(statement) for statement in body]
+    plain = with_sines_of_bodies([expand(statement) for statement in body])
     nodes = list(map(in_lanes, plain))
     products: int | None = None
     for n, loops in enumerate(plain):

@@ -182,13 +182,15 @@ class BlockProduct:
 class Sines:
     """The sines and cosines of angles, in two arrays: of all states of a batch, or of `count` elements of an array.
 
-    rows: the elements of the two arrays, if these have several, with a value for each state.
+    stride: the distance of these elements, of which `angle` is the first one; 0: `angle` is a whole array. rows: the
+    elements of the two arrays, if these have several, with a value for each state.
     """
 
     angle: Element
     sine: str
     cosine: str
     count: int | None = None
+    stride: int = 0
     rows: tuple[ElementIndex, ElementIndex] | None = None
 
 

@@ -105,6 +105,11 @@ class RelativeTurn:
     multipliers: tuple[int, ...]
 
     @property
+    def turning(self) -> tuple[int, ...]:
+        """The rows of the rotations of both bodies, which have to be there when rotations become relative ones."""
+        return (*self.rows, *(self.parent or ()), *(row for row, _ in self.others))
+
+    @property
     def gone(self) -> tuple[int, ...]:
         """The rows that are eliminated with the joint; if it leaves one rotation, that has the last of `rows`."""
         count = len(self.multipliers)

@@ -17,7 +17,7 @@ FUNCTIONS = """
 #include <math.h>
 #include <string.h>
 #define TISSERAND_RESTRICT restrict
-%s
+#include <stddef.h>
 %s
 void singles(int n, const double *x, double *s, double *c)
 {
@@ -31,7 +31,14 @@ void blocks(int n, const double *x, double *s, double *c)
     for (; n >= 8; n -= 8, x += 8, s += 8, c += 8) tisserand_sines(8, x, s, c);
     if (n > 0) tisserand_sines(n, x, s, c);
 }
+void spaced(int n, const double *x, double *s, double *c)
+{
+    double room[2][40];
+    tisserand_spaced_sines((n + 2) / 3, x, 3, room[0], room[1]);
+    for (int i = 0; i < n; i++) s[i] = room[0][i / 3], c[i] = room[1][i / 3];
+}
 """
+PARTS = ("lanes", "instances", "states", "sine", "spaced_sines")
 
 
 OPTIMISED = (*FLAGS, "-O2")
@@ -42,7 +49,7 @@ OPTIMISED = (*FLAGS, "-O2")
 def library(flags: tuple[str, ...] = OPTIMISED) -> ctypes.CDLL:
     with TemporaryDirectory() as folder:
         source = Path(folder) / "sine.c"
-        source.write_text(FUNCTIONS % (render("c/states.c.jinja", {}), render("c/sine.c.jinja", {})))
+        source.write_text(FUNCTIONS % "\n".join(render(f"c/{part}.c.jinja", {}) for part in PARTS))
         return ctypes.CDLL(str(compile_shared([source], Path(folder) / "sine.so", flags)))
 
 

@@ -9,7 +9,7 @@ import pytest
 from generated_sine import sines
 from mpmath import mp
 
-from derive.runtime.compiler import vector_flags
+from derive.runtime.compiler import FLAGS, vector_flags
 
 LARGEST = 1e5
 WIDTH = 8
@@ -74,6 +74,18 @@ def test_blocks_have_the_bits_of_single_angles(count: int) -> None:
         for angle in (-0.0, 2e5, -1e300):
             given = np.where(np.arange(count) == place, angle, x)
             assert [a.tobytes() for a in sines(given, "blocks")] == [a.tobytes() for a in sines(given)]
+
+
+@pytest.mark.parametrize("flags", [(*FLAGS,), (*FLAGS, "-mavx"), (*FLAGS, "-DTISSERAND_NO_VECTORS")], ids=str)
+@pytest.mark.parametrize("count", range(1, 11))
+def test_angles_at_a_distance_have_the_bits_of_single_angles(count: int, flags: tuple[str, ...]) -> None:
+    """Every third element is an angle: fewer than a block, whole blocks, and a last block that overlaps."""
+    x = np.full(3 * count - 2, np.nan)
+    for place in range(count):
+        for angle in (0.5, 2e5):
+            x[::3] = np.where(np.arange(count) == place, angle, ANGLES["some turns"][:count])
+            for values, expected in zip(sines(x, "spaced", flags), sines(x), strict=True):
+                assert values[::3].tobytes() == expected[::3].tobytes()
 
 
 VARIANTS = {

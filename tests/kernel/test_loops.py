@@ -14,7 +14,8 @@ import beams
 import derive
 from conftest import QUICK
 from derive.ir.interpreter import RequirementError, interpret
-from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Requirement, Store
+from derive.ir.packing import Packing
+from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Require, Requirement, Store
 from derive.lowering.loops.assignments import NOTHING
 from derive.lowering.loops.context import LoopContext
 from derive.lowering.loops.gradient import derivative

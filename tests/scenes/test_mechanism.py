@@ -66,7 +66,7 @@ def test_what_a_joint_eliminates_has_its_reason():
     assert len(text) < 2000 and "crank: drive motor prescribes its motion" in text
 
 
-@pytest.mark.parametrize("name", ["four_bar", "crank_slider_3"])
+@pytest.mark.parametrize("name", [pytest.param("four_bar", marks=pytest.mark.long), "crank_slider_3"])
 def test_expansion_is_the_decision_of_the_lowering(name):
     """A mechanism keeps kinds and instances; the lowering, or who asks for it, writes out a row for each coordinate."""
     scene = derive.read(SCENES / f"{name}.toml")

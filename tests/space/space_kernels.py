@@ -109,7 +109,7 @@ def differences(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tup
 def _solution(
     model: SpaceModel, seen: Mechanics, rows: list[int], t: float, q: Array, v: Array
 ) -> Iterator[tuple[str, float]]:
-    """Accelerations and multipliers, if they are well determined."""
+    """Accelerations and multipliers, if they are well determined: far deformed bodies of second order may have no M."""
     native, k = model.native, model.constants(t)
     M, G = floats(seen.M), floats(seen.G)
     matrix = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
@@ -118,7 +118,7 @@ def _solution(
     if model.oracle.scene.get("scene", {}).get("redundant") == "resolve":
         yield from _residuals(model, seen, rows, t, q, v)
         return
-    if np.linalg.cond(matrix) > CONDITION:
+    if np.linalg.cond(matrix) > CONDITION or np.linalg.eigvalsh(M)[0] <= 0:
         return
     vdot, lam = (floats(x) for x in seen.accelerations())
     found, multipliers = native.solve(t, q, v, k)

@@ -88,10 +88,21 @@ def run(of: str) -> Trajectory:
     return PreparedRun(parse(of + OUTPUTS), complete=False).trajectory()
 
 
+ARM = """
+[bodies.arm]
+mass = 0.4
+inertia = [1e-2, 2e-2, 2.5e-2, 0, 0, 0]
+markers = { root = { at = [-0.1, 0, 0.05], rotation = { axis = [1, 2, 0], angle = 0.5 } } }
+[joints.shoulder]
+kind = "revolute"
+between = ["wheel.hub", "arm.root"]
+"""
+"""A body on the wheel, whose rotation is eliminated relative to the wheel's: the gear has to leave this one."""
 CASES = {
     "coordinates": (text(), 1),
     "a coordinate and a rotation": (text(keep="pinion"), 6),
     "a rotation and a coordinate": (text(keep="wheel", ratio="1.37"), 6),
+    "a wheel that carries an arm": (text(keep="pinion") + ARM, 11),
     "two rotations": (text(keep="wheel pinion"), 11),
     "rack and pinion": (text(second="prismatic", ratio="0.07", keep="wheel"), 6),
     "pinion and rack": (text(first="prismatic", ratio="-14.5", keep="pinion", start="speed = 1"), 6),
@@ -104,6 +115,7 @@ CASES = {
 
 SIMILAR = (
     "coordinates",
+    "screws",
     "a rotation and a coordinate",
     "pinion and rack",
     "screws that keep coordinates",

@@ -20,17 +20,11 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Expr, Operation, Operator, walk
 from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import For, Node, every, expressions_of
+from derive.ir.loop_nests import Node
 from derive.ir.model import Model
+from derive.ir.sines_of_bodies import with_sines_of_bodies
 from derive.ir.statements import Let, Statement
 from derive.ir.variants import Variants
-
-MANY = 24
-"""Iterations of a loop over bodies beside which a function computes the sines of single bodies.
-
-Compilers take as long for a sine as for the rest of a body, and a call takes up to a quarter of the time of a body:
-two bodies of ten cost the Jacobian of a chain 5 %, two of a hundred nothing that can be measured.
-"""
 
 
 def shared_function(model: Model, kernel: Kernel, whole: Kernel, shared: SharedSections) -> list[SourceLine]:
@@ -59,8 +53,7 @@ def function(
     nodes = [node for section in sections for _, part in section for node in part]
     starts = vector_starts(nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
-    apart = kernel.repeats and _sines_of_many(nodes)
-    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter, sines_apart=apart)
+    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*(before or {}).get(k, ()))
@@ -79,7 +72,8 @@ def function_of_forms(model: Model, of: Variants) -> list[SourceLine]:
     named = [*_arguments(kernel, used), *([] if of.differ else [f"    (void) {of.selector};"])]
     lines = plain(*form_signature(model, of), "{", *named, "")
     nests = CNests({o.name for o in kernel.outputs}, counter="ptrdiff_t")
-    lines += _section(((0, (node,)) for node in of.nodes), 0, nests, _element_loads(kernel))
+    body = with_sines_of_bodies([(node,) for node in of.nodes])
+    lines += _section(((0, nodes) for nodes in body), 0, nests, _element_loads(kernel))
     tables = (line for table in of.tables for line in constant_array(table))
     return [*plain(*tables), *lines, *plain("    return 0;", "}", "")]
 
@@ -91,13 +85,6 @@ def function_of_form(model: Model, kernel: Kernel, of: Variants) -> list[SourceL
     before = _in_lanes([*enumerate(of.before[of.kernels.index(kernel)])])
     nests = CNests({o.name for o in kernel.outputs}, counter="ptrdiff_t")
     return [*lines, *_section(before, 0, nests, _element_loads(kernel)), *form_call(model, kernel, of)]
-
-
-def _sines_of_many(nodes: Iterable[Node]) -> bool:
-    """Whether a loop over many bodies computes sines, so that those of single bodies take little of the time."""
-    loops = (node for node in every(nodes) if isinstance(node, For) and (node.count or 0) >= MANY)
-    parts = (part for loop in loops for line in every(loop.body) for e in expressions_of(line) for part in walk(e))
-    return any(map(_is_sine, parts))
 
 
 def divided(model: Model, kernel: Kernel, sums: KernelSums | None) -> DividedFunction | None:

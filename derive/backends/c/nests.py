@@ -37,7 +37,6 @@ from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
-SINES_APART = replace(C, names={Operator.SIN: "TISSERAND_SIN_APART", Operator.COS: "TISSERAND_COS_APART"})
 CHECKS_OF_ENDS = {Requirement.POSITIVE: "TISSERAND_CHECK_ENDS"}  # results are those of bodies, not of joints
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
@@ -53,12 +52,13 @@ class CNests:
     """The plain statements of one function.
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
-    of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
-    states of a batch have codes from the beginning, which the first loop over states with requirements gives them
-    otherwise; first_code: that of the first requirements, behind which there are none but those with other ones;
+    of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether it is a
+    batch with loops over bodies: one function computes the sines of its states, and these have codes from the
+    beginning, which the first loop over states with requirements gives them otherwise; first_code: that of the first
+    requirements, behind which there are none but those with other ones;
     starts: the elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of
     integers and of the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each
-    index; sines_apart: whether loops of one iteration call a function for their sines and cosines.
+    index.
     """
 
     outputs: Collection[str] = ()
@@ -68,7 +68,6 @@ class CNests:
     first_code: ReturnCode | None = None
     starts: Mapping[str, int] = field(default_factory=dict)
     counter: str = "int"
-    sines_apart: bool = False
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
     _lanes: set[str] = field(default_factory=set)
@@ -81,9 +80,7 @@ class CNests:
     """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
     _few: int = 0
     """The number of iterations of that loop, if vectors have more lanes; 0 otherwise."""
-    _once: bool = False
-    """Whether the lines are those of a loop of one iteration."""
-    _filled: Collection[str] = ()
+    _filled: set[str] = field(default_factory=set)
     """The arrays that have a number for each lane: angles, sines and cosines."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
@@ -137,13 +134,21 @@ class CNests:
                 vector, target = (address_text(e.array, e.index) for e in (node.vector, node.target))
                 return plain(f"    {self.helpers}_rows(count, {matrix}, {vector}, {target});")
             case Sines():
-                rows = [f"[{index_text(index)}]" for index in node.rows] if node.rows else ["", ""]
-                results = f"{node.sine}{rows[0]}, {node.cosine}{rows[1]}"
-                number = "count" if node.count is None else str(node.count)
-                number = f"TISSERAND_FILLED({number})" if node.count and node.count % LANES else number
-                return plain(f"    tisserand_sines({number}, {self._row(node.angle)}, {results});")
+                return self._sines(node)
             case _:
                 assert_never(node)
+
+    def _sines(self, node: Sines) -> Lines:
+        if node.stride:
+            self._filled |= {node.sine, node.cosine}
+            angles = f"{node.count}, {address_text(node.angle.array, node.angle.index)}, {node.stride}"
+            return plain(f"    tisserand_spaced_sines({angles}, {node.sine}, {node.cosine});")
+        rows = [f"[{index_text(index)}]" for index in node.rows] if node.rows else ["", ""]
+        results = f"{node.sine}{rows[0]}, {node.cosine}{rows[1]}"
+        number = "count" if node.count is None else str(node.count)
+        number = f"TISSERAND_FILLED({number})" if node.count and node.count % LANES else number
+        function = "tisserand_state_sines" if node.count is None and self.has_codes else "tisserand_sines"
+        return plain(f"    {function}({number}, {self._row(node.angle)}, {results});")
 
     def _row(self, element: Element) -> str:
         """The values of all states of a batch, from the first one on."""
@@ -156,7 +161,7 @@ class CNests:
 
     def text(self, expr: Expr) -> BreakableText:
         """An expression; what differs from lane to lane is a vector."""
-        return text(expr, SINES_APART if self._once and self.sines_apart else C, self._leaf)
+        return text(expr, C, self._leaf)
 
     def _leaf(self, leaf: Named) -> BreakableText:
         if isinstance(leaf, Ends):
@@ -334,7 +339,7 @@ class CNests:
     def _checked_once(self, node: For) -> Lines:
         """A loop with lanes inside whose requirements are tested behind it, since a branch in each block takes time."""
         sines = (item for item in every([node]) if isinstance(item, Sines))
-        self._filled = {array for item in sines for array in (item.angle.array, item.sine, item.cosine)}
+        self._filled |= {array for item in sines for array in (item.angle.array, item.sine, item.cosine)}
         lanes = (item for item in every([node]) if isinstance(item, For) and item.kind in IN_LANES)
         codes = dict.fromkeys(item.code for loop in lanes for item in loop.body if isinstance(item, Require))
         self._checks = {code: f"holds_{next(self._names)}" for code in codes}
@@ -361,9 +366,7 @@ class CNests:
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
                 if node.count == 0:
                     return []
-                around, self._once = self._once, node.count == 1
                 body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
-                self._once = around
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *indented(body), *plain("    }")]

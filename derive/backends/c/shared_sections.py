@@ -104,7 +104,7 @@ def _shared(name: str, section: Section, kernels: Iterable[Kernel]) -> SharedSec
     elsewhere = {array for other in around if other != section for array in _arrays(_nodes(other))}
     if (
         len(nodes) < LONG
-        or not all(isinstance(node, Local | For) for node in body)
+        or not all(isinstance(node, Local | Sines | For) for node in body)
         or any(isinstance(node, Alias | BlockProduct) for node in nodes)
         or not own.issuperset(_scalars(nodes))
         or any(node.array in elsewhere for node in body if isinstance(node, Local))

@@ -182,7 +182,7 @@ def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants]) -> s
     every = [s for kernel in model.kernels for s in kernel.statements]
     parts = ["lanes"] if model.lowering != "flat" or sums.tables else []
     parts += ["instances"] if model.lowering == "instances" else []
-    sines = ["sine", *(["sine_apart"] if model.lowering == "instances" else [])]
+    sines = ["sine", *(["spaced_sines"] if model.lowering == "instances" else [])]
     parts += ["states", *(sines if any(map(has_sine, every)) else [])]
     used = {array.name for kernel in model.kernels if kernel.name not in forms for array in kernel.constants}
     used |= {name for of in forms.values() for name in of.reads}

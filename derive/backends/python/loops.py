@@ -14,6 +14,7 @@ from derive.backends.wrapping import PLUS, WIDTH, BreakableText, join, statement
 from derive.ir.expressions import Element, Ends, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.indices import LANES, ElementIndex, variable
 from derive.ir.kernel import Argument
+from derive.ir.packing import Packing
 from derive.ir.statements import (
     Accumulate,
     Cholesky,
@@ -25,7 +26,6 @@ from derive.ir.statements import (
     MatrixStore,
     MatVec,
     Pack,
-    Packing,
     RequireFinite,
     StoreLocal,
     StoreStrided,

@@ -293,7 +293,9 @@ def _with_pivots(
         joints.inertial.change(entries)
         shape = pattern(shape.rows, shape.cols, set(entries), symmetric=True)
         right = joints.inertial.forward(right)
-    pairs = PairedElimination(entries, kkt_pairs(context, shape), rows_of_bodies(context))
+    turning = {row for turn in joints.turns for row in turn.turning} if joints else set()
+    constant = [pair for pair in kkt_pairs(context, shape) if pair.coordinate not in turning]
+    pairs = PairedElimination(entries, constant, rows_of_bodies(context))
     right = pairs.forward(right)
     relative = RelativeElimination(entries, joints.turns if joints else ())
     right = relative.forward(right)

@@ -17,12 +17,12 @@ from derive.ir.expressions import Element, Expr, Number, ScalarRef
 from derive.ir.indices import padded, variable
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.model import Model, Variable, Zero
+from derive.ir.packing import Packing
 from derive.ir.statements import (
     Cholesky,
     Clear,
     Map,
     Pack,
-    Packing,
     PackSource,
     Require,
     RequireFinite,

@@ -15,6 +15,7 @@ import sympy as sp
 from derive.ir.analysis import reads
 from derive.ir.expressions import Expr, Leaf, Number, ScalarRef
 from derive.ir.kernel import Argument, Kernel, Output, Section
+from derive.ir.packing import Packing
 from derive.ir.statements import (
     Accumulate,
     Let,
@@ -22,7 +23,6 @@ from derive.ir.statements import (
     MatrixStore,
     MatVec,
     MatVecTerm,
-    Packing,
     Product,
     Require,
     Statement,
