@@ -17,7 +17,7 @@ from derive.lowering.flat.vertex_elimination import Matrix, by_elimination, fewe
 from derive.lowering.model_functions import FORMS, functions_of
 
 LIMIT = 1e-13
-OPERATIONS = {"": 1956, "ggl": 3782, "index1": 3629}
+OPERATIONS = {"": 1957, "ggl": 3783, "index1": 3630}
 """Operations of the iteration matrices; without the frames of joints and this elimination 2456, 3887 and 4716."""
 
 
