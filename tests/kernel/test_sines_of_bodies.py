@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -90,6 +91,13 @@ def test_kernels_of_a_chain_keep_the_bits(name: str) -> None:
 def test_loops_that_store_much_of_many_bodies_keep_their_sines(count: int) -> None:
     stores = [Assign(Element("z", variable("n", STORES, k)), ScalarRef("phi_0")) for k in range(STORES)]
     (nodes,) = with_sines_of_bodies([(body(0, 0, count, at(2), *stores),)])
+    assert has_calls(nodes) == (count == MANY)
+
+
+@pytest.mark.parametrize("count", [MANY - 1, MANY])
+def test_loops_in_lanes_over_many_bodies_keep_their_sines(count: int) -> None:
+    loop = replace(body(0, 0, count, at(2)), overlaps=True)
+    (nodes,) = with_sines_of_bodies([(loop,)])
     assert has_calls(nodes) == (count == MANY)
 
 

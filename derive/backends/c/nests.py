@@ -147,8 +147,7 @@ class CNests:
         results = f"{node.sine}{rows[0]}, {node.cosine}{rows[1]}"
         number = "count" if node.count is None else str(node.count)
         number = f"TISSERAND_FILLED({number})" if node.count and node.count % LANES else number
-        function = "tisserand_state_sines" if node.count is None and self.has_codes else "tisserand_sines"
-        return plain(f"    {function}({number}, {self._row(node.angle)}, {results});")
+        return plain(f"    tisserand_sines({number}, {self._row(node.angle)}, {results});")
 
     def _row(self, element: Element) -> str:
         """The values of all states of a batch, from the first one on."""
