@@ -4,8 +4,8 @@ python bench/chains.py [--counts 1 2 3 10 30 100 1000] [--straight-line 10] [--c
 
 For each chain: CPU seconds of generation and of the compiler, the least of some, bytes of C, and nanoseconds per body
 of the accelerations, alone and in a batch of eight states. All run alternately in one process, and their values agree
-to 1e-12 of the largest acceleration before they are timed. FOLDER has C by hand: a3.c, b.c, tb.c and batch.c with their headers,
-of which chain.h declares `par` and `par_set(par *, m, l, EI, gx, gy)`. With --write the figures go to
+to 1e-12 of the largest acceleration before they are timed. FOLDER has C by hand: a3.c, b.c, tb.c and batch.c with
+their headers, of which chain.h declares `par` and `par_set(par *, m, l, EI, gx, gy)`. With --write the figures go to
 bench/chains.json, the picture to docs/chains.svg and the tables to bench/README.md; `--figures FILE` takes the figures
 of an earlier run.
 """
