@@ -52,10 +52,9 @@ class CNests:
     """The plain statements of one function.
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
-    of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether it is a
-    batch with loops over bodies: one function computes the sines of its states, and these have codes from the
-    beginning, which the first loop over states with requirements gives them otherwise; first_code: that of the first
-    requirements, behind which there are none but those with other ones;
+    of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
+    states of a batch have codes from the beginning, which the first loop over states with requirements gives them
+    otherwise; first_code: that of the first requirements, behind which there are none but those with other ones;
     starts: the elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of
     integers and of the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each
     index.
