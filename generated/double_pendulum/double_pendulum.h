@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "6019a93bdde6495f"
-#define DOUBLE_PENDULUM_HASH_6019a93bdde6495f
+#define DOUBLE_PENDULUM_HASH "63f88e438a6bc4d8"
+#define DOUBLE_PENDULUM_HASH_63f88e438a6bc4d8
 
 /* ---- sizes and indices ---- */
 
