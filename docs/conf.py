@@ -14,7 +14,7 @@ version = release = VERSION
 language = "en"
 html_title = "Tisserand"
 html_theme = "furo"
-extensions = ["myst_nb", "sphinx_copybutton", "website.formulas"]
+extensions = ["myst_nb", "sphinx_copybutton", "website.accessibility", "website.formulas"]
 exclude_patterns = ["README.md"]  # parts of it are included by pages
 
 myst_enable_extensions = ["dollarmath"]
