@@ -136,7 +136,7 @@ def python_function(
 
 
 def _element_lines(argument: Argument, used: frozenset[str], elements: bool, numbers: bool) -> list[str]:
-    """The lines that name the elements of an argument; where half of them are used, all in one assignment, which is faster."""
+    """The lines that name the elements of an argument; if half are used, in one assignment, which is faster."""
     names = {k: name for k, name in argument.named_elements if name in used}
     if numbers and 1 < argument.size <= 2 * len(names):
         targets = ", ".join(names.get(k, "_") for k in range(argument.size))
