@@ -1,0 +1,130 @@
+"""Runs one example, in a process of its own, and keeps all that it shows: text, number, pictures and motion."""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import derive
+from docs.gallery.entries import ROOT, Entry
+from docs.gallery.motion import drawing, player
+from docs.gallery.numbers import number_texts
+
+RESULT, OUTPUT, MESSAGES = "result.json", "output.txt", "messages.txt"
+MOTION, DRAWING = "motion.html", "drawing.svg"
+"""The names of the files of a run; pictures and reports have their own."""
+
+
+def record(entry: Entry, folder: Path) -> None:
+    """Run an example and write its files into an empty folder, with what is in them in `RESULT`.
+
+    What the process prints goes to `OUTPUT` and `MESSAGES`. Raises what the example raises.
+    """
+    before = os.times()
+    # The commands are run as the pages print them: from a folder that looks like a checkout.
+    work = folder / "work"
+    work.mkdir()
+    for name in ("examples", "scenes", "generated", "templates"):
+        (work / name).symlink_to(ROOT / name)
+    os.chdir(work)
+    with _printing_to(folder / OUTPUT, 1), _printing_to(folder / MESSAGES, 2):
+        run = {"py": _script, "toml": _scene, "c": _program}[entry.kind]
+        result = run(entry, folder)
+    os.chdir(folder)
+    shutil.rmtree(work)
+    times = zip(os.times()[:4], before[:4], strict=True)
+    result["seconds"] = round(sum(now - earlier for now, earlier in times), 2)
+    (folder / RESULT).write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+
+
+@contextmanager
+def _printing_to(path: Path, stream: int) -> Iterator[None]:
+    """Write what this process and its children print to a stream, 1 or 2, to a file."""
+    file_object = {1: sys.stdout, 2: sys.stderr}[stream]
+    file_object.flush()
+    kept = os.dup(stream)
+    with path.open("wb") as file:
+        os.dup2(file.fileno(), stream)
+    try:
+        yield
+    finally:
+        file_object.flush()
+        os.dup2(kept, stream)
+        os.close(kept)
+
+
+def _script(entry: Entry, folder: Path) -> dict[str, Any]:
+    """Call `main` of a script in the style of all pictures; keep the last motion that it simulates."""
+    from docs.gallery.pictures import house_style, in_page_style
+
+    motions: list[derive.Trajectory] = []
+    simulate = derive.simulate
+
+    def recorded(*arguments: Any, **options: Any) -> derive.Trajectory:
+        motions.append(simulate(*arguments, **options))
+        return motions[-1]
+
+    derive.simulate = recorded
+    spec = importlib.util.spec_from_file_location(entry.name, ROOT / entry.path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    with house_style():
+        spec.loader.exec_module(module)
+        value = module.main(".") if inspect.signature(module.main).parameters else module.main()
+    pictures = []
+    for path in sorted(Path().glob("*.svg")):
+        (folder / path.name).write_text(in_page_style(path.read_text(), module.__doc__.splitlines()[0]))
+        pictures.append(path.name)
+    return {"numbers": number_texts(value), "pictures": pictures, **_moving(motions[-1:], folder)}
+
+
+def _scene(entry: Entry, folder: Path) -> dict[str, Any]:
+    """Run the commands of a scene; keep its pictures, its player and its report."""
+    from derive.cli.main import main
+
+    for command in entry.commands:
+        words = entry.words(command)
+        print(f"$ tisserand {' '.join(words)}", flush=True)
+        if code := main(list(words)):
+            raise RuntimeError(f"tisserand {' '.join(words)} ends with exit code {code}")
+    pictures = []
+    report = None
+    for path in sorted(Path("results").rglob("*.*")):
+        if path.suffix == ".svg":
+            shutil.copy(path, folder)
+            pictures.append(path.name)
+        elif path.name.endswith(".report.html"):
+            report = shutil.copy(path, folder / "report.html").name
+        elif path.name == f"{entry.name}.html":
+            shutil.copy(path, folder / MOTION)
+    files: dict[str, str | None] = {"motion": None, "drawing": None, "report": report}
+    if (folder / MOTION).exists():
+        (folder / DRAWING).write_text(drawing(derive.simulate(derive.read(entry.path))))
+        files |= {"motion": MOTION, "drawing": DRAWING}
+    return {"numbers": [], "pictures": pictures, **files}
+
+
+def _program(entry: Entry, _: Path) -> dict[str, Any]:
+    """Compile a C program with its model, and run it."""
+    for command in entry.compilation():
+        subprocess.run(shlex.split(" ".join(command)), check=True)
+    return {"numbers": [], "pictures": [], "motion": None, "drawing": None}
+
+
+def _moving(motions: list[derive.Trajectory], folder: Path) -> dict[str, Any]:
+    """Write the player and the drawing of a motion, if there is one."""
+    if not motions:
+        return {"motion": None, "drawing": None}
+    (folder / MOTION).write_text(player(motions[0]))
+    (folder / DRAWING).write_text(drawing(motions[0]))
+    return {"motion": MOTION, "drawing": DRAWING}
