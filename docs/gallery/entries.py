@@ -158,6 +158,14 @@ GROUPS = (
 """All examples, each once."""
 
 
+PAGES = (
+    ("crank_slider_3", "report", "Report: every equation, term and zero, and the line of C that computes it"),
+    ("crank_slider_3", "motion", "Player: the crank-slider of the paper in the plane"),
+    ("spatial_crank_slider", "motion", "Player: a slider-crank in space with a finite-element rod"),
+)
+"""Reports and players that the index shows beside the examples: the name of an entry, the file, and a title."""
+
+
 def entries() -> tuple[Entry, ...]:
     """The examples of all groups in their order."""
     return tuple(entry for group in GROUPS for entry in group.entries)

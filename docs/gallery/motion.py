@@ -33,10 +33,10 @@ def player(trajectory: derive.Trajectory) -> str:
     return player_page(player_data(trajectory.motion, columns), trajectory.warnings)
 
 
-def drawing(trajectory: derive.Trajectory) -> str:
-    """The drawing of a scene at the beginning of its motion."""
-    scene = trajectory.scene
+def drawing(scene: derive.Scene | derive.SpatialScene) -> str:
+    """The drawing of a scene at the beginning of its motion; that of a scene in space is computed for this."""
     if isinstance(scene, derive.Scene):
         return mechanism_picture(scene)
     drawn = drawn_bodies(scene)
-    return spatial_picture(scene.name, drawn, body_paths(drawn, trajectory.motion), ground_points(scene), ties(scene))
+    paths = body_paths(drawn, derive.simulate(scene).motion)
+    return spatial_picture(scene.name, drawn, paths, ground_points(scene), ties(scene))

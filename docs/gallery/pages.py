@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from docs.gallery.entries import GROUPS, ROOT
+from docs.gallery.entries import GROUPS, PAGES, ROOT
 from docs.gallery.runs import Run
 from docs.gallery.sources import described
 
@@ -43,7 +43,7 @@ def example_page(run: Run) -> str:
     blocks += [f"![{literal(_alt(run, path))}]({file_name(run, path)})" for path in run.pictures]
     if motion := run.file("motion"):
         address = file_name(run, motion)
-        frame = f'<iframe class="motion" src="{address}" title="Player of the motion" loading="lazy"></iframe>'
+        frame = f'<iframe class="gallery-motion" src="{address}" title="Player of the motion" loading="lazy"></iframe>'
         blocks += ["## Motion", _html(frame), _html(_link(address, "The player on a page of its own"))]
     elif drawing := run.file("drawing"):
         blocks.append(f"![The mechanism at the beginning]({file_name(run, drawing)})")
@@ -67,23 +67,25 @@ def index_page(runs: list[Run]) -> str:
         shown = [by_entry[entry] for entry in group.entries if entry in by_entry]
         if shown:
             cards = "\n".join(map(_card, shown))
-            blocks += [f"## {group.title}", group.text, f"````````{{container}} cards\n{cards}\n````````"]
+            blocks += [f"## {group.title}", group.text, f"````````{{container}} gallery-cards\n{cards}\n````````"]
     names = "\n".join(run.entry.name for run in runs)
     return "\n\n".join([*blocks, f"```{{toctree}}\n:hidden:\n\n{names}\n```"]) + "\n"
 
 
 def _own_pages(runs: list[Run]) -> list[str]:
-    """Links to the reports and the players that are pages of their own, of scenes whose page is made by a command."""
-    links = []
-    for run in runs:
-        if run.entry.kind == "toml":
-            title = described(run.entry).title
-            kinds = (("report", "report"), ("motion", "player"))
-            files = ((run.file(kind), name) for kind, name in kinds)
-            pages = [f'<a class="reference" href="{file_name(run, path)}">{name}</a>' for path, name in files if path]
-            links += [f"<li>{title}: {', '.join(pages)}</li>"] if pages else []
-    text = "`tisserand report` and `tisserand simulate` write pages that need no network and no program but a browser:"
-    return [text, _html("<ul>" + "".join(links) + "</ul>")] if links else []
+    """Cards of the reports and the players that are pages of their own."""
+    by_name = {run.entry.name: run for run in runs}
+    cards = []
+    for name, kind, title in PAGES:
+        run = by_name.get(name)
+        path, drawing = (run.file(kind), run.file("drawing")) if run else (None, None)
+        if run and path and drawing:
+            image = f'<img alt="" src="{file_name(run, drawing)}">'
+            link = f'<a class="reference" href="{file_name(run, path)}">{image} {title}</a>'
+            cards.append(f'<div class="gallery-card"><p>{link}</p></div>')
+    text = "`tisserand report` and `tisserand simulate` write pages that need nothing but a browser."
+    html = "\n".join(['<div class="gallery-cards">', *cards, "</div>"])
+    return ["## Reports and players", text, _html(html)] if cards else []
 
 
 def _card(run: Run) -> str:
@@ -103,7 +105,7 @@ def _card(run: Run) -> str:
     if shows == "output":
         lines = (run.output or (ROOT / run.entry.path).read_text()).splitlines()[:CARD_LINES]
         body = code("\n".join(line[:CARD_COLUMNS] for line in lines)) + "\n\n" + body
-    return f"```````{{container}} card {shows}\n{body}\n```````"
+    return f"```````{{container}} gallery-card gallery-{shows}\n{body}\n```````"
 
 
 def _card_kind(run: Run) -> str:
@@ -115,7 +117,7 @@ def _number_block(run: Run, meaning: str) -> list[str]:
     """The numbers in large letters, and what they are."""
     lines = [f"{literal(label)}: **{text}**" if label else f"**{text}**" for label, text in run.numbers]
     text = "\n\n".join([*lines, literal(meaning[:1].upper() + meaning[1:]) + "."])
-    return [f"```{{container}} number\n{text}\n```"]
+    return [f"```{{container}} gallery-number\n{text}\n```"]
 
 
 def _source(path: str) -> list[str]:

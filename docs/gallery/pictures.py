@@ -16,6 +16,7 @@ def house_style() -> Iterator[None]:
     import matplotlib as mpl
     from cycler import cycler
 
-    size = {"figure.figsize": (7.0, 4.0), "figure.constrained_layout.use": True, "lines.linewidth": 1.6}
-    with mpl.rc_context({**SETTINGS, **size, "axes.prop_cycle": cycler(color=COLOURS)}):
+    own = {"figure.figsize": (7.0, 4.0), "figure.constrained_layout.use": True, "lines.linewidth": 1.6}
+    own |= {"text.parse_math": True}  # powers of ten on logarithmic axes
+    with mpl.rc_context({**SETTINGS, **own, "axes.prop_cycle": cycler(color=COLOURS)}):
         yield

@@ -9,15 +9,13 @@ import os
 import shlex
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
 import derive
 from docs.gallery.entries import ROOT, Entry
-from docs.gallery.motion import drawing, player
 from docs.gallery.numbers import number_texts
 
 RESULT, OUTPUT, MESSAGES = "result.json", "output.txt", "messages.txt"
@@ -50,17 +48,15 @@ def record(entry: Entry, folder: Path) -> None:
 @contextmanager
 def _printing_to(path: Path, stream: int) -> Iterator[None]:
     """Write what this process and its children print to a stream, 1 or 2, to a file."""
-    file_object = {1: sys.stdout, 2: sys.stderr}[stream]
-    file_object.flush()
+    redirect = {1: redirect_stdout, 2: redirect_stderr}[stream]
     kept = os.dup(stream)
-    with path.open("wb") as file:
+    with path.open("w", buffering=1, encoding="utf-8") as file, redirect(file):
         os.dup2(file.fileno(), stream)
-    try:
-        yield
-    finally:
-        file_object.flush()
-        os.dup2(kept, stream)
-        os.close(kept)
+        try:
+            yield
+        finally:
+            os.dup2(kept, stream)
+            os.close(kept)
 
 
 def _script(entry: Entry, folder: Path) -> dict[str, Any]:
@@ -68,9 +64,10 @@ def _script(entry: Entry, folder: Path) -> dict[str, Any]:
     from docs.gallery.pictures import house_style, in_page_style
 
     motions: list[derive.Trajectory] = []
-    simulate = derive.simulate
 
     def recorded(*arguments: Any, **options: Any) -> derive.Trajectory:
+        from derive.simulation.simulate import simulate
+
         motions.append(simulate(*arguments, **options))
         return motions[-1]
 
@@ -109,7 +106,9 @@ def _scene(entry: Entry, folder: Path) -> dict[str, Any]:
             shutil.copy(path, folder / MOTION)
     files: dict[str, str | None] = {"motion": None, "drawing": None, "report": report}
     if (folder / MOTION).exists():
-        (folder / DRAWING).write_text(drawing(derive.simulate(derive.read(entry.path))))
+        from docs.gallery.motion import drawing
+
+        (folder / DRAWING).write_text(drawing(derive.read(entry.path)))
         files |= {"motion": MOTION, "drawing": DRAWING}
     return {"numbers": [], "pictures": pictures, **files}
 
@@ -125,6 +124,8 @@ def _moving(motions: list[derive.Trajectory], folder: Path) -> dict[str, Any]:
     """Write the player and the drawing of a motion, if there is one."""
     if not motions:
         return {"motion": None, "drawing": None}
+    from docs.gallery.motion import drawing, player
+
     (folder / MOTION).write_text(player(motions[0]))
-    (folder / DRAWING).write_text(drawing(motions[0]))
+    (folder / DRAWING).write_text(drawing(motions[0].scene))
     return {"motion": MOTION, "drawing": DRAWING}

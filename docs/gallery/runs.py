@@ -108,9 +108,9 @@ def _read(entry: Entry, folder: Path) -> Run:
 
 def _run(entries: list[Entry], folder: Path) -> list[str]:
     """Run examples, and return the messages of those that fail."""
-    _preload()
-    # Processes that fork have the package already, which takes two seconds to import.
     start = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
+    if start == "fork" and len(entries) > AT_ONCE:
+        _preload()
     context = multiprocessing.get_context(start)
     waiting, running, failures, done = list(entries), {}, [], 0
     while waiting or running:
@@ -132,7 +132,7 @@ def _run(entries: list[Entry], folder: Path) -> list[str]:
 
 
 def _preload() -> None:
-    """Import what most examples need."""
+    """Import what most examples need, which takes two seconds: processes that fork have it then."""
     import matplotlib.pyplot as plt
 
     import derive

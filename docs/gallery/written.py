@@ -22,7 +22,7 @@ def gallery_files(runs: list[Run]) -> tuple[Files, Files]:
         drawing = run.file("drawing")
         for path in [*run.pictures, *([drawing] if drawing else [])]:
             sources[file_name(run, path)] = path.read_bytes()
-        for kind in ("motion", "report"):
+        for kind in ("motion", "report", "drawing"):
             if path := run.file(kind):
                 extra[file_name(run, path)] = path.read_bytes()
     return sources, extra
