@@ -108,8 +108,9 @@ def test_an_example_is_run_again_when_it_changes_and_not_otherwise(tmp_path: Pat
 
 def test_an_example_that_fails_is_named_with_its_error(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     script = tmp_path / "broken.py"
-    script.write_text('"""Broken."""\n\n\ndef main() -> float:\n    """Return nothing."""\n    return 1 / 0\n')
-    with pytest.raises(runs.ExamplesFail, match=r"(?s)broken\.py.*ZeroDivisionError"):
+    fails = "import sys\n    print('told before', file=sys.stderr)\n    return 1 / 0"
+    script.write_text(f'"""Broken."""\n\n\ndef main() -> float:\n    """Return nothing."""\n    {fails}\n')
+    with pytest.raises(runs.ExamplesFail, match=r"(?s)broken\.py: told before.*ZeroDivisionError"):
         runs.results([Entry(str(script))], tmp_path / "runs")
     assert "failed" in capfd.readouterr().err
 

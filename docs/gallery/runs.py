@@ -18,7 +18,7 @@ from typing import Any
 from derive.errors import TisserandError
 from derive.generated_models import package_hash
 from docs.gallery.entries import ROOT, Entry
-from docs.gallery.recording import OUTPUT, RESULT, record
+from docs.gallery.recording import MESSAGES, OUTPUT, RESULT, record
 
 AT_ONCE = 2
 KEY = "key"
@@ -149,6 +149,8 @@ def _recorded(entry: Entry, folder: Path) -> None:
     try:
         record(entry, folder)
     except BaseException:
-        (folder / "error.txt").write_text(traceback.format_exc())
+        messages = folder / MESSAGES
+        printed = messages.read_text() if messages.exists() else ""
+        (folder / "error.txt").write_text(printed + traceback.format_exc())
         sys.exit(1)
     (folder / KEY).write_text(key(entry))
