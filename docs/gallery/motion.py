@@ -1,4 +1,4 @@
-"""The player of a motion and the drawing of a scene, as the commands `simulate` and `report` make them."""
+"""The player of a motion, as the command `simulate` makes it, and the picture of a motion."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from derive.simulation.observables.spatial_scene_player import (
     spatial_scene_player_data,
     ties,
 )
-from derive.visual.mechanism import mechanism_picture
 from derive.visual.player import player_page, spatial_player_page
 from derive.visual.spatial_mechanism import spatial_picture
+from docs.gallery.stroboscope import stroboscope
 
 
 def player(trajectory: derive.Trajectory) -> str:
@@ -33,10 +33,10 @@ def player(trajectory: derive.Trajectory) -> str:
     return player_page(player_data(trajectory.motion, columns), trajectory.warnings)
 
 
-def drawing(scene: derive.Scene | derive.SpatialScene) -> str:
-    """The drawing of a scene at the beginning of its motion; that of a scene in space is computed for this."""
+def drawing(trajectory: derive.Trajectory) -> str:
+    """The scene in motion: a planar one at several instants, one in space at the beginning."""
+    scene = trajectory.scene
     if isinstance(scene, derive.Scene):
-        return mechanism_picture(scene)
+        return stroboscope(trajectory.motion)
     drawn = drawn_bodies(scene)
-    paths = body_paths(drawn, derive.simulate(scene).motion)
-    return spatial_picture(scene.name, drawn, paths, ground_points(scene), ties(scene))
+    return spatial_picture(scene.name, drawn, body_paths(drawn, trajectory.motion), ground_points(scene), ties(scene))

@@ -89,11 +89,12 @@ def _scene(entry: Entry, folder: Path) -> dict[str, Any]:
     """Run the commands of a scene; keep its pictures, its player and its report."""
     from derive.cli.main import main
 
-    for command in entry.commands:
-        words = entry.words(command)
-        print(f"$ tisserand {' '.join(words)}", flush=True)
-        if code := main(list(words)):
-            raise RuntimeError(f"tisserand {' '.join(words)} ends with exit code {code}")
+    with _recorded_runs() as motions:
+        for command in entry.commands:
+            words = entry.words(command)
+            print(f"$ tisserand {' '.join(words)}", flush=True)
+            if code := main(list(words)):
+                raise RuntimeError(f"tisserand {' '.join(words)} ends with exit code {code}")
     pictures = []
     report = None
     for path in sorted(Path("results").rglob("*.*")):
@@ -102,15 +103,29 @@ def _scene(entry: Entry, folder: Path) -> dict[str, Any]:
             pictures.append(path.name)
         elif path.name.endswith(".report.html"):
             report = shutil.copy(path, folder / "report.html").name
-        elif path.name == f"{entry.name}.html":
-            shutil.copy(path, folder / MOTION)
-    files: dict[str, str | None] = {"motion": None, "drawing": None, "report": report}
-    if (folder / MOTION).exists():
-        from docs.gallery.motion import drawing
+    moving = _moving(motions[:1], folder)
+    if moving["motion"]:  # the page of the command has the curves of all plots
+        shutil.copy(f"results/{entry.name}/{entry.name}.html", folder / MOTION)
+    return {"numbers": [], "pictures": pictures, **moving, "report": report}
 
-        (folder / DRAWING).write_text(drawing(derive.read(entry.path)))
-        files |= {"motion": MOTION, "drawing": DRAWING}
-    return {"numbers": [], "pictures": pictures, **files}
+
+@contextmanager
+def _recorded_runs() -> Iterator[list[derive.Trajectory]]:
+    """The motions that commands simulate in this context, in their order."""
+    from derive.simulation.prepared_run import PreparedRun
+
+    motions: list[derive.Trajectory] = []
+    own = PreparedRun.trajectory
+
+    def recorded(*arguments: Any, **options: Any) -> derive.Trajectory:
+        motions.append(own(*arguments, **options))
+        return motions[-1]
+
+    PreparedRun.trajectory = recorded  # type: ignore[method-assign]
+    try:
+        yield motions
+    finally:
+        PreparedRun.trajectory = own  # type: ignore[method-assign]
 
 
 def _program(entry: Entry, _: Path) -> dict[str, Any]:
@@ -127,5 +142,5 @@ def _moving(motions: list[derive.Trajectory], folder: Path) -> dict[str, Any]:
     from docs.gallery.motion import drawing, player
 
     (folder / MOTION).write_text(player(motions[0]))
-    (folder / DRAWING).write_text(drawing(motions[0].scene))
+    (folder / DRAWING).write_text(drawing(motions[0]))
     return {"motion": MOTION, "drawing": DRAWING}

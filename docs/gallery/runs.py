@@ -25,7 +25,7 @@ KEY = "key"
 """The file with the hash of all that a result depends on."""
 
 
-RECORDING = ("recording", "motion", "numbers", "pictures")
+RECORDING = ("recording", "motion", "numbers", "pictures", "stroboscope")
 """The modules that a result depends on."""
 
 
