@@ -9,10 +9,12 @@ from typing import Protocol, assert_never
 import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
+from derive.display import html
 from derive.enumerations import enumeration
 from derive.ir.patterns import Pattern
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
+from derive.short_text import summary, vector_text
 from derive.simulation.compiled_scene import (
     ConstrainedSystem,
     constraint_matrix,
@@ -99,6 +101,14 @@ class Equilibrium:
         if np.any(real < -limit) or np.any(np.abs(imaginary) > 1e-6 * np.abs(self.eigenvalues) + limit):
             return Stability.UNSTABLE
         return Stability.NEUTRAL if np.any(real <= limit) else Stability.STABLE
+
+    def __repr__(self) -> str:
+        return summary(
+            f"Equilibrium at t = {self.t:g} s: {self}",
+            {"q": vector_text(self.q), "multipliers": vector_text(self.lam)},
+        )
+
+    _repr_html_ = html
 
 
 def equilibrium(native: StaticSystem, k: Vector, guess: Vector, t: float = 0.0) -> Equilibrium:

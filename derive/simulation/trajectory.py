@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from derive.display import html
 from derive.errors import TisserandError
 from derive.ir.model import Model
 from derive.notes.scene_notes import scene_notes
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import counted, listed, summary
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
@@ -187,4 +189,8 @@ class Trajectory(Mapping[str, Vector]):
 
     def __repr__(self) -> str:
         span = f"{len(self.t)} rows from {self.t[0]:g} to {self.t[-1]:g} s"
-        return f"Trajectory of {self.name}: {span}, columns {', '.join(self.columns)}"
+        warned = f"{counted(len(self.warnings), 'warning')}: {self.warnings[0]}" if self.warnings else ""
+        rows = {"columns": listed(self.columns), "warnings": warned, "notes": "; ".join(self.notes)}
+        return summary(f"Trajectory of {self.name}: {span}", rows)
+
+    _repr_html_ = html

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from derive.display import html
 from derive.spec.model.beam_parts import (
     DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
@@ -27,6 +28,7 @@ from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
+from derive.spec.model.spec_text import beam_text
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,8 @@ class PlanarBeam:
         ),
     ] = None
     section: ClassVar[str] = "beam"
+    __repr__ = beam_text
+    _repr_html_ = html
 
     @property
     def deflection(self) -> AssumedDeflection:

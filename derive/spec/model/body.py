@@ -7,10 +7,13 @@ from enum import Enum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
+from derive.display import html
+from derive.short_text import record_text
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.simulation import AT_REST, Simulation, SpatialStart
+from derive.spec.model.spec_text import nodal_text, symbolic_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -73,6 +76,7 @@ class NodeData:
     K0omega: NDArray[np.float64] | None = None
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
+    __repr__ = record_text
 
     @property
     def has_geometric_stiffness(self) -> bool:
@@ -97,6 +101,7 @@ class BodyFrame:
             "Nodes whose mean rotation a point frame follows; by default the nearest neighbours of `node`.",
         ),
     ] = ()
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -111,6 +116,7 @@ class Damping:
     stiffness: Annotated[Fraction, key(KeyType.NOT_NEGATIVE, "Factor of the stiffness matrix, s.", optional=True)] = (
         Fraction(0)
     )
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -119,6 +125,7 @@ class NodeMarker:
 
     name: str
     node: int
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -195,6 +202,8 @@ class NodalBody:
     ] = DisplacementOrder.FIRST_ORDER
     rigid_sets: tuple[tuple[int, ...], ...] = ()
     section: ClassVar[str] = "body"
+    __repr__ = nodal_text
+    _repr_html_ = html
 
     @property
     def second_order(self) -> bool:
@@ -224,3 +233,5 @@ class SymbolicBody:
     section: ClassVar[str] = "body"
     simulation: ClassVar[None] = None  # it has no numbers to simulate with
     plots: ClassVar[tuple[Plot, ...]] = ()
+    __repr__ = symbolic_text
+    _repr_html_ = html

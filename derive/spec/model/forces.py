@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
+from derive.short_text import record_text
 from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
@@ -67,6 +68,7 @@ class Force(AtMarker):
         ),
     ] = "inertial"
     kind: ClassVar[str] = "force"
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ class Torque:
     ]
     against: Annotated[MarkerRef | None, AGAINST] = None
     kind: ClassVar[str] = "torque"
+    __repr__ = record_text
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
@@ -134,6 +137,7 @@ class Spring(BetweenMarkers):
     cubic: Annotated[Quantity, _coefficient(3)] = Fraction(0)
     quartic: Annotated[Quantity, _coefficient(4)] = Fraction(0)
     quintic: Annotated[Quantity, _coefficient(5)] = Fraction(0)
+    __repr__ = record_text
 
 
 def _stiffness(direction: str, force: str = "N", length: str = "m") -> Key:
@@ -174,6 +178,7 @@ class Bushing(BetweenMarkers):
     rest_y: Annotated[Quantity, _rest("along y")] = Fraction(0)
     rest_rotation: Annotated[Quantity, _rest("about e3", "rad")] = Fraction(0)
     kind: ClassVar[str] = "bushing"
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -187,6 +192,7 @@ class CustomForce:
     kind: str
     markers: tuple[MarkerRef, ...]
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
+    __repr__ = record_text
 
 
 SceneForce = Force | Torque | Spring | Bushing | CustomForce
