@@ -78,6 +78,6 @@ class Registry(Mapping[str, T], Generic[T]):
         return len(self._members)
 
     def __repr__(self) -> str:
-        return summary(f"Registry of {counted(len(self), self.kind)}", {"names": listed(self)})
+        return summary(f"Registry ({self.kind}): {counted(len(self), 'member')}", {"names": listed(self)})
 
     _repr_html_ = html

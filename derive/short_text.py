@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from fractions import Fraction
@@ -58,19 +58,22 @@ def counted(count: int, noun: str, plural: str = "") -> str:
 
 def record_text(record: Any) -> str:
     """The text of a frozen type: its name, and its fields that differ from their defaults, in the form of a call."""
-    parts = []
-    for field in fields(record):
-        value = getattr(record, field.name)
-        default = field.default_factory() if field.default_factory is not MISSING else field.default
-        if field.name == "name":
-            parts.append(short_text(value))
-        elif field.repr and (default is MISSING or value is not default and not _equal(value, default)):
-            parts.append(f"{field.name}={short_text(value)}")
+    shown = ((name, short_text(value)) for name, value in changed_fields(record))
+    parts = [text if name == "name" else f"{name}={text}" for name, text in shown]
     text = f"{type(record).__name__}({', '.join(parts)})"
     lines = textwrap.wrap(
         text, WIDTH, subsequent_indent="  ", max_lines=LINES, placeholder=MORE, break_on_hyphens=False
     )
     return "\n".join(lines)
+
+
+def changed_fields(record: Any) -> Iterator[tuple[str, Any]]:
+    """The fields of a frozen type that differ from their defaults, with their values."""
+    for field in fields(record):
+        value = getattr(record, field.name)
+        default = field.default_factory() if field.default_factory is not MISSING else field.default
+        if default is MISSING or value is not default and not _equal(value, default):
+            yield field.name, value
 
 
 def _equal(value: Any, default: Any) -> bool:

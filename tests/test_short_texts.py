@@ -123,20 +123,6 @@ def test_derived_and_compiled_objects_have_short_texts() -> None:
     assert "mass from 1 to 3" in checked(derive.grid({"mass": [1, 2, 3]}))
 
 
-def test_a_motion_and_its_parts_have_short_texts() -> None:
-    scene = derive.read(ROOT / "scenes/double_pendulum.toml")
-    assert scene.name in checked(derive.derive(scene))
-    motion = derive.simulate(scene, duration=0.01, output=0.001)
-    assert f"Trajectory of {scene.name}: 11 rows from 0 to 0.01 s" in checked(motion)
-    for thing in (motion.initial, motion.solution, motion.motion.native, motion.model, motion.settings.simulation):
-        checked(thing)
-    assert "nq = " in repr(motion.motion.native)
-    modes = derive.modes(scene)
-    assert "Hz" in checked(modes)
-    for thing in (modes.linear, modes.modes[0], modes.equilibrium, derive.host_model(scene)):
-        checked(thing)
-
-
 def test_a_text_of_a_hostile_record_stays_in_its_lines() -> None:
     record = derive.PointMarker("a\nb" + HOSTILE * 50, Fraction(1), Fraction(2))
     assert len(record_text(record).splitlines()) == 1

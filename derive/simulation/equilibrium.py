@@ -104,8 +104,12 @@ class Equilibrium:
 
     def __repr__(self) -> str:
         return summary(
-            f"Equilibrium at t = {self.t:g} s: {self}",
-            {"q": vector_text(self.q), "multipliers": vector_text(self.lam)},
+            f"Equilibrium at t = {self.t:g} s: {self.stability.value}",
+            {
+                "residual": f"{self.residual:.1e} N or N m beside loads of {self.load:.3g}",
+                "q": vector_text(self.q),
+                "multipliers": vector_text(self.lam) if self.lam.size else "",
+            },
         )
 
     _repr_html_ = html
