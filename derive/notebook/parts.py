@@ -65,7 +65,7 @@ def digest(text: str) -> str:
 
 
 def folded(title: str, content: str) -> str:
-    """What is shown when a reader opens it; empty without content."""
+    """An element that shows its content when a reader opens it; empty without content."""
     return f"<details><summary>{escape(title)}</summary>{content}</details>" if content else ""
 
 

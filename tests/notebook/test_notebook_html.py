@@ -21,7 +21,7 @@ HOSTILE = "<script>alert('1')</script>&\"<b>"
 
 
 def shown(thing: object) -> Page:
-    """What a notebook shows of an object: well-formed, without scripts, and the same each time."""
+    """The HTML that a notebook shows of an object: well-formed, without scripts, and the same each time."""
     text: str = thing._repr_html_()  # type: ignore[attr-defined]
     assert text == thing._repr_html_()  # type: ignore[attr-defined]
     page = Page(text)

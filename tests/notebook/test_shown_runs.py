@@ -50,7 +50,7 @@ def text(shown: object) -> str:
 
 
 def page(shown: object) -> Page:
-    """What a notebook shows of an object: well-formed, and the same each time."""
+    """The HTML that a notebook shows of an object: well-formed, and the same each time."""
     html: str = shown._repr_html_()  # type: ignore[attr-defined]
     assert html == shown._repr_html_()  # type: ignore[attr-defined]
     result = Page(html)
