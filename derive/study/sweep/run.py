@@ -17,6 +17,7 @@ from derive.study.sweep.result import SweepResult
 from derive.study.sweep.samples import Samples
 from derive.study.sweep.store import SampleStore
 from derive.study.sweep.worker import Outcome, monitored
+from derive.terminal import PATIENCE, SampleProgress, progress_of
 
 UNKNOWN_WORKERS = 8
 """The number of workers for which samples are divided where it is not known."""
@@ -43,7 +44,7 @@ def sweep(
     chunk: int | None = None,
     store: Path | None = None,
     resume: bool = False,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> SweepResult:
     """Simulate a scene or a single beam with the values of each sample, and reduce each run to a few numbers.
 
@@ -52,13 +53,15 @@ def sweep(
     that between rows, in which peaks are determined, s; tolerance, until: as for `simulate`. executor: any of
     `concurrent.futures`, such as that of a Dask client; by default `workers` processes of this machine, one for each
     processor. chunk: the samples that a worker gets at a time, on which no result depends. store: a file that keeps
-    finished samples if the sweep is interrupted; with `resume` it is continued. progress: called when samples finish.
+    finished samples if the sweep is interrupted; with `resume` it is continued. progress: called when samples finish;
+    True shows a line with the remaining time, False none. By default notebooks show one.
 
     Raises SpecError, SamplesError, OutputError, UnknownNameError, CompilerError; StaleStore for the store of another
     sweep; SweepFailed if all samples fail, each for a reason of its own as in the `failures` of a result.
     """
     plan = make_plan(spec, samples, outputs, RunOptions(duration, interval, tolerance, until))
-    return run_plan(plan, executor, workers, chunk, store, resume, progress)
+    with progress_of(progress, lambda: SampleProgress(plan.name, PATIENCE)) as report:
+        return run_plan(plan, executor, workers, chunk, store, resume, report)
 
 
 def run_plan(
