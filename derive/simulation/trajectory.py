@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from derive.display import html
-from derive.errors import TisserandError
 from derive.ir.model import Model
 from derive.notes.scene_notes import scene_notes
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.short_text import counted, listed, summary
+from derive.simulation.conversions import data_frame, data_set
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
@@ -77,8 +76,17 @@ def column_values(scene: AnyScene, native: NativeScene, k: Vector, solution: Sol
     return columns
 
 
-class PandasMissing(TisserandError):
-    """The package pandas is not installed."""
+def column_docs(scene: AnyScene, model: Model) -> list[str]:
+    """The description of each column of a trajectory in a scene, in the order of `column_units`."""
+    return [
+        "time",
+        *(f"prescribed motion of {drive.joint}" for drive in scene.drives),
+        *(x.doc for x in (*model.coordinates, *model.velocities) for _ in x.columns),
+        *(f"multiplier: {x.doc}" for x in model.multipliers for _ in x.columns),
+        *(f"input: {x.doc}" for x in model.inputs),
+        *(x.doc for x in model.outputs for _ in x.columns),
+        *(name.replace("_", " ") for name in energy_names(scene, model)),
+    ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -168,12 +176,16 @@ class Trajectory(Mapping[str, Vector]):
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame with the columns, indexed by time (s). Raises PandasMissing."""
-        try:
-            pandas = import_module("pandas")
-        except ImportError as error:
-            raise PandasMissing("to_pandas needs the package pandas: pip install pandas") from error
-        index = pandas.Index(self.t, name="t")
-        return pandas.DataFrame({column.name: column.values for column in self.table[1:]}, index=index)
+        return data_frame(self.table)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset with the columns over the dimension `time` (s), with their units and descriptions.
+
+        The attributes of a column are `units` and `long_name`. Raises XarrayMissing.
+        """
+        return data_set(
+            self.name, self.table, dict(zip(self.columns, column_docs(self.scene, self.model), strict=True))
+        )
 
     def __getitem__(self, name: str) -> Vector:
         for column in self.table:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import derive
+from conftest import ROOT
 from derive.notebook.linear import modes_html
 from derive.short_text import LINES, WIDTH
+from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.trajectory import column_docs, column_units
 from derive.spec.toml.read import parse
 from strict_html import Page
 
@@ -113,3 +118,37 @@ def test_modes_and_what_hosts_see_have_texts_and_html() -> None:
     host = derive.host_model(scene)
     assert "outputs     speed_1, speed_2" in text(host)
     assert {"m", "kg", "bar_phi", "speed_2"} <= set(page(host).words["td"])
+
+
+def test_a_motion_becomes_a_data_set_of_xarray_with_units_and_descriptions(motion: derive.Trajectory) -> None:
+    xarray = pytest.importorskip("xarray")
+    data = motion.to_xarray()
+    assert isinstance(data, xarray.Dataset)
+    assert data.attrs["title"] == "bar"
+    assert dict(data.sizes) == {"time": 1001}
+    assert data.time.attrs == {"units": "s", "long_name": "time"}
+    assert tuple(data.data_vars) == motion.columns[1:]
+    for name in motion.columns[1:]:
+        assert np.array_equal(data[name], motion[name])
+        assert data[name].attrs["units"] == (motion.units[name] or "1")
+    angle = motion.model.coordinates[0]
+    assert data["bar_phi"].attrs["long_name"] == angle.doc
+    assert float(data["bar_phi"].sel(time=1.0)) == motion["bar_phi"][500]
+
+
+def test_what_is_missing_for_a_conversion_is_said(motion: derive.Trajectory, monkeypatch: pytest.MonkeyPatch) -> None:
+    for package, convert in (("xarray", motion.to_xarray), ("pandas", motion.to_pandas)):
+        monkeypatch.setitem(sys.modules, package, None)
+        with pytest.raises(derive.TisserandError, match=f"pip install {package}"):
+            convert()
+
+
+def test_the_columns_of_all_scenes_have_descriptions() -> None:
+    """A driven joint, multipliers, rates and outputs: a description for each column, in the order of the columns."""
+    scene = derive.read(ROOT / "scenes/crank_slider_3.toml")
+    run = PreparedRun(scene)
+    docs = dict(zip([name for name, _ in column_units(scene, run.model)], column_docs(scene, run.model), strict=True))
+    assert docs["motor"] == "prescribed motion of crank_bearing"
+    assert docs["rod_1_phi"] == "rotation of the floating frame of rod_1"
+    assert docs["lambda_crank_pin_1"].startswith("multiplier: ")
+    assert all(docs.values())
