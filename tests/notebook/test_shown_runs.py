@@ -149,6 +149,6 @@ def test_the_columns_of_all_scenes_have_descriptions() -> None:
     run = PreparedRun(scene)
     docs = dict(zip([name for name, _ in column_units(scene, run.model)], column_docs(scene, run.model), strict=True))
     assert docs["motor"] == "prescribed motion of crank_bearing"
-    assert docs["rod_1_phi"] == "rotation of the floating frame of rod_1"
+    assert docs["rod_1_phi"] == "rod_1: rotation of the floating frame"
     assert docs["lambda_crank_pin_1"].startswith("multiplier: ")
     assert all(docs.values())
