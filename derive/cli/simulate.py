@@ -18,7 +18,6 @@ from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.motion import planar
-from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.output_times import output_times
 from derive.simulation.prepared_run import PreparedRun
@@ -28,13 +27,12 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import BeamBody, Scene
-from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
 from derive.terminal import SimulationProgress, beam_count, show_progress
 from derive.visual.line_chart import svg
-from derive.visual.player import player_page, spatial_player_page
+from derive.visual.motion_page import motion_page
 from derive.visual.plot_chart import plot_chart
 
 
@@ -166,16 +164,6 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
         for plot, text, _ in texts
         for curve in plot_curves(plot, main, "")
     ]
-    if main.body:
-        from derive.simulation.observables.spatial_player_data import spatial_player_data
-
-        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q, columns))
-    elif isinstance(main.scene, SpatialScene):
-        from derive.simulation.observables.spatial_scene_player import spatial_scene_player_data
-
-        page = spatial_player_page(spatial_scene_player_data(main.scene, main.motion, columns), main.warnings)
-    else:
-        page = player_page(player_data(main.motion, columns), main.warnings)
     pictures = picture_names([plot for plot, _ in shown])
     return [
         *run_files(main),
@@ -183,5 +171,5 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
             File(f"{main.name}/{pictures[plot.name]}", svg(plot_chart(main.name, plot, text, curves)))
             for plot, text, curves in texts
         ),
-        File(f"{main.name}/{main.name}.html", page),
+        File(f"{main.name}/{main.name}.html", motion_page(main, columns).text),
     ]
