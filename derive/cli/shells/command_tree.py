@@ -20,7 +20,7 @@ class Paths(Enum):
 
 
 Value = tuple[str, ...] | Paths
-"""What completes a value: words, of which there may be none, or files."""
+"""The completions of a value: words, of which there may be none, or files."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def command_tree(parser: argparse.ArgumentParser, doc: str = "", path: tuple[str
 
 
 def _value(action: argparse.Action) -> Value:
-    """What completes the value of an action: its choices, or what its type stands for."""
+    """The completions of the value of an action: its choices, or what its type stands for."""
     if action.choices is not None:
         return tuple(map(str, action.choices))
     kind = action.type

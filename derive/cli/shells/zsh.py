@@ -75,7 +75,7 @@ def _option(name: str, option: Option) -> str:
 
 
 def _action(value: Value) -> str:
-    """What completes a value; a space stands for nothing."""
+    """The action of zsh that completes a value; a space stands for nothing."""
     if isinstance(value, Paths):
         return ACTIONS[value]
     return f"({' '.join(value)})" if value else " "
