@@ -44,7 +44,7 @@ LINES = {
     "run --duration ar": ["run", "--duration", "ar"],  # a number, which nothing completes
     "completion fi": ["completion", "fish"],
 }
-"""What is typed behind `tisserand`, and the words that the command gets after the Tab key."""
+"""Lines typed behind `tisserand`, and the words that the command gets after the Tab key."""
 
 
 @pytest.fixture(scope="module")
