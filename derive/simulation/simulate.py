@@ -51,8 +51,8 @@ def simulate(
         earlier: a run that is continued, see `derive.simulation.earlier_run.read_run`; its rows come first.
         inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of
             the run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
-        progress: called with the time (s) that the integration has reached; True shows a line with the remaining time once
-            the run takes longer than 2 s, False shows none; by default notebooks show one.
+        progress: called with the time (s) that the integration has reached; True shows a line with the
+            remaining time once the run takes longer than 2 s, False shows none; by default notebooks show one.
 
     Raises:
         SpecError: if the specification is not valid, or has no duration and output.
