@@ -69,7 +69,8 @@ def _study(
     """The study of a scene with the compared plot alone, whose models are prepared ahead."""
     (plot,) = scene.plots
     peers = read_peers(options.peers) if options.peers else ()
-    known = reference(ahead, plot, options.reference_error, options.own_reference, show_progress, show_result)
+    error, own = options.reference_error, options.own_reference
+    known = reference(scene, plot, error, own, show_progress, show_result, ahead)
     limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
     models = ladder(limits)
     shown = plotted_beams(plot, scene)

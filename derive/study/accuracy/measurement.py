@@ -152,9 +152,11 @@ def preparation(scene: Scene, workers: int = 0) -> Preparation:
     return ComputedAhead(partial(prepared, scene), workers)
 
 
-def compiled(scene: Scene, model: LadderModel, monitored: bool = True) -> CompiledLadderModel:
+def compiled(
+    scene: Scene, model: LadderModel, monitored: bool = True, flags: tuple[str, ...] = LADDER_FLAGS
+) -> CompiledLadderModel:
     """A model of a scene that is ready to run. Raises SpecError, SimulationError, CompilerError."""
-    return opened(prepared(scene, ModelVariant(model, monitored)))
+    return opened(prepared(scene, ModelVariant(model, monitored, flags=flags)))
 
 
 def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -> Trajectory:
