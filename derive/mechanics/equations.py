@@ -49,7 +49,8 @@ class Equations:
 
     The equations of a mechanism are those of its bodies, with `constraints`: the sum of a row is then what the
     multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `inputs` and `outputs` those of
-    the scene, `eliminated` says what is not modelled, and `splines` are the tables of values that definitions look up.
+    the scene, `eliminated` says what is eliminated or left out and why, and `splines` are the tables of values that
+    definitions look up.
 
     `frame_doc` describes where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold what
     depends on parameters alone, such as the shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and

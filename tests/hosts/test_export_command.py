@@ -80,7 +80,7 @@ def test_an_input_without_a_value_is_named(toy: object, tmp_path: Path, capsys: 
     path = tmp_path / "steered.toml"
     path.write_text(STEERED)
     assert main(["export", str(path), "--to", "toy", "--out", str(tmp_path)]) == 0
-    assert "inputs.side: there is no value; it is 0 in the initial state" in capsys.readouterr().out
+    assert "inputs.side: no value is given; it is 0 in the initial state" in capsys.readouterr().out
 
 
 REFUSED = {
