@@ -1,6 +1,6 @@
 """The monitors of a beam in a run: a quantity, the error that it implies, and one limit of it.
 
-`docs/theory.md` derives the errors and has their measurements.
+`docs/monitors.md` derives the errors and has their measurements.
 """
 
 from __future__ import annotations
