@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "359e23a3b80e4766"
-#define DOUBLE_PENDULUM_HASH_359e23a3b80e4766
+#define DOUBLE_PENDULUM_HASH "b694e522992a62ae"
+#define DOUBLE_PENDULUM_HASH_b694e522992a62ae
 
 /* ---- sizes and indices ---- */
 
