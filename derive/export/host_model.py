@@ -187,5 +187,5 @@ def _notes(spec: AnyScene | NodalBody) -> Iterator[str]:
     """Notes for the user: inputs without a value, and limits of the model."""
     for value in surroundings(spec).inputs:
         if value.function is None:
-            yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
+            yield f"inputs.{value.name}: no value is given; it is 0 in the initial state, and the host sets it"
     yield from limits(spec)

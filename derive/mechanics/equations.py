@@ -73,7 +73,7 @@ class Equations:
         poses: those of the bodies of a mechanism.
         inputs: those of a scene.
         outputs: those of a scene.
-        eliminated: coordinates and constraints that are eliminated, or not modelled.
+        eliminated: what is eliminated or left out, and why.
         splines: the tables of values that definitions look up.
         mass: the mass matrix.
         mass_zeros: row, column (lower triangle) and reason of each of its structural zeros.
