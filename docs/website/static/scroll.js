@@ -1,0 +1,10 @@
+// What is wider than its box can be scrolled by the keyboard.
+window.addEventListener("DOMContentLoaded", () => {
+  const observer = new ResizeObserver((entries) => {
+    for (const { target: box } of entries) {
+      if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+      else box.removeAttribute("tabindex");
+    }
+  });
+  for (const box of document.querySelectorAll(".formula, .table-wrapper, pre")) observer.observe(box);
+});
