@@ -44,7 +44,7 @@ docs: $(VENV)/installed-docs
 	@echo "The site is site/index.html."
 
 test-docs: docs $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m docs
+	$(BIN)/pytest --numprocesses 2 --durations 20 -m docs tests/site
 
 $(BIN)/python:
 	@echo "Creating the virtual environment $(VENV) ..."

@@ -15,6 +15,7 @@ if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent.parent.parent)]
 
 from website.api_pages import pages as api_pages
+from website.first_example import with_output
 from website.links import with_links
 from website.navigation import toctrees
 from website.pages import ROOT, SHOWN, is_shown, pages, place
@@ -67,7 +68,9 @@ def site_files() -> dict[str, bytes]:
             if file.is_file():
                 result[file.relative_to(GENERATED).as_posix()] = file.read_bytes()
     documents = [str(PurePosixPath(name).with_suffix("")) for name in result if name.endswith((".md", ".ipynb"))]
-    result["index.md"] += toctrees(documents).encode()
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    start = with_output(result["index.md"].decode(), readme, ROOT)
+    result["index.md"] = (start + toctrees(documents)).encode()
     return result
 
 

@@ -11,6 +11,7 @@ import pytest
 from bs4 import Tag
 from built_site import PAGES, SITE, anchors, document, missing
 
+import derive
 from conftest import ROOT
 from website.pages import pages
 
@@ -103,3 +104,10 @@ def test_formulas_are_formulas(page: str) -> None:
 def test_theory_has_its_formulas() -> None:
     formulas = (ROOT / "docs/theory.md").read_text(encoding="utf-8").count("$$") // 2
     assert formulas > 10 and len(document("theory.html").select(".formula math")) == formulas
+
+
+def test_the_reference_has_every_public_name() -> None:
+    pages = [page for page in PAGES if page.startswith("api/") and page != "api/index.html"]
+    places = [anchor for page in pages for anchor in anchors(page) if anchor.count(".") == 1]
+    assert sorted(places) == sorted(f"derive.{name}" for name in derive.__all__)
+    assert {link.get_text() for link in document("api/index.html").select("table a")} == {*derive.__all__}
