@@ -12,6 +12,7 @@ author = "The authors of Tisserand"
 project_copyright = ""
 version = release = VERSION
 language = "en"
+smartquotes = False  # quotation marks are often those of code
 python_maximum_signature_line_length = 80
 add_module_names = False
 html_title = "Tisserand"

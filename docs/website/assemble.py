@@ -15,6 +15,7 @@ if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent.parent.parent)]
 
 from website.api_pages import pages as api_pages
+from website.command_page import page as command_page
 from website.first_example import with_output
 from website.links import with_links
 from website.navigation import toctrees
@@ -63,6 +64,7 @@ def site_files() -> dict[str, bytes]:
             result[target] = source_page(path).encode()
         result[target.removesuffix(".md")] = content
     result |= {page: text.encode() for page, text in api_pages().items()}
+    result["command_line.md"] = command_page().encode()
     if GENERATED.exists():
         for file in GENERATED.rglob("*"):
             if file.is_file():
