@@ -29,7 +29,8 @@ nb_execution_timeout = 300
 
 html_math_renderer = "mathml"
 html_static_path = ["website/static"]
-html_css_files = ["site.css"]
+html_extra_path = ["../build/docs/extra"]  # players and reports, which are complete pages
+html_css_files = ["site.css", "gallery.css"]
 html_js_files = ["keyboard.js"]
 html_show_sphinx = False
 html_show_copyright = False

@@ -66,7 +66,7 @@ STOP = """
 
 
 def violations(tab: Any, rules: str) -> list[str]:
-    """What axe-core finds with these options: the rule and the element."""
+    """The findings of axe-core with these options: the rule and the element."""
     found = tab.evaluate(f"axe.run(document, {{resultTypes: ['violations'], preload: false, {rules}}})")
     return [f"{rule['id']}: {node['html'][:200]}" for rule in found["violations"] for node in rule["nodes"]]
 
