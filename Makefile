@@ -41,11 +41,12 @@ test-hosts: $(VENV)/installed-hosts
 docs: $(VENV)/installed-docs
 	$(BIN)/python -m docs.gallery
 	$(BIN)/python docs/website/assemble.py build/docs/source
+	rm -rf site
 	$(BIN)/sphinx-build --quiet --jobs 2 --fail-on-warning --keep-going -c docs -d build/docs/doctrees build/docs/source site
 	@echo "The site is site/index.html."
 
 test-docs: docs $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m docs
+	$(BIN)/pytest --numprocesses 2 --durations 20 -m docs tests/site
 
 $(BIN)/python:
 	@echo "Creating the virtual environment $(VENV) ..."
