@@ -80,7 +80,7 @@ def _own_pages(runs: list[Run]) -> list[str]:
         run = by_name.get(name)
         path, drawing = (run.file(kind), run.file("drawing")) if run else (None, None)
         if run and path and drawing:
-            image = f'<img alt="" src="{file_name(run, drawing)}">'
+            image = f'<img alt="Drawing:" src="{file_name(run, drawing)}">'
             link = f'<a class="reference" href="{file_name(run, path)}">{image} {title}</a>'
             cards.append(f'<div class="gallery-card"><p>{link}</p></div>')
     text = "`tisserand report` and `tisserand simulate` write pages that need nothing but a browser."
@@ -94,11 +94,11 @@ def _card(run: Run) -> str:
     shows = run.entry.card or _card_kind(run)
     title, front = literal(description.title), ""
     if shows == "picture":
-        front = f"![]({file_name(run, run.pictures[0])}) "
+        front = f"![Picture:]({file_name(run, run.pictures[0])}) "
     elif shows == "drawing":
         drawing = run.file("drawing")
         assert drawing is not None, run.entry.path
-        front = f"![]({file_name(run, drawing)}) "
+        front = f"![Drawing:]({file_name(run, drawing)}) "
     elif shows == "number" and run.numbers:
         front = f"**{', '.join(text for _, text in run.numbers)}** "
     body = f"[{front}{title}]({target})"
