@@ -126,7 +126,7 @@ def test_an_example_without_its_package_is_shown_and_not_run(tmp_path: Path) -> 
     (run,) = runs.results([Entry(str(script), needs="no_such_package")], tmp_path / "runs")
     assert run.data is None and not (tmp_path / "runs").exists()
     page = pages.example_page(run)
-    assert "needs `no_such_package`" in page and SCRIPT % (3, 3) in page
+    assert "needs the package `no_such_package`" in page and SCRIPT % (3, 3) in page
 
 
 def test_a_motion_in_one_picture_shows_the_bodies_at_several_instants() -> None:

@@ -136,7 +136,9 @@ GROUPS = (
             ),
             _stability("pinned_column", "P=0:30:13", "--orders", "first", "--exact", "9.8696"),
             _stability("beck_column", "P=0:30:13", "--orders", "truncated", "--exact", "20.0509"),
-            *_scripts("monomial_conditioning", "dop853_or_ida", "runge_kutta_step_limit", "dense_and_sparse"),
+            *_scripts("monomial_conditioning"),
+            Entry("examples/dop853_or_ida.py", needs="sksundae"),
+            *_scripts("runge_kutta_step_limit", "dense_and_sparse"),
         ),
     ),
     Group(
