@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from derive.errors import TisserandError
+from derive.short_text import counted, summary
 
 try:
     import fcntl
@@ -57,6 +58,11 @@ class File:
         """The content of the file."""
         return self.text.encode()
 
+    def __repr__(self) -> str:
+        return summary(
+            f"File {self.path}: {counted(len(self.text.splitlines()), 'line')}, {counted(len(self.data), 'byte')}"
+        )
+
 
 @dataclass(frozen=True)
 class BinaryFile:
@@ -65,6 +71,9 @@ class BinaryFile:
     path: str
     data: bytes
     record: str | None = field(default=None, kw_only=True)
+
+    def __repr__(self) -> str:
+        return summary(f"BinaryFile {self.path}: {counted(len(self.data), 'byte')}")
 
 
 class ForeignFile(TisserandError):

@@ -6,7 +6,9 @@ import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Generic, TypeVar
 
+from derive.display import html
 from derive.errors import TisserandError, quoted
+from derive.short_text import counted, listed, summary
 
 T = TypeVar("T")
 MOST_LISTED = 30
@@ -106,3 +108,8 @@ class Registry(Mapping[str, T], Generic[T]):
 
     def __len__(self) -> int:
         return len(self._members)
+
+    def __repr__(self) -> str:
+        return summary(f"Registry ({self.kind}): {counted(len(self), 'member')}", {"names": listed(self)})
+
+    _repr_html_ = html

@@ -8,10 +8,12 @@ from pathlib import PurePosixPath
 
 from derive.artifacts import File
 from derive.derivation import AnyMechanism
+from derive.display import html
 from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
 from derive.notes.model_notes import limits
 from derive.pipeline import generate
+from derive.short_text import listed, record_text, summary
 from derive.simulation.initial.start_state import start_state
 from derive.simulation.linear.run_time_inputs import input_values
 from derive.simulation.simulated_scene import simulated, surroundings
@@ -32,6 +34,7 @@ class HostVariable:
     doc: str
     start: float | None
     derivative: int = 0
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,19 @@ class HostModel:
     def _file(self, name: str) -> File:
         return next(file for file in self.files if PurePosixPath(file.path).name == name)
 
+    def __repr__(self) -> str:
+        return summary(
+            f"HostModel {self.name}: {self.model.doc}",
+            {
+                "states": listed(variable.name for variable in self.states),
+                "inputs": listed(variable.name for variable in self.inputs),
+                "outputs": listed(variable.name for variable in self.outputs),
+                "parameters": listed(variable.name for variable in self.parameters),
+            },
+        )
+
+    _repr_html_ = html
+
 
 def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
     """The model of a specification as hosts see it, with its consistent initial state.
@@ -171,5 +187,5 @@ def _notes(spec: AnyScene | NodalBody) -> Iterator[str]:
     """Notes for the user: inputs without a value, and limits of the model."""
     for value in surroundings(spec).inputs:
         if value.function is None:
-            yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
+            yield f"inputs.{value.name}: no value is given; it is 0 in the initial state, and the host sets it"
     yield from limits(spec)

@@ -10,6 +10,7 @@ from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
 from derive.roles import Role
+from derive.short_text import WIDTH, listed, summary
 from derive.spec.model.time_function import Spline
 
 JACOBIAN = "jacobian"
@@ -258,3 +259,16 @@ class Model:
     def _repr_html_(self) -> str:
         """The HTML of the model in a notebook."""
         return display.html(self)
+
+    def __repr__(self) -> str:
+        mass, size = self.pattern("mass", "M"), len(self.velocities)
+        operations = sum(kernel.operations for kernel in self.kernels)
+        return summary(
+            f"Model {self.name}: {self.doc}",
+            {
+                "functions": f"{len(self.kernels)} with {operations} operations, {self.lowering} code",
+                "mass matrix": f"{mass.full_nnz} of {size * size} entries are not zero",
+                "velocities": listed((v.name for v in self.velocities), WIDTH - 16),
+                "parameters": listed((p.name for p in self.parameters), WIDTH - 16),
+            },
+        )

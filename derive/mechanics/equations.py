@@ -28,6 +28,7 @@ from derive.mechanics.terms import (
     Vanished,
 )
 from derive.registry import UnknownNameError
+from derive.short_text import listed, summary
 from derive.spec.model.time_function import Spline
 
 WIDTH = 110
@@ -72,7 +73,7 @@ class Equations:
         poses: those of the bodies of a mechanism.
         inputs: those of a scene.
         outputs: those of a scene.
-        eliminated: coordinates and constraints that are eliminated, or not modelled.
+        eliminated: what is eliminated or left out, and why.
         splines: the tables of values that definitions look up.
         mass: the mass matrix.
         mass_zeros: row, column (lower triangle) and reason of each of its structural zeros.
@@ -220,6 +221,19 @@ class Equations:
     def _repr_html_(self) -> str:
         """The HTML that notebooks display."""
         return display.html(self)
+
+    def __repr__(self) -> str:
+        names = listed(row.name for row in self.rows)
+        symbols = [parameter.symbol.name for parameter in self.parameters]
+        return summary(
+            f"{type(self).__name__} {self.name}: {self.doc}",
+            {
+                "rows": names,
+                "terms": f"{len(self.terms)}, and {len(self.vanished)} that vanish",
+                "constraints": listed(constraint.name for constraint in self.constraints),
+                "parameters": listed(symbols),
+            },
+        )
 
 
 def _equation(left: str, right: sp.Expr | str) -> list[str]:

@@ -28,6 +28,7 @@ from derive.runtime.native_call import (
     doubles,
 )
 from derive.runtime.native_markers import NativeMarker, native_markers
+from derive.short_text import listed, summary
 
 
 def cj_first(function: Callable[..., int]) -> Callable[..., int]:
@@ -566,3 +567,11 @@ class Native:
         if code and check:
             raise ModelError(f"{self.name}_{name}", code)
         return [np.ascontiguousarray(result.T) for result in results]
+
+    def __repr__(self) -> str:
+        head = f"{type(self).__name__} {self.name}: nq = {self.nq}, nv = {self.nv}, np = {self.np}"
+        constrained = f", nlambda = {self.nlambda}" if self.is_scene else ""
+        return summary(
+            f"{head}{constrained}",
+            {"coordinates": listed(self.coordinates), "parameters": listed(self.parameters)},
+        )

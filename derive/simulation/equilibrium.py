@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import null_space, solve_triangular
 
+from derive.display import html
 from derive.enumerations import enumeration
 from derive.ir.patterns import Pattern
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector, checked_vector
+from derive.short_text import summary, vector_text
 from derive.simulation.compiled_scene import (
     ConstrainedSystem,
     constraint_matrix,
@@ -122,6 +124,18 @@ class Equilibrium:
         if np.any(real < -limit) or np.any(np.abs(imaginary) > 1e-6 * np.abs(self.eigenvalues) + limit):
             return Stability.UNSTABLE
         return Stability.NEUTRAL if np.any(real <= limit) else Stability.STABLE
+
+    def __repr__(self) -> str:
+        return summary(
+            f"Equilibrium at t = {self.t:g} s: {self.stability.value}",
+            {
+                "residual": f"{self.residual:.1e} N or N m beside loads of {self.load:.3g}",
+                "q": vector_text(self.q),
+                "multipliers": vector_text(self.lam) if self.lam.size else "",
+            },
+        )
+
+    _repr_html_ = html
 
 
 def equilibrium(native: StaticSystem, k: Vector, guess: ArrayLike, t: float = 0.0) -> Equilibrium:

@@ -18,6 +18,7 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.specification import AnyScene
+from derive.terminal import PATIENCE, SimulationProgress, progress_of
 
 Simulated = TypeVar("Simulated", bound=AnyScene | NodalBody)
 
@@ -33,7 +34,7 @@ def simulate(
     until: str | None = None,
     earlier: EarlierRun | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Trajectory:
     """The motion of a scene from its consistent initial state, or of a single body from its `start`.
 
@@ -50,7 +51,8 @@ def simulate(
         earlier: a run that is continued, see `derive.simulation.earlier_run.read_run`; its rows come first.
         inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of
             the run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
-        progress: called with the time (s) that the integration has reached.
+        progress: called with the time (s) that the integration has reached; True shows a line with the
+            remaining time once the run takes longer than 2 s, False shows none; by default notebooks show one.
 
     Raises:
         SpecError: if the specification is not valid, or has no duration and output.
@@ -71,8 +73,10 @@ def simulate(
         >>> trajectory["ball_c2"].round(6) + 0.0
         array([0. , 0.8, 0. ])
     """
-    run = PreparedRun(with_simulation(simulated(spec), duration, output, tolerance, until), integrator, step, inputs)
-    return run.trajectory(earlier, progress)
+    whole = with_simulation(simulated(spec), duration, output, tolerance, until)
+    end = whole.simulation.duration if whole.simulation else 0.0
+    with progress_of(progress, lambda: SimulationProgress(whole.name, end, PATIENCE)) as report:
+        return PreparedRun(whole, integrator, step, inputs).trajectory(earlier, report)
 
 
 def with_simulation(

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.short_text import counted, listed, summary
+
 Array = NDArray[np.float64]
 
 
@@ -108,3 +110,7 @@ class ModalBody:
     def second_order(self) -> bool:
         """Whether displacements are quadratic in the amplitudes."""
         return self.c9 is not None
+
+    def __repr__(self) -> str:
+        head = f"ModalBody {self.name}: {counted(self.modes, 'mode')}, mass {self.mass:g} kg"
+        return summary(head, {"model": self.doc, "points": listed(point.name for point in self.points)})

@@ -29,7 +29,7 @@ from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Mechanism(InstancesOfKinds):
     """The kinds, instances, joints and forces of a scene: the equations once for each kind of body.
 

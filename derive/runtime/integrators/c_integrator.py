@@ -21,6 +21,7 @@ from derive.runtime.integrators.compilation import header_flags, write_sources
 from derive.runtime.loading import shared_library
 from derive.runtime.native_call import Vector, doubles
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import counted, summary
 
 Array = NDArray[np.float64]
 
@@ -117,6 +118,14 @@ class Integration:
     counts: dict[str, int]
     seconds: float
 
+    def __repr__(self) -> str:
+        states = f", {self.q.shape[0]} states" if self.q.ndim == 3 else ""
+        counts = ", ".join(f"{count} {name}" for name, count in self.counts.items())
+        return summary(
+            f"Integration: {counted(len(self.t), 'row')}, nq = {self.q.shape[-1]}, nv = {self.v.shape[-1]}{states}",
+            {"cost": f"{counts}; {self.seconds:.3g} s of CPU time"},
+        )
+
 
 def fields(*names: str) -> list[tuple[str, Any]]:
     """The members of a C structure of counts."""
@@ -167,6 +176,9 @@ class CIntegrator:
             t, rows = t[:good], rows[:good]
         q, v, lam = np.split(rows, np.cumsum([self.native.nq, self.native.nv]), axis=-1)
         return Integration(t, q, v, lam, {n: getattr(counts, n) for n, *_ in counts._fields_}, seconds)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__} of {self.native.name}"
 
 
 def times(t0: float, interval: float, rows: int) -> Vector:

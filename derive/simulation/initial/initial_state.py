@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from derive.display import html
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import summary, vector_text
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.redundancy import check_accelerations, check_constraints
 from derive.simulation.drive_jumps import check_start
@@ -94,6 +96,16 @@ class InitialState:
             listed, others = listed[:LISTED], len(listed) - LISTED
         more = (f"likewise {others} other given values, all of which are first guesses",) if others else ()
         return (*balance, *self.remainders, *(f"{value} ({reason})" for value in listed), *more)
+
+    def __repr__(self) -> str:
+        kind = "equilibrium" if self.equilibrium else "steady motion" if self.steady else "consistent state"
+        errors = f"|g| <= {self.position_error:.1e}, |gdot| <= {self.velocity_error:.1e}"
+        return summary(
+            f"InitialState at t = {self.t:g} s: {kind}, {errors}",
+            {"q": vector_text(self.q), "v": vector_text(self.v), "notes": "; ".join(self.notes)},
+        )
+
+    _repr_html_ = html
 
 
 def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) -> InitialState:

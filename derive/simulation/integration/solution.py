@@ -9,6 +9,7 @@ import numpy as np
 
 from derive.runtime.integrators.watch import Watched
 from derive.runtime.native_call import Matrix, Vector
+from derive.short_text import counted, summary
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import check_drift, drift, project
 from derive.simulation.integration.stop_event import StopEvent
@@ -68,6 +69,19 @@ class Solution:
     notes: tuple[str, ...] = ()
     outputs: Matrix | None = None
     watched: Watched | None = None
+
+    def __repr__(self) -> str:
+        span = f"{counted(len(self.t), 'row')} from {self.t[0]:g} to {self.t[-1]:g} s"
+        effort = counted(self.cost.steps, "step"), counted(self.cost.evaluations, "evaluation")
+        position, velocity = np.abs(self.drift).max(axis=0) if self.drift.size else (0.0, 0.0)
+        return summary(
+            f"Solution: {span}, nq = {self.q.shape[1]}, nv = {self.v.shape[1]}, nlambda = {self.lam.shape[1]}",
+            {
+                "cost": f"{', '.join(effort)}, {self.cost.seconds:.3g} s of CPU time",
+                "drift": f"{position:.1e} m or rad, {velocity:.1e} m/s or rad/s",
+                "notes": "; ".join(self.notes),
+            },
+        )
 
 
 @dataclass

@@ -54,6 +54,10 @@ class Mode:
         size = abs(self.eigenvalue)
         return 0.0 - self.eigenvalue.real / size if size else 0.0
 
+    def __repr__(self) -> str:
+        ratio = f"damping ratio {self.damping_ratio:.3g}"
+        return f"Mode: {self.frequency:.6g} Hz, {ratio}, eigenvalue {self.eigenvalue:.6g} 1/s"
+
 
 def eigenmodes(linear: Linearisation) -> tuple[Mode, ...]:
     """The modes of a linearisation: one of each shape of zero eigenvalues, then by growing size of the eigenvalue.

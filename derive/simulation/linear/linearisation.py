@@ -21,9 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve, qr
 
+from derive.display import html
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import listed, summary
 from derive.simulation.configurations import rate_matrix, velocity_roles
 from derive.simulation.constraints.scaling import SINGULAR, mass_factor, spectrum
 from derive.simulation.linear.ports import inputs_of, outputs_of
@@ -89,6 +91,18 @@ class Linearisation:
     def count(self) -> int:
         """The number n of independent coordinates."""
         return len(self.states) // 2
+
+    def __repr__(self) -> str:
+        return summary(
+            f"Linearisation at t = {self.t:g} s: xdot = A x + B u, y = C x + D u",
+            {
+                "states x": listed(self.states),
+                "inputs u": listed(self.inputs),
+                "outputs y": listed(self.outputs),
+            },
+        )
+
+    _repr_html_ = html
 
 
 class _Linear(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from derive.display import html
 from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
 from derive.generated_models import generated
@@ -15,6 +16,7 @@ from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import counted, listed, summary
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.equilibrium import Equilibrium
@@ -131,6 +133,16 @@ class Modes:
     def acceleration(self) -> float:
         """The largest generalised acceleration of the state (SI units), 0 in equilibrium."""
         return max_norm(self.linear.vdot)
+
+    def __repr__(self) -> str:
+        moving = "steady motion" if self.steady else f"state at t = {self.linear.t:g} s"
+        state = "equilibrium" if self.equilibrium else moving
+        return summary(
+            f"Modes of {self.spec.name}: {counted(len(self.modes), 'mode')} about the {state}",
+            {"frequencies": f"{listed(f'{value:.4g}' for value in self.frequencies)} Hz"},
+        )
+
+    _repr_html_ = html
 
 
 def modes(spec: Specification, *, at: float | None = None, progress: Progress | None = None) -> Modes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from derive.display import html
 from derive.spec.model.beam_parts import (
     DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
@@ -28,6 +29,7 @@ from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
+from derive.spec.model.spec_text import beam_text
 
 
 @documented
@@ -172,6 +174,8 @@ class PlanarBeam:
         ),
     ] = None
     section: ClassVar[str] = "beam"
+    __repr__ = beam_text
+    _repr_html_ = html
 
     @property
     def deflection(self) -> AssumedDeflection:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Literal
 
+from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.quantity import Parameter, Quantity
@@ -55,6 +56,7 @@ class Frame:
             "The position xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame.",
         ),
     ] = None
+    __repr__ = record_text
 
 
 FamilyKind = Literal["pinned", "free-free", "clamped-free"]
@@ -75,6 +77,7 @@ class ShapeFamily:
         ),
     ]
     count: Annotated[int, key(KeyType.SHAPE_COUNT, "How many, from that of the lowest frequency on.", example="3")]
+    __repr__ = record_text
 
 
 FAMILY_FRAMES: dict[FamilyKind, Frame] = {
@@ -130,6 +133,7 @@ class AxialDeformation:
             "N",
         ),
     ] = Fraction(0)
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -149,6 +153,7 @@ class Marker:
 
     name: str
     at: Fraction
+    __repr__ = record_text
 
 
 @documented
@@ -173,6 +178,7 @@ class AttachedMass:
         Quantity,
         key(KeyType.NOT_NEGATIVE_QUANTITY, "Moment of inertia about its centre of mass, kg m^2.", INERTIA_UNIT),
     ] = Fraction(0)
+    __repr__ = record_text
 
 
 @documented
@@ -213,3 +219,4 @@ class BeamDamping:
         Quantity,
         key(KeyType.NOT_NEGATIVE_QUANTITY, "Factor of the stiffness matrix, s.", "s", optional=True),
     ] = Fraction(0)
+    __repr__ = record_text

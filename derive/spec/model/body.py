@@ -7,11 +7,14 @@ from enum import Enum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
+from derive.display import html
+from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.simulation import AT_REST, Simulation, SpatialStart
+from derive.spec.model.spec_text import nodal_text, symbolic_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -93,6 +96,7 @@ class NodeData:
     K0omega: NDArray[np.float64] | None = None
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
+    __repr__ = record_text
 
     @property
     def has_geometric_stiffness(self) -> bool:
@@ -124,6 +128,7 @@ class BodyFrame:
             "Nodes whose mean rotation a point frame follows; by default the nearest neighbours of `node`.",
         ),
     ] = ()
+    __repr__ = record_text
 
 
 @documented
@@ -150,6 +155,7 @@ class Damping:
     stiffness: Annotated[Fraction, key(KeyType.NOT_NEGATIVE, "Factor of the stiffness matrix, s.", optional=True)] = (
         Fraction(0)
     )
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -168,6 +174,7 @@ class NodeMarker:
 
     name: str
     node: int
+    __repr__ = record_text
 
 
 @documented
@@ -260,6 +267,8 @@ class NodalBody:
     ] = DisplacementOrder.FIRST_ORDER
     rigid_sets: tuple[tuple[int, ...], ...] = ()
     section: ClassVar[str] = "body"
+    __repr__ = nodal_text
+    _repr_html_ = html
 
     @property
     def second_order(self) -> bool:
@@ -299,3 +308,5 @@ class SymbolicBody:
     section: ClassVar[str] = "body"
     simulation: ClassVar[None] = None  # it has no numbers to simulate with
     plots: ClassVar[tuple[Plot, ...]] = ()
+    __repr__ = symbolic_text
+    _repr_html_ = html

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
+from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.markers import MarkerRef
@@ -81,6 +82,7 @@ class Force(AtMarker):
         ),
     ] = "inertial"
     kind: ClassVar[str] = "force"
+    __repr__ = record_text
 
 
 @documented
@@ -108,6 +110,7 @@ class Torque:
     ]
     against: Annotated[MarkerRef | None, AGAINST] = None
     kind: ClassVar[str] = "torque"
+    __repr__ = record_text
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
@@ -179,6 +182,7 @@ class Spring(BetweenMarkers):
     cubic: Annotated[Quantity, _coefficient(3)] = Fraction(0)
     quartic: Annotated[Quantity, _coefficient(4)] = Fraction(0)
     quintic: Annotated[Quantity, _coefficient(5)] = Fraction(0)
+    __repr__ = record_text
 
 
 def _stiffness(direction: str, force: str = "N", length: str = "m") -> Key:
@@ -239,6 +243,7 @@ class Bushing(BetweenMarkers):
     rest_y: Annotated[Quantity, _rest("along y")] = Fraction(0)
     rest_rotation: Annotated[Quantity, _rest("about e3", "rad")] = Fraction(0)
     kind: ClassVar[str] = "bushing"
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -262,6 +267,7 @@ class CustomForce:
     kind: str
     markers: tuple[MarkerRef, ...]
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
+    __repr__ = record_text
 
 
 SceneForce = Force | Torque | Spring | Bushing | CustomForce

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from derive.short_text import record_text
 from derive.spec.model.quantity import Quantity
 
 GROUND = "ground"
@@ -29,6 +30,7 @@ class PointMarker:
     name: str
     x: Quantity
     y: Quantity
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef
@@ -48,6 +49,7 @@ class Deflection:
             "m",
         ),
     ] = None
+    __repr__ = record_text
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,7 @@ class ReferenceCurve:
     x: Annotated[str, key(KeyType.TEXT, "Name of the column of the horizontal axis.", example='"the name of a column"')]
     y: Annotated[str, key(KeyType.TEXT, "Name of the column of the vertical axis.", example='"the name of a column"')]
     rows: tuple[tuple[float, float], ...] = ()
+    __repr__ = record_text
 
 
 @documented
@@ -109,3 +112,4 @@ class Plot:
         tuple[int, ...], key(KeyType.PIECE_COUNTS, "Numbers of pieces, one curve for each.", optional=True)
     ] = ()
     reference: Annotated[ReferenceCurve | None, key(ReferenceCurve, "Reference curve.")] = None
+    __repr__ = record_text

@@ -30,6 +30,9 @@ class Parameter:
     unit: str
     default: float
 
+    def __str__(self) -> str:
+        return f"{self.symbol} = {self.default:g} {self.unit}".rstrip()
+
 
 Quantity = Parameter | Fraction
 """A physical constant of the body: a run-time parameter, or a number folded into the code."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
+from derive.display import html
+from derive.short_text import record_text
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Marker, Polynomial
 from derive.spec.model.body import GRAVITY
@@ -18,6 +20,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import UNIT, Quantity
 from derive.spec.model.simulation import GUESS, NOT_GIVEN, InitialValues, Simulation
+from derive.spec.model.spec_text import scene_text
 from derive.spec.model.time_function import TimeFunction
 
 NAMED = {
@@ -45,6 +48,7 @@ class SceneInput:
         TimeFunction | None,
         key(KeyType.FUNCTION, "What the input is in simulations: a number, or a function of t.", name="value"),
     ] = None
+    __repr__ = record_text
 
 
 SceneStart = Literal["equilibrium", "steady"]
@@ -76,6 +80,7 @@ class JointInitialValues:
     ] = None
     speed: Annotated[float | None, key(KeyType.FLOAT, "Rate of that rotation or displacement, rad/s or m/s.")] = None
     guess: Annotated[bool, GUESS] = False
+    __repr__ = record_text
 
     @property
     def coordinate(self) -> float | None:
@@ -134,6 +139,7 @@ class RigidBody:
         ),
     ] = False
     kind: ClassVar[str] = "rigid"
+    __repr__ = record_text
 
 
 @documented
@@ -174,6 +180,7 @@ class DistributedLoad:
         ForceFrame,
         key(KeyType.CHOICE, "The frame of the components: inertial, or body, the floating frame of the beam."),
     ] = "inertial"
+    __repr__ = record_text
 
 
 @documented
@@ -205,6 +212,7 @@ class BeamBody:
         key(DistributedLoad, "Distributed loads by name.", example="[bodies.rod.loads.wind]"),
     ] = ()
     kind: ClassVar[str] = "beam"
+    __repr__ = record_text
 
     @property
     def markers(self) -> tuple[Marker, ...]:
@@ -233,6 +241,7 @@ class CustomBody:
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
     markers: Annotated[tuple[PointMarker, ...], POINTS] = ()
     start: Annotated[InitialValues, START] = NOT_GIVEN
+    __repr__ = record_text
 
 
 SceneBody = RigidBody | BeamBody | CustomBody
@@ -280,6 +289,7 @@ class Joint:
         ),
     ] = (Fraction(1), Fraction(0))
     start: Annotated[JointInitialValues, JOINT_START] = JointInitialValues()
+    __repr__ = record_text
 
 
 @documented
@@ -301,6 +311,7 @@ class CustomJoint(Joint):
     """
 
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
+    __repr__ = record_text
 
 
 @documented
@@ -344,6 +355,7 @@ class Drive:
         key(KeyType.NUMBER, "Angle, rad, or displacement, m, at t = 0; only with a speed.", optional=True),
     ] = Fraction(0)
     start: Annotated[JointInitialValues, JOINT_START] = JointInitialValues()
+    __repr__ = record_text
 
     @property
     def constant_speed(self) -> Quantity | None:
@@ -419,3 +431,7 @@ class Scene:
             choice_of="the lowering of a scene",
         ),
     ] = "auto"
+    _repr_html_ = html
+
+    def __repr__(self) -> str:
+        return scene_text(self, NAMED)

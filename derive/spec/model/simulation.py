@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
+from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 
@@ -43,6 +44,7 @@ class Simulation:
             '"slider_s = 0.2".',
         ),
     ] = None
+    __repr__ = record_text
 
 
 @documented
@@ -80,6 +82,7 @@ class InitialValues:
         key(KeyType.DEFLECTION, "Time derivative of the deflection, m/s: a polynomial in xi."),
     ] = None
     guess: Annotated[bool, GUESS] = False
+    __repr__ = record_text
 
 
 OF_BEAMS = ("deflection", "deflection_rate")
@@ -126,6 +129,7 @@ class SpatialStart:
         tuple[float, ...],
         key(KeyType.AMPLITUDES, "Rates of the amplitudes of the first modes, m/s; the others are zero."),
     ] = ()
+    __repr__ = record_text
 
 
 AT_REST = SpatialStart()

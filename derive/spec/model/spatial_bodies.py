@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
+from derive.short_text import record_text
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT
 from derive.spec.model.body import NodalBody
 from derive.spec.model.documentation import documented
@@ -62,6 +63,7 @@ class FrameMarker:
             shown=(1, 0, 0, 0),
         ),
     ] = NO_ROTATION
+    __repr__ = record_text
 
 
 @documented
@@ -96,6 +98,7 @@ class SpatialInitialValues:
         key(KeyType.AMPLITUDES, "Rates of the amplitudes of the first modes, m/s; the others are zero."),
     ] = None
     guess: Annotated[bool, GUESS] = False
+    __repr__ = record_text
 
 
 SPATIAL_START = key(
@@ -157,6 +160,7 @@ class SpatialRigidBody:
         ),
     ] = False
     kind: ClassVar[str] = "rigid"
+    __repr__ = record_text
 
 
 NodeMotion = Literal["mean", "rigid"]
@@ -204,6 +208,7 @@ class NodeFrame:
             shown=(1, 0, 0, 0),
         ),
     ] = NO_ROTATION
+    __repr__ = record_text
 
     @property
     def has_rotation(self) -> bool:
@@ -250,6 +255,7 @@ class NodalLoad:
         ForceFrame,
         key(KeyType.CHOICE, "The frame of the components: inertial, or body, the floating frame of the body."),
     ] = "inertial"
+    __repr__ = record_text
 
 
 @documented
@@ -288,6 +294,7 @@ class FlexibleBody:
     ] = ()
     keep_coordinates: ClassVar[bool] = True
     kind: ClassVar[str] = "flexible"
+    __repr__ = record_text
 
 
 SpatialBody = SpatialRigidBody | FlexibleBody

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
+from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.forces import AGAINST, BETWEEN, AtMarker, BetweenMarkers, ForceFrame, at_marker
 from derive.spec.model.keys import Key, KeyType, key
@@ -47,6 +48,7 @@ class SpatialForce(AtMarker):
     force: Annotated[Components, _components("N", "[0, 0, -10]")]
     frame: Annotated[ForceFrame, _frame("force")] = "inertial"
     kind: ClassVar[str] = "force"
+    __repr__ = record_text
 
 
 @documented
@@ -72,6 +74,7 @@ class SpatialTorque:
     against: Annotated[MarkerRef | None, AGAINST] = None
     frame: Annotated[ForceFrame, _frame("torque")] = "inertial"
     kind: ClassVar[str] = "torque"
+    __repr__ = record_text
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
@@ -105,6 +108,7 @@ class SpatialSpring(BetweenMarkers):
     first: Annotated[MarkerRef, BETWEEN]
     second: MarkerRef
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
+    __repr__ = record_text
 
 
 def _joint(motion: str, example: str) -> Key:
@@ -134,6 +138,7 @@ class SpatialJointForce:
     joint: Annotated[str, _joint("move along", '"guide"')]
     value: Annotated[TimeFunction, _on_second_body("Force", "N", "10")]
     kind: ClassVar[str] = "force"
+    __repr__ = record_text
 
 
 @documented
@@ -162,6 +167,7 @@ class SpatialJointTorque:
     joint: Annotated[str, _joint("turn about", '"hinge"')]
     value: Annotated[TimeFunction, _on_second_body("Torque", "N m", "1.5")]
     kind: ClassVar[str] = "torque"
+    __repr__ = record_text
 
 
 SpatialJointLoad = SpatialJointForce | SpatialJointTorque

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
+from derive.display import html
+from derive.short_text import record_text
 from derive.spec.model.beam_parts import DEFAULT_LENGTH
 from derive.spec.model.body import GRAVITY
 from derive.spec.model.documentation import documented
@@ -16,6 +18,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import (
+    NAMED,
     Drive,
     JointInitialValues,
     Redundant,
@@ -35,6 +38,7 @@ from derive.spec.model.spatial_forces import (
     SpatialSpring,
     SpatialTorque,
 )
+from derive.spec.model.spec_text import scene_text
 
 
 @documented
@@ -67,6 +71,7 @@ class SpatialJointInitialValues(JointInitialValues):
     displacement_rates: Annotated[
         tuple[float, float] | None, key(KeyType.FLOAT_PAIR, "Rates of the displacements of a planar joint, m/s.")
     ] = None
+    __repr__ = record_text
 
 
 NO_JOINT_START = SpatialJointInitialValues()
@@ -124,6 +129,7 @@ class SpatialJoint:
     start: Annotated[
         SpatialJointInitialValues, key(SpatialJointInitialValues, "Initial values of the relative motion.")
     ] = NO_JOINT_START
+    __repr__ = record_text
 
 
 @documented
@@ -161,6 +167,7 @@ class Gear:
         Quantity,
         key(KeyType.QUANTITY, "Motion of the second joint where that of the first is zero, rad or m."),
     ] = Fraction(0)
+    __repr__ = record_text
 
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
@@ -219,6 +226,7 @@ class SpatialScene:
     inputs: Annotated[tuple[SceneInput, ...], _OF_SCENE["inputs"]] = ()
     outputs: Annotated[tuple[SceneOutput, ...], _OF_SCENE["outputs"]] = ()
     lowering: Annotated[SceneLowering, _OF_SCENE["lowering"]] = "auto"
+    _repr_html_ = html
 
     def joint_between(self, first: MarkerRef, second: MarkerRef) -> SpatialJoint | None:
         """The joint between the markers `first` and `second`, in either order; None if there is none.
@@ -240,3 +248,6 @@ class SpatialScene:
             (joint,) = (joint for joint in self.joints if joint.name == action.joint)
             return (joint.first, joint.second)
         return action.markers
+
+    def __repr__(self) -> str:
+        return scene_text(self, NAMED)

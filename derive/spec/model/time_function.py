@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations, pairwise
 
+from derive.short_text import record_text
 from derive.spec.model.quantity import Parameter
 
 
@@ -83,6 +84,7 @@ class TimeFunction:
     name: str = ""
     parameter: Parameter | None = None
     spline: Spline | None = None
+    __repr__ = record_text
 
 
 def smooth_step(x: float, x0: float, x1: float) -> float:

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.display import html
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
+from derive.short_text import summary
 from derive.study.sweep.outputs import SweepOutput
 from derive.study.sweep.samples import Samples
 
@@ -85,7 +87,10 @@ class SweepResult:
     def __repr__(self) -> str:
         failed = f", {len(self.failures)} of them failed" if self.failures else ""
         names = ", ".join(self.samples.names)
-        return f"Sweep of {self.name}: {len(self.samples)} samples of {names}{failed}; outputs {', '.join(self.labels)}"
+        head = f"Sweep of {self.name}: {len(self.samples)} samples of {names}{failed}"
+        return summary(f"{head}; outputs {', '.join(self.labels)}")
+
+    _repr_html_ = html
 
     def __getitem__(self, label: str) -> NDArray[np.float64]:
         return self.column(label).reshape(self.samples.shape or -1)

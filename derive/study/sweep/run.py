@@ -17,6 +17,7 @@ from derive.study.sweep.result import SweepResult
 from derive.study.sweep.samples import Samples, SamplesError
 from derive.study.sweep.store import SampleStore
 from derive.study.sweep.worker import Outcome, monitored
+from derive.terminal import PATIENCE, SampleProgress, progress_of
 
 UNKNOWN_WORKERS = 8
 """The number of workers for which samples are divided where it is not known."""
@@ -43,7 +44,7 @@ def sweep(
     chunk: int | None = None,
     store: Path | None = None,
     resume: bool = False,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> SweepResult:
     """Simulate a scene or a single beam with the values of each sample, and reduce each run to a few numbers.
 
@@ -60,7 +61,8 @@ def sweep(
         chunk: the samples that a worker gets at a time, on which no result depends.
         store: a file that keeps finished samples if the sweep is interrupted.
         resume: whether the sweep of this file is continued.
-        progress: called with the number of finished samples and that of all.
+        progress: called with the number of finished samples and that of all; True shows a line with the remaining time,
+            False shows none; by default notebooks show one.
 
     Raises:
         SpecError: if the specification is not valid, or has no duration.
@@ -87,7 +89,8 @@ def sweep(
         raise SamplesError(f"samples are those of derive.grid, derive.listed or derive.random_samples, not {kind}")
     outputs = (outputs,) if isinstance(outputs, str) else outputs
     plan = make_plan(spec, samples, outputs, RunOptions(duration, interval, tolerance, until))
-    return run_plan(plan, executor, workers, chunk, store, resume, progress)
+    with progress_of(progress, lambda: SampleProgress(plan.name, PATIENCE)) as report:
+        return run_plan(plan, executor, workers, chunk, store, resume, report)
 
 
 def run_plan(

@@ -14,6 +14,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike
 
+from derive import short_text
 from derive.errors import TisserandError
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
@@ -78,6 +79,14 @@ class Samples:
     def varying(self) -> tuple[str, ...]:
         """The names that have more than one value."""
         return tuple(name for name in self.names if len(self.axis(name)) > 1)
+
+    def __repr__(self) -> str:
+        grid = f", a grid of {' x '.join(map(str, self.shape))}" if self.shape else ""
+        bounds = zip(self.names, self.values.min(axis=0), self.values.max(axis=0), strict=True)
+        ranges = short_text.listed(f"{name} from {low:.4g} to {high:.4g}" for name, low, high in bounds)
+        return short_text.summary(
+            f"Samples: {len(self)} of {short_text.counted(len(self.names), 'name')}{grid}", {"values": ranges}
+        )
 
 
 @dataclass(frozen=True)
