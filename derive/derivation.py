@@ -8,7 +8,7 @@ over the modes; `lower` unrolls them or generates loops, as the specification re
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
+from typing import assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +112,8 @@ def modal(spec: NodalBody) -> ModalBody:
         >>> (body.stiffness / body.c8) ** 0.5  # natural frequency, rad/s
         array([[10.]])
     """
+    if not isinstance(spec, NodalBody):
+        raise TypeError(f"a finite-element body is needed, as derive.nodal_body returns it, not {type(spec).__name__}")
     from derive.reduction import reduce  # only a body of nodes needs it, and SciPy's rotations
 
     return reduce(spec)
@@ -164,7 +166,17 @@ def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowe
         >>> [velocity.name for velocity in model.velocities]
         ['c1dot', 'c2dot', 'c3dot', 'omega1', 'omega2', 'omega3', 'alpha1dot']
     """
+    _check_modal(body)
+    if lowering not in get_args(Lowering):
+        raise ValueError(f'the lowering is one of {", ".join(get_args(Lowering))}, not "{lowering}"')
+    if gravity is not None and len(gravity) != 3:
+        raise ValueError(f"gravity has three components, not {len(gravity)}")
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
+
+
+def _check_modal(body: object) -> None:
+    if not isinstance(body, ModalBody):
+        raise TypeError(f"the shape integrals that derive.modal(spec) returns are needed, not {type(body).__name__}")
 
 
 def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
@@ -194,6 +206,9 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
         >>> [(parameter.name, float(value)) for parameter, value in zip(model.parameters, p)][:3]
         [('m', 4.0), ('C3_11_', 4.0), ('C3_12_', 0.0)]
     """
+    _check_modal(body)
+    if not isinstance(spec, SymbolicBody):
+        raise TypeError(f"a symbolic body is needed, as derive.symbolic_body returns it, not {type(spec).__name__}")
     if body.modes != spec.modes:
         raise ValueError(f"{spec.name} has {spec.modes} modes and {body.name} {body.modes}")
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
