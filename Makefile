@@ -1,14 +1,15 @@
 # `make run` installs Tisserand into .venv and builds the two beams of the README.
 # `make test` also installs the test tools and runs all checks and tests; `make test-long` whole studies and
-# benchmarks, `make test-hosts` exports in the programs that they are for, see docs/hosts.md.
+# benchmarks, `make test-hosts` exports in the programs that they are for, see docs/hosts.md. `make release` builds the
+# wheel and the source distribution, and tries both in empty environments.
 
 PYTHON ?= python3
 VENV := .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 # Bytecode of modules that are never imported would take half of the time of an installation.
 PIP := $(BIN)/python -m pip install --no-compile --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test checks tests test-long test-hosts clean
+.PHONY: run test checks tests test-long test-hosts release clean
 
 # Bytecode of the tests and of the package is kept: without it, each of the many processes of a run compiles them again.
 export PYTHONDONTWRITEBYTECODE =
@@ -37,6 +38,9 @@ test-long: $(VENV)/installed-test
 test-hosts: $(VENV)/installed-hosts
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
 
+release: $(VENV)/installed-release
+	$(BIN)/python tools/release.py
+
 $(BIN)/python:
 	@echo "Creating the virtual environment $(VENV) ..."
 	@$(PYTHON) -m venv $(VENV)
@@ -54,6 +58,11 @@ $(VENV)/installed-test: pyproject.toml constraints.txt | $(BIN)/python
 $(VENV)/installed-hosts: $(VENV)/installed-test
 	@echo "Installing the packages of Python for other programs into $(VENV) ..."
 	@$(PIP) --editable '.[hosts]'
+	@touch $@
+
+$(VENV)/installed-release: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing the tools of releases into $(VENV) ..."
+	@$(PIP) --editable '.[release]'
 	@touch $@
 
 clean:

@@ -34,7 +34,13 @@ def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
 
 
 def test_tutorials_are_run() -> None:
-    assert {page.stem for page in RUN} == {"commands", "tutorial_body", "tutorial_c", "tutorial_mechanism"}
+    assert {page.stem for page in RUN} == {
+        "commands",
+        "first_steps",
+        "tutorial_body",
+        "tutorial_c",
+        "tutorial_mechanism",
+    }
 
 
 def test_the_committed_files_are_checked() -> None:
