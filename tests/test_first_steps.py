@@ -99,7 +99,10 @@ def test_run_simulates_and_opens_the_page(here: Path, opened: Path, capsys: pyte
     assert summary["page"] in summary["files"] and "<svg" in page.read_text()
 
 
-def test_run_without_a_display_names_the_page(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_without_a_display_names_the_page(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda address: pytest.fail(f"{address} in a terminal"))
     assert main(["run", str(SYMBOLIC), "--out", "pages", "--open"]) == 0
     output = capsys.readouterr()
     page = Path("pages/body_symbolic/body_symbolic.report.html")
