@@ -30,7 +30,7 @@ RECORDED = ("csv", "npz")
 """The endings of formats without comments, for which a record vouches, the file of the same name with `json`."""
 
 
-def motion_page(model: str) -> str:
+def motion_page_path(model: str) -> str:
     """The page with the animation and the curves of a simulation, below the output folder."""
     return f"{model}/{model}.html"
 

@@ -13,7 +13,7 @@ import webbrowser
 from pathlib import Path
 
 from derive.cli.report import model_report
-from derive.cli.result_files import motion_page
+from derive.cli.result_files import motion_page_path
 from derive.cli.simulate import simulated_files
 from derive.cli.simulation_summary import summary_text
 from derive.cli.specifications import read_changed
@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     settings = (options.set, options.duration, options.output, options.tolerance, options.until, options.step)
     if spec.simulation is not None or options.resume or any(settings):
         summary = simulated_files(options)
-        page, text = options.out / motion_page(spec.name), summary_text(summary)
+        page, text = options.out / motion_page_path(spec.name), summary_text(summary)
     else:
         page = model_report(options.spec, options.out)
         summary = {"name": spec.name, "files": [str(page)]}

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
-from derive.cli.result_files import motion_page, picture_names
+from derive.cli.result_files import motion_page_path, picture_names
 from derive.cli.simulation_summary import (
     Pieces,
     Plain,
@@ -26,7 +26,6 @@ from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.motion import planar
-from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.output_times import output_times
 from derive.simulation.prepared_run import PreparedRun
@@ -36,13 +35,12 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import BeamBody, Scene
-from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
 from derive.terminal import SimulationProgress, beam_count, show_progress
 from derive.visual.line_chart import svg
-from derive.visual.player import player_page, spatial_player_page
+from derive.visual.motion_page import motion_page
 from derive.visual.plot_chart import plot_chart
 
 
@@ -132,7 +130,7 @@ class Simulations:
         """The files of the simulations, still without their texts."""
         name = self._spec.name
         record, pictures = f"{name}/{name}.json", picture_names(self.plots).values()
-        others = (record, motion_page(name), *(f"{name}/{picture}" for picture in pictures))
+        others = (record, motion_page_path(name), *(f"{name}/{picture}" for picture in pictures))
         return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in others)]
 
     def expected_size(self) -> int:
@@ -179,16 +177,6 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
         for plot, text, _ in texts
         for curve in plot_curves(plot, main, "")
     ]
-    if main.body:
-        from derive.simulation.observables.spatial_player_data import spatial_player_data
-
-        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q, columns))
-    elif isinstance(main.scene, SpatialScene):
-        from derive.simulation.observables.spatial_scene_player import spatial_scene_player_data
-
-        page = spatial_player_page(spatial_scene_player_data(main.scene, main.motion, columns), main.warnings)
-    else:
-        page = player_page(player_data(main.motion, columns), main.warnings)
     pictures = picture_names([plot for plot, _ in shown])
     return [
         *run_files(main),
@@ -196,5 +184,5 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
             File(f"{main.name}/{pictures[plot.name]}", svg(plot_chart(main.name, plot, text, curves)))
             for plot, text, curves in texts
         ),
-        File(motion_page(main.name), page),
+        File(motion_page_path(main.name), motion_page(main, columns).text),
     ]

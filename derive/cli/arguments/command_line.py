@@ -163,7 +163,7 @@ def _add_choose(commands: Any) -> None:
     choose.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
     choose.add_argument(
         "--error", "--tolerance", type=error_fraction, default=0.01, metavar="X",
-        help="error that is asked for, rms over the peak of a curve (default: 0.01)",
+        help="largest error (rms) that is allowed, relative to the peak of a curve (default: 0.01)",
     )  # fmt: skip
     choose.add_argument(
         "--plot",

@@ -124,13 +124,13 @@ def _add_accuracy(studies: Any) -> None:
         type=error_fraction,
         default=0.01,
         metavar="X",
-        help="error that is asked for, rms of the peak (default: 0.01)",
+        help="largest error (rms) that is allowed, relative to the peak (default: 0.01)",
     )
     accuracy.add_argument(
         "--reference-error",
         type=error_fraction,
         metavar="X",
-        help="error of the reference file itself, rms of the peak",
+        help="error (rms) of the reference file itself, relative to the peak",
     )
     accuracy.add_argument(
         "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"

@@ -41,7 +41,7 @@ def add_sweep(commands: Any) -> None:
         action="append",
         required=True,
         metavar="KIND[:NAME]",
-        help="what a run comes to: peak, rms or final value of a column or a plot, such as peak:slider_s; without a "
+        help="the result of a run: peak, rms or final value of a column or a plot, such as peak:slider_s; without a "
         "name that of the first plot; may be repeated",
     )
     sweep.add_argument(
