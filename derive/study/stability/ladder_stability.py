@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from derive.enumerations import enumeration
+from derive.remaining_time import RemainingTime
 from derive.simulation.errors import SimulationError
 from derive.study.accuracy.models import LadderModel, refinements
 from derive.study.stability.model_path import ModelPath, model_path
@@ -111,8 +112,9 @@ def ladder_stability(
     before, richest = refinements()[-2:]
     every = list(dict.fromkeys((*models, before, richest)))
     paths: dict[LadderModel, ModelPath] = {}
-    for n, model in enumerate(every, 1):
-        progress(f"model {n} of {len(every)}: {model.label}")
+    remaining = RemainingTime(len(every))
+    for model in every:
+        progress(f"model {remaining.next()}: {model.label} ...")
         paths[model] = model_path(parameter, model)
     if all(path.failure for path in paths.values()):
         reasons = dict.fromkeys(path.failure for path in paths.values())
