@@ -1,6 +1,7 @@
 # `make run` installs Tisserand into .venv and builds the two beams of the README.
 # `make test` also installs the test tools and runs all checks and tests; `make test-long` whole studies and
-# benchmarks, `make test-hosts` exports in the programs that they are for, see docs/hosts.md.
+# benchmarks, `make test-hosts` exports in the programs that they are for, see docs/hosts.md. `make docs` builds the
+# site in site/, and `make test-docs` looks at each of its pages in a browser.
 
 PYTHON ?= python3
 VENV := .venv
@@ -8,7 +9,7 @@ BIN := $(VENV)/bin
 # Bytecode of modules that are never imported would take half of the time of an installation.
 PIP := $(BIN)/python -m pip install --no-compile --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test checks tests test-long test-hosts clean
+.PHONY: run test checks tests test-long test-hosts docs test-docs clean
 
 # Bytecode of the tests and of the package is kept: without it, each of the many processes of a run compiles them again.
 export PYTHONDONTWRITEBYTECODE =
@@ -37,6 +38,14 @@ test-long: $(VENV)/installed-test
 test-hosts: $(VENV)/installed-hosts
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
 
+docs: $(VENV)/installed-docs
+	$(BIN)/python docs/website/assemble.py build/docs/source
+	$(BIN)/sphinx-build --quiet --jobs 2 --fail-on-warning --keep-going -c docs -d build/docs/doctrees build/docs/source site
+	@echo "The site is site/index.html."
+
+test-docs: docs $(VENV)/installed-test
+	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m docs
+
 $(BIN)/python:
 	@echo "Creating the virtual environment $(VENV) ..."
 	@$(PYTHON) -m venv $(VENV)
@@ -56,5 +65,10 @@ $(VENV)/installed-hosts: $(VENV)/installed-test
 	@$(PIP) --editable '.[hosts]'
 	@touch $@
 
+$(VENV)/installed-docs: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing Sphinx and what else builds and checks the site into $(VENV) ..."
+	@$(PIP) --editable '.[docs]'
+	@touch $(VENV)/installed $@
+
 clean:
-	rm -rf $(VENV) build dist
+	rm -rf $(VENV) build dist site

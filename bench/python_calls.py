@@ -90,7 +90,7 @@ def of_forces(given: Beam, q: Array, v: Array) -> tuple[Variants, Variants]:
     qs, vs, h = given.qs, given.vs, given.h
     scalar = sp.lambdify([qs, vs], h, modules="math", cse=True)
     vector = sp.lambdify([qs, vs], h, modules="numpy", cse=True)
-    q_list, v_list = q0.tolist(), v0.tolist()
+    q_list, v_list, k_list = q0.tolist(), v0.tolist(), kp.tolist()
     native.force(0.0, q0, v0, k, out=out)
     single: Variants = {
         "Tisserand, C, out=": lambda: native.force(0.0, q0, v0, k, out=out),
@@ -98,6 +98,7 @@ def of_forces(given: Beam, q: Array, v: Array) -> tuple[Variants, Variants]:
         "Tisserand, C, new arrays": lambda: native.force(0.0, q[0], v[0], k),
         "ctypes, addresses known": called(native, "force", q0, v0, k, out),
         "Tisserand, Python": lambda: python.force(0.0, q0, v0, kp),
+        "Tisserand, Python, lists": lambda: python.numbers.force(0.0, q_list, v_list, k_list),
         "lambdify, math, lists": lambda: scalar(q_list, v_list),
         "lambdify, math, arrays": lambda: np.array(scalar(q0.tolist(), v0.tolist())),
         "lambdify, numpy, arrays": lambda: np.array(vector(q0, v0)),
@@ -202,6 +203,8 @@ def rows(quick: bool = False) -> list[Row]:
         ours = 1e9 * force["Tisserand, Python"]
         peers = chosen(force, *LAMBDIFY)
         result.append(row(f"generated Python, force, one call, {frame}", ours, peers=peers, goal=1))
+        ours, peers = 1e9 * force["Tisserand, Python, lists"], chosen(force, "lambdify, math, lists")
+        result.append(row(f"generated Python, force, one call with lists, {frame}", ours, peers=peers, goal=1))
         ours = 1e9 * batch["Tisserand, Python"] / count
         for peer, note in (("Numba, out", absent), ("lambdify, numpy", "")):
             peers = {name: ns / count for name, ns in chosen(batch, peer).items()}

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_516daa5d7d1e6891
+#ifndef BLOCK_HASH_512aeef7ac71f7af
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

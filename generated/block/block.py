@@ -166,10 +166,10 @@ Terms of (15) that vanish:
       displacement)
 
 Arrays may have leading batch axes, which broadcast; the last axis is the one described. Sparse matrices are arrays of
-values in the order of their pattern; `dense` unfolds them.
+values in the order of their pattern; `dense` unfolds them. The functions of `numbers` take a single state as
+sequences of numbers, which is several times faster than arrays.
 """
 
-import functools
 import math
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "516daa5d7d1e6891"
+HASH = "512aeef7ac71f7af"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -296,29 +296,7 @@ def dense(pattern, values):
     return matrix
 
 
-def _in_numbers(function):
-    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
-
-    @functools.wraps(function)
-    def call(*arguments, **named):
-        try:
-            return function(*arguments, **named)
-        except ModelError:
-            raise
-        except (ArithmeticError, ValueError):
-            pass
-        arguments = [_as_list(value) for value in arguments]
-        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
-
-    return call
-
-
-def _as_list(value):
-    """A vector of NumPy as a list, which functions convert to arrays again."""
-    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
-
-
-_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_ARRAY, _DOUBLE, _vector = numpy.ndarray, numpy.dtype(numpy.float64), numpy.array
 _SINGLE = (), _DOUBLE
 _NUMBERS = SimpleNamespace(
     sin=math.sin,
@@ -363,17 +341,13 @@ def mass(q, k):
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
         k.shape == (0,)):
-        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
-    else:
-        xp, batch, (q, k) = _arrays(dict(q=15, k=0), q, k)
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
+        return _vector(_mass(q.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, k) = _arrays(dict(q=15, k=0), q, k)
+    return _mass(q, k, xp, batch)
+
+
+def _mass(q, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, _, _, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
 
     # S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8
     S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8
@@ -493,6 +467,10 @@ def mass(q, k):
     M_35 = 1
     M_36 = 1
 
+    if xp is _NUMBERS:
+        return (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9, M_10, M_11, M_12, M_13, M_14,
+            M_15, M_16, M_17, M_18, M_19, M_20, M_21, M_22, M_23, M_24, M_25, M_26, M_27, M_28,
+            M_29, M_30, M_31, M_32, M_33, M_34, M_35, M_36)
     M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9, M_10, M_11, M_12, M_13,
         M_14, M_15, M_16, M_17, M_18, M_19, M_20, M_21, M_22, M_23, M_24, M_25, M_26, M_27, M_28,
         M_29, M_30, M_31, M_32, M_33, M_34, M_35, M_36))
@@ -514,28 +492,15 @@ def force(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+        return _vector(_force(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
+    return _force(t, q, v, k, xp, batch)
+
+
+def _force(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, _, _, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (_, _, _, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot,
+        alpha6dot, alpha7dot, alpha8dot) = v
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -733,6 +698,8 @@ def force(t, q, v, k):
             - S_8_33 * oo_33 + t10 * t3 + t12 * t9
     )
 
+    if xp is _NUMBERS:
+        return (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9, h_10, h_11, h_12, h_13)
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9, h_10, h_11, h_12,
         h_13))
     return h
@@ -755,28 +722,16 @@ def mass_force(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+        M, h = _mass_force(t, q.tolist(), v.tolist(), k.tolist())
+        return _vector(M, _DOUBLE), _vector(h, _DOUBLE)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
+    return _mass_force(t, q, v, k, xp, batch)
+
+
+def _mass_force(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, _, _, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (_, _, _, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot,
+        alpha6dot, alpha7dot, alpha8dot) = v
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -1059,6 +1014,11 @@ def mass_force(t, q, v, k):
     h_0 = 0
     M_0 = 6.48
 
+    if xp is _NUMBERS:
+        return ((M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9, M_10, M_11, M_12, M_13, M_14,
+            M_15, M_16, M_17, M_18, M_19, M_20, M_21, M_22, M_23, M_24, M_25, M_26, M_27, M_28,
+            M_29, M_30, M_31, M_32, M_33, M_34, M_35, M_36), (h_0, h_1, h_2, h_3, h_4, h_5, h_6,
+            h_7, h_8, h_9, h_10, h_11, h_12, h_13))
     M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9, M_10, M_11, M_12, M_13,
         M_14, M_15, M_16, M_17, M_18, M_19, M_20, M_21, M_22, M_23, M_24, M_25, M_26, M_27, M_28,
         M_29, M_30, M_31, M_32, M_33, M_34, M_35, M_36))
@@ -1067,7 +1027,6 @@ def mass_force(t, q, v, k):
     return M, h
 
 
-@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
 
@@ -1083,28 +1042,20 @@ def accel(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+        try:
+            return _vector(_accel(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
+    return _accel(t, q, v, k, xp, batch)
+
+
+def _accel(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, _, _, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (_, _, _, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot,
+        alpha6dot, alpha7dot, alpha8dot) = v
 
     # S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8
     S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8
@@ -1390,6 +1341,9 @@ def accel(t, q, v, k):
     valid_4 = xp.isfinite(t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54))))
     _require(batch[0] or valid_4, 2, "an acceleration is not finite")
 
+    if xp is _NUMBERS:
+        return (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7, vdot_8, vdot_9,
+            vdot_10, vdot_11, vdot_12, vdot_13)
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13))
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4, vdot)
@@ -1408,31 +1362,15 @@ def energy(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    c1dot = v[0]
-    c2dot = v[1]
-    c3dot = v[2]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+        return _vector(_energy(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    return _energy(q, v, k, xp, batch)
+
+
+def _energy(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, _, _, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot,
+        alpha5dot, alpha6dot, alpha7dot, alpha8dot) = v
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -1566,6 +1504,8 @@ def energy(q, v, k):
             + 1703959547.9391162 * alpha7 * alpha7 + 2561832557.220976 * alpha8 * alpha8)
     )
 
+    if xp is _NUMBERS:
+        return (energy_0, energy_1)
     energy = _stack(xp, batch, (energy_0, energy_1))
     return energy
 
@@ -1584,38 +1524,15 @@ def momentum(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    c3 = q[2]
-    e0 = q[3]
-    e1 = q[4]
-    e2 = q[5]
-    e3 = q[6]
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    c1dot = v[0]
-    c2dot = v[1]
-    c3dot = v[2]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+        return _vector(_momentum(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    return _momentum(q, v, k, xp, batch)
+
+
+def _momentum(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot,
+        alpha5dot, alpha6dot, alpha7dot, alpha8dot) = v
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -1763,6 +1680,8 @@ def momentum(q, v, k):
     momentum_4 = t13 * Q_21 + t14 * Q_22 + t15 * Q_23 + 6.48 * (c1dot * c3) - 6.48 * (c3dot * c1)
     momentum_5 = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + 6.48 * (c2dot * c1) - 6.48 * (c1dot * c2)
 
+    if xp is _NUMBERS:
+        return (momentum_0, momentum_1, momentum_2, momentum_3, momentum_4, momentum_5)
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2, momentum_3, momentum_4,
         momentum_5))
     return _where(xp, valid_1, momentum)
@@ -1782,27 +1701,18 @@ def rates(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+        return _vector(_rates(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    return _rates(q, v, k, xp, batch)
+
+
+def _rates(q, v, k, xp=_NUMBERS, batch=_SINGLE):
     e0 = q[3]
     e1 = q[4]
     e2 = q[5]
     e3 = q[6]
-    c1dot = v[0]
-    c2dot = v[1]
-    c3dot = v[2]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+    (c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot,
+        alpha5dot, alpha6dot, alpha7dot, alpha8dot) = v
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -1828,6 +1738,9 @@ def rates(q, v, k):
     qdot_13 = alpha7dot
     qdot_14 = alpha8dot
 
+    if xp is _NUMBERS:
+        return (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4, qdot_5, qdot_6, qdot_7, qdot_8, qdot_9,
+            qdot_10, qdot_11, qdot_12, qdot_13, qdot_14)
     qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4, qdot_5, qdot_6, qdot_7,
         qdot_8, qdot_9, qdot_10, qdot_11, qdot_12, qdot_13, qdot_14))
     return _where(xp, valid_1, qdot)
@@ -1848,38 +1761,16 @@ def marker_corner(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    c3 = q[2]
-    e0 = q[3]
-    e1 = q[4]
-    e2 = q[5]
-    e3 = q[6]
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    c1dot = v[0]
-    c2dot = v[1]
-    c3dot = v[2]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha3dot = v[8]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha7dot = v[12]
-    alpha8dot = v[13]
+        x, xdot, jacobian = _marker_corner(q.tolist(), v.tolist(), k.tolist())
+        return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    return _marker_corner(q, v, k, xp, batch)
+
+
+def _marker_corner(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot,
+        alpha5dot, alpha6dot, alpha7dot, alpha8dot) = v
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2035,6 +1926,14 @@ def marker_corner(q, v, k):
     jacobian_34 = 0.4769773500056812 * Q_21 - 0.03554137704558601 * Q_22 - 0.6113913128674688 * Q_23
     jacobian_35 = 0.4769773500056812 * Q_31 - 0.03554137704558601 * Q_32 - 0.6113913128674688 * Q_33
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1, x_2), (xdot_0, xdot_1, xdot_2), (jacobian_0, jacobian_1, jacobian_2,
+            jacobian_3, jacobian_4, jacobian_5, jacobian_6, jacobian_7, jacobian_8, jacobian_9,
+            jacobian_10, jacobian_11, jacobian_12, jacobian_13, jacobian_14, jacobian_15,
+            jacobian_16, jacobian_17, jacobian_18, jacobian_19, jacobian_20, jacobian_21,
+            jacobian_22, jacobian_23, jacobian_24, jacobian_25, jacobian_26, jacobian_27,
+            jacobian_28, jacobian_29, jacobian_30, jacobian_31, jacobian_32, jacobian_33,
+            jacobian_34, jacobian_35))
     x = _stack(xp, batch, (x_0, x_1, x_2))
     xdot = _stack(xp, batch, (xdot_0, xdot_1, xdot_2))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -2061,28 +1960,16 @@ def marker_centre(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    c3 = q[2]
-    e0 = q[3]
-    e1 = q[4]
-    e2 = q[5]
-    e3 = q[6]
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha8 = q[14]
-    c1dot = v[0]
-    c2dot = v[1]
-    c3dot = v[2]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha8dot = v[13]
+        x, xdot, jacobian = _marker_centre(q.tolist(), v.tolist(), k.tolist())
+        return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    return _marker_centre(q, v, k, xp, batch)
+
+
+def _marker_centre(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, _, _, _, _, _, alpha8) = q
+    (c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, _, _, _, _, _,
+        alpha8dot) = v
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2145,6 +2032,11 @@ def marker_centre(q, v, k):
     jacobian_19 = (-0.5315455430903949) * Q_23
     jacobian_20 = (-0.5315455430903949) * Q_33
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1, x_2), (xdot_0, xdot_1, xdot_2), (jacobian_0, jacobian_1, jacobian_2,
+            jacobian_3, jacobian_4, jacobian_5, jacobian_6, jacobian_7, jacobian_8, jacobian_9,
+            jacobian_10, jacobian_11, jacobian_12, jacobian_13, jacobian_14, jacobian_15,
+            jacobian_16, jacobian_17, jacobian_18, jacobian_19, jacobian_20))
     x = _stack(xp, batch, (x_0, x_1, x_2))
     xdot = _stack(xp, batch, (xdot_0, xdot_1, xdot_2))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -2169,34 +2061,16 @@ def marker_end(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    c3 = q[2]
-    e0 = q[3]
-    e1 = q[4]
-    e2 = q[5]
-    e3 = q[6]
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha8 = q[14]
-    c1dot = v[0]
-    c2dot = v[1]
-    c3dot = v[2]
-    omega1 = v[3]
-    omega2 = v[4]
-    omega3 = v[5]
-    alpha1dot = v[6]
-    alpha2dot = v[7]
-    alpha4dot = v[9]
-    alpha5dot = v[10]
-    alpha6dot = v[11]
-    alpha8dot = v[13]
+        x, xdot, jacobian = _marker_end(q.tolist(), v.tolist(), k.tolist())
+        return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    return _marker_end(q, v, k, xp, batch)
+
+
+def _marker_end(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, _, alpha4, alpha5, alpha6, _, alpha8) = q
+    (c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, _, alpha4dot, alpha5dot,
+        alpha6dot, _, alpha8dot) = v
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2276,6 +2150,13 @@ def marker_end(q, v, k):
     jacobian_28 = (-0.6731445856665152) * Q_23
     jacobian_29 = (-0.6731445856665152) * Q_33
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1, x_2), (xdot_0, xdot_1, xdot_2), (jacobian_0, jacobian_1, jacobian_2,
+            jacobian_3, jacobian_4, jacobian_5, jacobian_6, jacobian_7, jacobian_8, jacobian_9,
+            jacobian_10, jacobian_11, jacobian_12, jacobian_13, jacobian_14, jacobian_15,
+            jacobian_16, jacobian_17, jacobian_18, jacobian_19, jacobian_20, jacobian_21,
+            jacobian_22, jacobian_23, jacobian_24, jacobian_25, jacobian_26, jacobian_27,
+            jacobian_28, jacobian_29))
     x = _stack(xp, batch, (x_0, x_1, x_2))
     xdot = _stack(xp, batch, (xdot_0, xdot_1, xdot_2))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -2301,24 +2182,14 @@ def load_corner(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and F.shape == (3,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
-    e0 = q[3]
-    e1 = q[4]
-    e2 = q[5]
-    e3 = q[6]
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha3 = q[9]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha7 = q[13]
-    alpha8 = q[14]
-    F_1 = F[0]
-    F_2 = F[1]
-    F_3 = F[2]
+        return _vector(_load_corner(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+    return _load_corner(q, F, k, xp, batch)
+
+
+def _load_corner(q, F, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8) = q
+    (F_1, F_2, F_3) = F
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2388,6 +2259,8 @@ def load_corner(q, F, k):
     f_12 = 0.8812076801683899 * Fb_3 - 0.09926014335411275 * Fb_1 - 0.47267468962111114 * Fb_2
     f_13 = 0.4769773500056812 * Fb_1 - 0.03554137704558601 * Fb_2 - 0.6113913128674688 * Fb_3
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
     return _where(xp, valid_1, f)
@@ -2408,9 +2281,12 @@ def load_centre(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and F.shape == (3,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+        return _vector(_load_centre(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+    return _load_centre(q, F, k, xp, batch)
+
+
+def _load_centre(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     e0 = q[3]
     e1 = q[4]
     e2 = q[5]
@@ -2418,9 +2294,7 @@ def load_centre(q, F, k):
     alpha1 = q[7]
     alpha2 = q[8]
     alpha8 = q[14]
-    F_1 = F[0]
-    F_2 = F[1]
-    F_3 = F[2]
+    (F_1, F_2, F_3) = F
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2472,6 +2346,8 @@ def load_centre(q, F, k):
     f_12 = 0
     f_13 = (-0.5315455430903949) * Fb_3
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
     return _where(xp, valid_1, f)
@@ -2492,22 +2368,14 @@ def load_end(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and F.shape == (3,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
-    e0 = q[3]
-    e1 = q[4]
-    e2 = q[5]
-    e3 = q[6]
-    alpha1 = q[7]
-    alpha2 = q[8]
-    alpha4 = q[10]
-    alpha5 = q[11]
-    alpha6 = q[12]
-    alpha8 = q[14]
-    F_1 = F[0]
-    F_2 = F[1]
-    F_3 = F[2]
+        return _vector(_load_end(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+    return _load_end(q, F, k, xp, batch)
+
+
+def _load_end(q, F, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, e0, e1, e2, e3, alpha1, alpha2, _, alpha4, alpha5, alpha6, _, alpha8) = q
+    (F_1, F_2, F_3) = F
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2562,6 +2430,8 @@ def load_end(q, F, k):
     f_12 = 0
     f_13 = (-0.6731445856665152) * Fb_3
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
     return _where(xp, valid_1, f)
@@ -2583,64 +2453,19 @@ def residual(t, y, ydot, k):
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
-    e0 = y[3]
-    e1 = y[4]
-    e2 = y[5]
-    e3 = y[6]
-    alpha1 = y[7]
-    alpha2 = y[8]
-    alpha3 = y[9]
-    alpha4 = y[10]
-    alpha5 = y[11]
-    alpha6 = y[12]
-    alpha7 = y[13]
-    alpha8 = y[14]
-    c1dot = y[15]
-    c2dot = y[16]
-    c3dot = y[17]
-    omega1 = y[18]
-    omega2 = y[19]
-    omega3 = y[20]
-    alpha1dot = y[21]
-    alpha2dot = y[22]
-    alpha3dot = y[23]
-    alpha4dot = y[24]
-    alpha5dot = y[25]
-    alpha6dot = y[26]
-    alpha7dot = y[27]
-    alpha8dot = y[28]
-    c1_t = ydot[0]
-    c2_t = ydot[1]
-    c3_t = ydot[2]
-    e0_t = ydot[3]
-    e1_t = ydot[4]
-    e2_t = ydot[5]
-    e3_t = ydot[6]
-    alpha1_t = ydot[7]
-    alpha2_t = ydot[8]
-    alpha3_t = ydot[9]
-    alpha4_t = ydot[10]
-    alpha5_t = ydot[11]
-    alpha6_t = ydot[12]
-    alpha7_t = ydot[13]
-    alpha8_t = ydot[14]
-    c1ddot = ydot[15]
-    c2ddot = ydot[16]
-    c3ddot = ydot[17]
-    omega1dot = ydot[18]
-    omega2dot = ydot[19]
-    omega3dot = ydot[20]
-    alpha1ddot = ydot[21]
-    alpha2ddot = ydot[22]
-    alpha3ddot = ydot[23]
-    alpha4ddot = ydot[24]
-    alpha5ddot = ydot[25]
-    alpha6ddot = ydot[26]
-    alpha7ddot = ydot[27]
-    alpha8ddot = ydot[28]
+        return _vector(_residual(t, y.tolist(), ydot.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
+    return _residual(t, y, ydot, k, xp, batch)
+
+
+def _residual(t, y, ydot, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8,
+        c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot,
+        alpha5dot, alpha6dot, alpha7dot, alpha8dot) = y
+    (c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t, alpha2_t, alpha3_t, alpha4_t,
+        alpha5_t, alpha6_t, alpha7_t, alpha8_t, c1ddot, c2ddot, c3ddot, omega1dot, omega2dot,
+        omega3dot, alpha1ddot, alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot,
+        alpha7ddot, alpha8ddot) = ydot
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2905,6 +2730,9 @@ def residual(t, y, ydot, k):
             - t13 * t3 - t15 * t9)
     )
 
+    if xp is _NUMBERS:
+        return (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13, F_14,
+            F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23, F_24, F_25, F_26, F_27, F_28)
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
         F_14, F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23, F_24, F_25, F_26, F_27, F_28))
     return _where(xp, valid_1, F)
@@ -2927,32 +2755,15 @@ def jacobian(t, y, ydot, cj, k):
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float) and
         isinstance(cj, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
-    e0 = y[3]
-    e1 = y[4]
-    e2 = y[5]
-    e3 = y[6]
-    alpha1 = y[7]
-    alpha2 = y[8]
-    alpha3 = y[9]
-    alpha4 = y[10]
-    alpha5 = y[11]
-    alpha6 = y[12]
-    alpha7 = y[13]
-    alpha8 = y[14]
-    omega1 = y[18]
-    omega2 = y[19]
-    omega3 = y[20]
-    alpha1dot = y[21]
-    alpha2dot = y[22]
-    alpha3dot = y[23]
-    alpha4dot = y[24]
-    alpha5dot = y[25]
-    alpha6dot = y[26]
-    alpha7dot = y[27]
-    alpha8dot = y[28]
+        return _vector(_jacobian(t, y.tolist(), ydot.tolist(), cj, k.tolist()), _DOUBLE)
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
+    return _jacobian(t, y, ydot, cj, k, xp, batch)
+
+
+def _jacobian(t, y, ydot, cj, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4, alpha5, alpha6, alpha7, alpha8, _,
+        _, _, omega1, omega2, omega3, alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot,
+        alpha6dot, alpha7dot, alpha8dot) = y
     omega1dot = ydot[18]
     omega2dot = ydot[19]
     omega3dot = ydot[20]
@@ -3652,6 +3463,27 @@ def jacobian(t, y, ydot, cj, k):
     jac_194 = -t183
     jac_195 = cj
 
+    if xp is _NUMBERS:
+        return (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9, jac_10,
+            jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20, jac_21,
+            jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31, jac_32,
+            jac_33, jac_34, jac_35, jac_36, jac_37, jac_38, jac_39, jac_40, jac_41, jac_42, jac_43,
+            jac_44, jac_45, jac_46, jac_47, jac_48, jac_49, jac_50, jac_51, jac_52, jac_53, jac_54,
+            jac_55, jac_56, jac_57, jac_58, jac_59, jac_60, jac_61, jac_62, jac_63, jac_64, jac_65,
+            jac_66, jac_67, jac_68, jac_69, jac_70, jac_71, jac_72, jac_73, jac_74, jac_75, jac_76,
+            jac_77, jac_78, jac_79, jac_80, jac_81, jac_82, jac_83, jac_84, jac_85, jac_86, jac_87,
+            jac_88, jac_89, jac_90, jac_91, jac_92, jac_93, jac_94, jac_95, jac_96, jac_97, jac_98,
+            jac_99, jac_100, jac_101, jac_102, jac_103, jac_104, jac_105, jac_106, jac_107, jac_108,
+            jac_109, jac_110, jac_111, jac_112, jac_113, jac_114, jac_115, jac_116, jac_117,
+            jac_118, jac_119, jac_120, jac_121, jac_122, jac_123, jac_124, jac_125, jac_126,
+            jac_127, jac_128, jac_129, jac_130, jac_131, jac_132, jac_133, jac_134, jac_135,
+            jac_136, jac_137, jac_138, jac_139, jac_140, jac_141, jac_142, jac_143, jac_144,
+            jac_145, jac_146, jac_147, jac_148, jac_149, jac_150, jac_151, jac_152, jac_153,
+            jac_154, jac_155, jac_156, jac_157, jac_158, jac_159, jac_160, jac_161, jac_162,
+            jac_163, jac_164, jac_165, jac_166, jac_167, jac_168, jac_169, jac_170, jac_171,
+            jac_172, jac_173, jac_174, jac_175, jac_176, jac_177, jac_178, jac_179, jac_180,
+            jac_181, jac_182, jac_183, jac_184, jac_185, jac_186, jac_187, jac_188, jac_189,
+            jac_190, jac_191, jac_192, jac_193, jac_194, jac_195)
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31,
@@ -3732,8 +3564,6 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
-    if xp is _NUMBERS:
-        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -3755,7 +3585,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if xp is _NUMBERS or not valid.shape:
+    if not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
@@ -3763,3 +3593,24 @@ def _where(xp, valid, values):
 def _require(holds, code, text):
     if not holds:
         raise ModelError(code, text)
+
+
+numbers = SimpleNamespace(
+    mass=_mass,
+    force=_force,
+    mass_force=_mass_force,
+    accel=_accel,
+    energy=_energy,
+    momentum=_momentum,
+    rates=_rates,
+    marker_corner=_marker_corner,
+    marker_centre=_marker_centre,
+    marker_end=_marker_end,
+    load_corner=_load_corner,
+    load_centre=_load_centre,
+    load_end=_load_end,
+    residual=_residual,
+    jacobian=_jacobian,
+)
+"""The functions of a single state by numbers alone, several times faster than arrays: vectors are sequences of numbers,
+results are sequences too. They raise the errors of `math`, and check no sizes: `numbers.force(0.0, q.tolist(), ...)`."""

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_6019a93bdde6495f
+#ifndef DOUBLE_PENDULUM_HASH_44d19361ac1df6a6
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 

@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "6019a93bdde6495f"
-#define DOUBLE_PENDULUM_HASH_6019a93bdde6495f
+#define DOUBLE_PENDULUM_HASH "44d19361ac1df6a6"
+#define DOUBLE_PENDULUM_HASH_44d19361ac1df6a6
 
 /* ---- sizes and indices ---- */
 

@@ -125,10 +125,10 @@ Terms of (15) that vanish:
       gravity along this axis)
 
 Arrays may have leading batch axes, which broadcast; the last axis is the one described. Sparse matrices are arrays of
-values in the order of their pattern; `dense` unfolds them.
+values in the order of their pattern; `dense` unfolds them. The functions of `numbers` take a single state as
+sequences of numbers, which is several times faster than arrays.
 """
 
-import functools
 import math
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "6019a93bdde6495f"
+HASH = "44d19361ac1df6a6"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -333,29 +333,7 @@ def dense(pattern, values):
     return matrix
 
 
-def _in_numbers(function):
-    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
-
-    @functools.wraps(function)
-    def call(*arguments, **named):
-        try:
-            return function(*arguments, **named)
-        except ModelError:
-            raise
-        except (ArithmeticError, ValueError):
-            pass
-        arguments = [_as_list(value) for value in arguments]
-        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
-
-    return call
-
-
-def _as_list(value):
-    """A vector of NumPy as a list, which functions convert to arrays again."""
-    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
-
-
-_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_ARRAY, _DOUBLE, _vector = numpy.ndarray, numpy.dtype(numpy.float64), numpy.array
 _SINGLE = (), _DOUBLE
 _NUMBERS = SimpleNamespace(
     sin=math.sin,
@@ -400,9 +378,12 @@ def mass(q, k):
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
         k.shape == (0,)):
-        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
-    else:
-        xp, batch, (q, k) = _arrays(dict(q=10, k=0), q, k)
+        return _vector(_mass(q.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, k) = _arrays(dict(q=10, k=0), q, k)
+    return _mass(q, k, xp, batch)
+
+
+def _mass(q, k, xp=_NUMBERS, batch=_SINGLE):
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
     lower_alpha1 = q[8]
@@ -434,6 +415,8 @@ def mass(q, k):
     M_8 = (98897337 / 5000000000)
     M_9 = (14128191 / 1000000000)
 
+    if xp is _NUMBERS:
+        return (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9)
     M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
     return M
 
@@ -455,19 +438,18 @@ def force(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+        return _vector(_force(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    return _force(t, q, v, k, xp, batch)
+
+
+def _force(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
     lower_alpha1 = q[8]
     lower_alpha2 = q[9]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+    (_, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot) = v
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -497,6 +479,8 @@ def force(t, q, v, k):
     h_8 = (226194669 / 625000) * lower_alpha1 - t2 * lower_D2_1
     h_9 = (75398223 / 25000) * lower_alpha2 - t2 * lower_D2_2
 
+    if xp is _NUMBERS:
+        return (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9)
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9))
     return h
 
@@ -519,19 +503,19 @@ def mass_force(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+        M, h = _mass_force(t, q.tolist(), v.tolist(), k.tolist())
+        return _vector(M, _DOUBLE), _vector(h, _DOUBLE)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    return _mass_force(t, q, v, k, xp, batch)
+
+
+def _mass_force(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
     lower_alpha1 = q[8]
     lower_alpha2 = q[9]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+    (_, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot) = v
 
     # lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2
     lower_D2_1 = (98897337 / 5000000000) * lower_alpha1
@@ -595,12 +579,14 @@ def mass_force(t, q, v, k):
     h_0 = 0
     M_0 = (98897337 / 1000000000)
 
+    if xp is _NUMBERS:
+        return ((M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9), (h_0, h_1, h_2, h_3, h_4, h_5,
+            h_6, h_7, h_8, h_9))
     M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9))
     return M, h
 
 
-@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
@@ -617,21 +603,20 @@ def accel(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        try:
+            return _vector(_accel(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    return _accel(t, q, v, k, xp, batch)
+
+
+def _accel(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2) = q
+    (_, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot) = v
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -817,6 +802,8 @@ def accel(t, q, v, k):
     valid_7 = xp.isfinite(t61 + t63 + (t64 + (t65 + t66)) + (t60 + t67 + (t68 + (t69 + t70))))
     _require(batch[0] or valid_7, 2, "a result is not finite")
 
+    if xp is _NUMBERS:
+        return (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7, vdot_8, vdot_9)
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9))
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot)
@@ -835,25 +822,15 @@ def energy(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c2 = q[1]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_c2 = q[6]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    upper_c1dot = v[0]
-    upper_c2dot = v[1]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_c1dot = v[5]
-    lower_c2dot = v[6]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        return _vector(_energy(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _energy(q, v, k, xp, batch)
+
+
+def _energy(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, upper_c2, _, upper_alpha1, upper_alpha2, _, lower_c2, _, lower_alpha1, lower_alpha2) = q
+    (upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot,
+        lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot) = v
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -893,6 +870,8 @@ def energy(q, v, k):
             - (98897337 / 1000000000) * ((-981 / 100) * upper_c2)
     )
 
+    if xp is _NUMBERS:
+        return (energy_0, energy_1, energy_2)
     energy = _stack(xp, batch, (energy_0, energy_1, energy_2))
     return energy
 
@@ -910,23 +889,15 @@ def momentum(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[0]
-    upper_c2 = q[1]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_c1 = q[5]
-    lower_c2 = q[6]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    upper_c1dot = v[0]
-    upper_c2dot = v[1]
-    upper_phidot = v[2]
-    lower_c1dot = v[5]
-    lower_c2dot = v[6]
-    lower_phidot = v[7]
+        return _vector(_momentum(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _momentum(q, v, k, xp, batch)
+
+
+def _momentum(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, _, upper_alpha1, upper_alpha2, lower_c1, lower_c2, _, lower_alpha1,
+        lower_alpha2) = q
+    (upper_c1dot, upper_c2dot, upper_phidot, _, _, lower_c1dot, lower_c2dot, lower_phidot, _, _) = v
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -953,6 +924,8 @@ def momentum(q, v, k):
             - (98897337 / 1000000000) * (upper_c1dot * upper_c2)
     )
 
+    if xp is _NUMBERS:
+        return (momentum_0, momentum_1, momentum_2)
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2))
     return momentum
 
@@ -971,19 +944,14 @@ def rates(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1dot = v[0]
-    upper_c2dot = v[1]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_c1dot = v[5]
-    lower_c2dot = v[6]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        return _vector(_rates(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _rates(q, v, k, xp, batch)
+
+
+def _rates(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot,
+        lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot) = v
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = upper_c1dot
@@ -997,12 +965,13 @@ def rates(q, v, k):
     qdot_8 = lower_alpha1dot
     qdot_9 = lower_alpha2dot
 
+    if xp is _NUMBERS:
+        return (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4, qdot_5, qdot_6, qdot_7, qdot_8, qdot_9)
     qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4, qdot_5, qdot_6, qdot_7,
         qdot_8, qdot_9))
     return qdot
 
 
-@_in_numbers
 def marker_upper_left(q, v, k):
     """Marker upper_left, material point at xi = -1 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1019,19 +988,20 @@ def marker_upper_left(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[0]
-    upper_c2 = q[1]
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    upper_c1dot = v[0]
-    upper_c2dot = v[1]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
+        try:
+            x, xdot, jacobian = _marker_upper_left(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _marker_upper_left(q, v, k, xp, batch)
+
+
+def _marker_upper_left(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2, _, _, _, _, _) = q
+    (upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, _, _, _) = v
 
     # upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
     #     at left, along e2
@@ -1062,6 +1032,9 @@ def marker_upper_left(q, v, k):
     jacobian_6 = upper_sin_phi
     jacobian_7 = -upper_cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5, jacobian_6, jacobian_7))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -1069,7 +1042,6 @@ def marker_upper_left(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_upper_middle(q, v, k):
     """Marker upper_middle, material point at xi = 0 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1086,9 +1058,18 @@ def marker_upper_middle(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+        try:
+            x, xdot, jacobian = _marker_upper_middle(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _marker_upper_middle(q, v, k, xp, batch)
+
+
+def _marker_upper_middle(q, v, k, xp=_NUMBERS, batch=_SINGLE):
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_phi = q[2]
@@ -1124,6 +1105,9 @@ def marker_upper_middle(q, v, k):
     jacobian_4 = 0.5 * upper_sin_phi
     jacobian_5 = (-0.5) * upper_cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -1131,7 +1115,6 @@ def marker_upper_middle(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_upper_right(q, v, k):
     """Marker upper_right, material point at xi = 1 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1148,19 +1131,20 @@ def marker_upper_right(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[0]
-    upper_c2 = q[1]
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    upper_c1dot = v[0]
-    upper_c2dot = v[1]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
+        try:
+            x, xdot, jacobian = _marker_upper_right(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _marker_upper_right(q, v, k, xp, batch)
+
+
+def _marker_upper_right(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2, _, _, _, _, _) = q
+    (upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, _, _, _) = v
 
     # upper right (1): upper_right_r_2 = r = X + u at right, along e2; ...; upper_right_sdot_2 = Q
     #     rdot at right, along e2
@@ -1192,6 +1176,9 @@ def marker_upper_right(q, v, k):
     jacobian_6 = t7
     jacobian_7 = upper_cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5, jacobian_6, jacobian_7))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -1199,7 +1186,6 @@ def marker_upper_right(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_lower_left(q, v, k):
     """Marker lower_left, material point at xi = -1 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1216,19 +1202,20 @@ def marker_lower_left(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    lower_c1 = q[5]
-    lower_c2 = q[6]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    lower_c1dot = v[5]
-    lower_c2dot = v[6]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        try:
+            x, xdot, jacobian = _marker_lower_left(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _marker_lower_left(q, v, k, xp, batch)
+
+
+def _marker_lower_left(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2) = q
+    (_, _, _, _, _, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot) = v
 
     # lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
     #     at left, along e2
@@ -1259,6 +1246,9 @@ def marker_lower_left(q, v, k):
     jacobian_6 = lower_sin_phi
     jacobian_7 = -lower_cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5, jacobian_6, jacobian_7))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -1266,7 +1256,6 @@ def marker_lower_left(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_lower_middle(q, v, k):
     """Marker lower_middle, material point at xi = 0 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1283,9 +1272,18 @@ def marker_lower_middle(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+        try:
+            x, xdot, jacobian = _marker_lower_middle(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _marker_lower_middle(q, v, k, xp, batch)
+
+
+def _marker_lower_middle(q, v, k, xp=_NUMBERS, batch=_SINGLE):
     lower_c1 = q[5]
     lower_c2 = q[6]
     lower_phi = q[7]
@@ -1321,6 +1319,9 @@ def marker_lower_middle(q, v, k):
     jacobian_4 = 0.5 * lower_sin_phi
     jacobian_5 = (-0.5) * lower_cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -1328,7 +1329,6 @@ def marker_lower_middle(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_lower_right(q, v, k):
     """Marker lower_right, material point at xi = 1 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1345,19 +1345,20 @@ def marker_lower_right(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    lower_c1 = q[5]
-    lower_c2 = q[6]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    lower_c1dot = v[5]
-    lower_c2dot = v[6]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        try:
+            x, xdot, jacobian = _marker_lower_right(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    return _marker_lower_right(q, v, k, xp, batch)
+
+
+def _marker_lower_right(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, _, _, lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2) = q
+    (_, _, _, _, _, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot) = v
 
     # lower right (1): lower_right_r_2 = r = X + u at right, along e2; ...; lower_right_sdot_2 = Q
     #     rdot at right, along e2
@@ -1389,6 +1390,9 @@ def marker_lower_right(q, v, k):
     jacobian_6 = t7
     jacobian_7 = lower_cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5, jacobian_6, jacobian_7))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -1396,7 +1400,6 @@ def marker_lower_right(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def load_upper_left(q, F, k):
     """Generalised forces f of a force at marker upper_left: then M vdot + h = f.
 
@@ -1412,14 +1415,21 @@ def load_upper_left(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+        try:
+            return _vector(_load_upper_left(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    return _load_upper_left(q, F, k, xp, batch)
+
+
+def _load_upper_left(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1446,11 +1456,12 @@ def load_upper_left(q, F, k):
     f_8 = 0
     f_9 = 0
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9))
     return f
 
 
-@_in_numbers
 def load_upper_middle(q, F, k):
     """Generalised forces f of a force at marker upper_middle: then M vdot + h = f.
 
@@ -1466,13 +1477,20 @@ def load_upper_middle(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+        try:
+            return _vector(_load_upper_middle(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    return _load_upper_middle(q, F, k, xp, batch)
+
+
+def _load_upper_middle(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     upper_phi = q[2]
     upper_alpha1 = q[3]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1495,11 +1513,12 @@ def load_upper_middle(q, F, k):
     f_8 = 0
     f_9 = 0
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9))
     return f
 
 
-@_in_numbers
 def load_upper_right(q, F, k):
     """Generalised forces f of a force at marker upper_right: then M vdot + h = f.
 
@@ -1515,14 +1534,21 @@ def load_upper_right(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+        try:
+            return _vector(_load_upper_right(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    return _load_upper_right(q, F, k, xp, batch)
+
+
+def _load_upper_right(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1549,11 +1575,12 @@ def load_upper_right(q, F, k):
     f_8 = 0
     f_9 = 0
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9))
     return f
 
 
-@_in_numbers
 def load_lower_left(q, F, k):
     """Generalised forces f of a force at marker lower_left: then M vdot + h = f.
 
@@ -1569,14 +1596,21 @@ def load_lower_left(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+        try:
+            return _vector(_load_lower_left(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    return _load_lower_left(q, F, k, xp, batch)
+
+
+def _load_lower_left(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     lower_phi = q[7]
     lower_alpha1 = q[8]
     lower_alpha2 = q[9]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
@@ -1603,11 +1637,12 @@ def load_lower_left(q, F, k):
     f_8 = lower_left_Fb_2
     f_9 = -lower_left_Fb_2
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9))
     return f
 
 
-@_in_numbers
 def load_lower_middle(q, F, k):
     """Generalised forces f of a force at marker lower_middle: then M vdot + h = f.
 
@@ -1623,13 +1658,20 @@ def load_lower_middle(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+        try:
+            return _vector(_load_lower_middle(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    return _load_lower_middle(q, F, k, xp, batch)
+
+
+def _load_lower_middle(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     lower_phi = q[7]
     lower_alpha1 = q[8]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
@@ -1652,11 +1694,12 @@ def load_lower_middle(q, F, k):
     f_8 = (-0.5) * lower_middle_Fb_2
     f_9 = 0
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9))
     return f
 
 
-@_in_numbers
 def load_lower_right(q, F, k):
     """Generalised forces f of a force at marker lower_right: then M vdot + h = f.
 
@@ -1672,14 +1715,21 @@ def load_lower_right(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+        try:
+            return _vector(_load_lower_right(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    return _load_lower_right(q, F, k, xp, batch)
+
+
+def _load_lower_right(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     lower_phi = q[7]
     lower_alpha1 = q[8]
     lower_alpha2 = q[9]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
@@ -1706,11 +1756,12 @@ def load_lower_right(q, F, k):
     f_8 = lower_right_Fb_2
     f_9 = lower_right_Fb_2
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9))
     return f
 
 
-@_in_numbers
 def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
@@ -1724,19 +1775,19 @@ def constraints(t, q, k):
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
         k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
-    upper_c1 = q[0]
-    upper_c2 = q[1]
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_c1 = q[5]
-    lower_c2 = q[6]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
+        try:
+            return _vector(_constraints(t, q.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
+    return _constraints(t, q, k, xp, batch)
+
+
+def _constraints(t, q, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2, lower_c1, lower_c2, lower_phi,
+        lower_alpha1, lower_alpha2) = q
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1772,11 +1823,12 @@ def constraints(t, q, k):
     g_2 = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1
     g_3 = lower_c2 + lower_left_s_2 - upper_c2 - upper_right_s_2
 
+    if xp is _NUMBERS:
+        return (g_0, g_1, g_2, g_3)
     g = _stack(xp, batch, (g_0, g_1, g_2, g_3))
     return g
 
 
-@_in_numbers
 def constraint_rates(t, q, v, k):
     """Time derivatives of the constraints, gdot = G v + dg/dt.
 
@@ -1791,25 +1843,20 @@ def constraint_rates(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    upper_c1dot = v[0]
-    upper_c2dot = v[1]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_c1dot = v[5]
-    lower_c2dot = v[6]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        try:
+            return _vector(_constraint_rates(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    return _constraint_rates(t, q, v, k, xp, batch)
+
+
+def _constraint_rates(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2) = q
+    (upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot,
+        lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot) = v
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1857,11 +1904,12 @@ def constraint_rates(t, q, v, k):
             - upper_right_sdot_2 - upper_phidot * upper_right_s_1
     )
 
+    if xp is _NUMBERS:
+        return (gdot_0, gdot_1, gdot_2, gdot_3)
     gdot = _stack(xp, batch, (gdot_0, gdot_1, gdot_2, gdot_3))
     return gdot
 
 
-@_in_numbers
 def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
@@ -1875,15 +1923,18 @@ def constraint_jacobian(t, q, k):
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
         k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
+        try:
+            return _vector(_constraint_jacobian(t, q.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
+    return _constraint_jacobian(t, q, k, xp, batch)
+
+
+def _constraint_jacobian(t, q, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2) = q
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1940,12 +1991,14 @@ def constraint_jacobian(t, q, k):
     G_22 = lower_sin_phi
     G_23 = -lower_cos_phi
 
+    if xp is _NUMBERS:
+        return (G_0, G_1, G_2, G_3, G_4, G_5, G_6, G_7, G_8, G_9, G_10, G_11, G_12, G_13, G_14,
+            G_15, G_16, G_17, G_18, G_19, G_20, G_21, G_22, G_23)
     G = _stack(xp, batch, (G_0, G_1, G_2, G_3, G_4, G_5, G_6, G_7, G_8, G_9, G_10, G_11, G_12, G_13,
         G_14, G_15, G_16, G_17, G_18, G_19, G_20, G_21, G_22, G_23))
     return G
 
 
-@_in_numbers
 def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
@@ -1960,21 +2013,20 @@ def constraint_bias(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        try:
+            return _vector(_constraint_bias(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    return _constraint_bias(t, q, v, k, xp, batch)
+
+
+def _constraint_bias(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2) = q
+    (_, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot) = v
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2026,11 +2078,12 @@ def constraint_bias(t, q, v, k):
             - t2 * (upper_right_rdot_2 * upper_sin_phi)
     )
 
+    if xp is _NUMBERS:
+        return (gamma_0, gamma_1, gamma_2, gamma_3)
     gamma = _stack(xp, batch, (gamma_0, gamma_1, gamma_2, gamma_3))
     return gamma
 
 
-@_in_numbers
 def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
@@ -2048,21 +2101,21 @@ def solve(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    upper_phidot = v[2]
-    upper_alpha1dot = v[3]
-    upper_alpha2dot = v[4]
-    lower_phidot = v[7]
-    lower_alpha1dot = v[8]
-    lower_alpha2dot = v[9]
+        try:
+            vdot, lam = _solve(t, q.tolist(), v.tolist(), k.tolist())
+            return _vector(vdot, _DOUBLE), _vector(lam, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    return _solve(t, q, v, k, xp, batch)
+
+
+def _solve(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2) = q
+    (_, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot) = v
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2255,13 +2308,15 @@ def solve(t, q, v, k):
     )
     _require(batch[0] or valid_7, 2, "a result is not finite")
 
+    if xp is _NUMBERS:
+        return ((vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7, vdot_8, vdot_9),
+            (lam_0, lam_1, lam_2, lam_3))
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9))
     lam = _stack(xp, batch, (lam_0, lam_1, lam_2, lam_3))
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, lam)
 
 
-@_in_numbers
 def project_velocity(t, q, k, r):
     """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
         -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
@@ -2279,19 +2334,19 @@ def project_velocity(t, q, k, r):
     """
     if (type(q) is type(k) is type(r) is _ARRAY and q.dtype is k.dtype is r.dtype is _DOUBLE and
         q.shape == (10,) and k.shape == (0,) and r.shape == (4,) and isinstance(t, float)):
-        xp, batch, q, k, r = _NUMBERS, _SINGLE, q.tolist(), k.tolist(), r.tolist()
-    else:
-        xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=10, k=0, r=4), t, q, k, r)
-    upper_phi = q[2]
-    upper_alpha1 = q[3]
-    upper_alpha2 = q[4]
-    lower_phi = q[7]
-    lower_alpha1 = q[8]
-    lower_alpha2 = q[9]
-    r_hinge_1 = r[0]
-    r_hinge_2 = r[1]
-    r_elbow_1 = r[2]
-    r_elbow_2 = r[3]
+        try:
+            return _vector(_project_velocity(t, q.tolist(), k.tolist(), r.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=10, k=0, r=4), t, q, k, r)
+    return _project_velocity(t, q, k, r, xp, batch)
+
+
+def _project_velocity(t, q, k, r, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2) = q
+    (r_hinge_1, r_hinge_2, r_elbow_1, r_elbow_2) = r
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2438,6 +2493,8 @@ def project_velocity(t, q, k, r):
     valid_7 = xp.isfinite(t46 - t48 + (t49 + (t50 + t51)) + (t45 + t47 + (t52 + (t53 + t54))))
     _require(batch[0] or valid_7, 2, "a result is not finite")
 
+    if xp is _NUMBERS:
+        return (dv_0, dv_1, dv_2, dv_3, dv_4, dv_5, dv_6, dv_7, dv_8, dv_9)
     dv = _stack(xp, batch, (dv_0, dv_1, dv_2, dv_3, dv_4, dv_5, dv_6, dv_7, dv_8, dv_9))
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, dv)
 
@@ -2457,15 +2514,13 @@ def poses(t, q, k):
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
         k.shape == (0,) and isinstance(t, float)):
-        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
-    upper_c1 = q[0]
-    upper_c2 = q[1]
-    upper_phi = q[2]
-    lower_c1 = q[5]
-    lower_c2 = q[6]
-    lower_phi = q[7]
+        return _vector(_poses(t, q.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
+    return _poses(t, q, k, xp, batch)
+
+
+def _poses(t, q, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, upper_phi, _, _, lower_c1, lower_c2, lower_phi, _, _) = q
 
     # poses (1): bodies in the order of the specification
     pose_0 = upper_c1
@@ -2475,11 +2530,12 @@ def poses(t, q, k):
     pose_4 = lower_c2
     pose_5 = lower_phi
 
+    if xp is _NUMBERS:
+        return (pose_0, pose_1, pose_2, pose_3, pose_4, pose_5)
     pose = _stack(xp, batch, (pose_0, pose_1, pose_2, pose_3, pose_4, pose_5))
     return pose
 
 
-@_in_numbers
 def residual(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 3: [qdot - v; M vdot + h - G^T lambda; g].
 
@@ -2498,53 +2554,25 @@ def residual(t, y, ydot, k):
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
-    upper_c1 = y[0]
-    upper_c2 = y[1]
-    upper_phi = y[2]
-    upper_alpha1 = y[3]
-    upper_alpha2 = y[4]
-    lower_c1 = y[5]
-    lower_c2 = y[6]
-    lower_phi = y[7]
-    lower_alpha1 = y[8]
-    lower_alpha2 = y[9]
-    upper_c1dot = y[10]
-    upper_c2dot = y[11]
-    upper_phidot = y[12]
-    upper_alpha1dot = y[13]
-    upper_alpha2dot = y[14]
-    lower_c1dot = y[15]
-    lower_c2dot = y[16]
-    lower_phidot = y[17]
-    lower_alpha1dot = y[18]
-    lower_alpha2dot = y[19]
-    lambda_hinge_1 = y[20]
-    lambda_hinge_2 = y[21]
-    lambda_elbow_1 = y[22]
-    lambda_elbow_2 = y[23]
-    upper_c1_t = ydot[0]
-    upper_c2_t = ydot[1]
-    upper_phi_t = ydot[2]
-    upper_alpha1_t = ydot[3]
-    upper_alpha2_t = ydot[4]
-    lower_c1_t = ydot[5]
-    lower_c2_t = ydot[6]
-    lower_phi_t = ydot[7]
-    lower_alpha1_t = ydot[8]
-    lower_alpha2_t = ydot[9]
-    upper_c1ddot = ydot[10]
-    upper_c2ddot = ydot[11]
-    upper_phiddot = ydot[12]
-    upper_alpha1ddot = ydot[13]
-    upper_alpha2ddot = ydot[14]
-    lower_c1ddot = ydot[15]
-    lower_c2ddot = ydot[16]
-    lower_phiddot = ydot[17]
-    lower_alpha1ddot = ydot[18]
-    lower_alpha2ddot = ydot[19]
+        try:
+            return _vector(_residual(t, y.tolist(), ydot.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
+    return _residual(t, y, ydot, k, xp, batch)
+
+
+def _residual(t, y, ydot, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2, lower_c1, lower_c2, lower_phi,
+        lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot,
+        upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1, lambda_elbow_2) = y
+    (upper_c1_t, upper_c2_t, upper_phi_t, upper_alpha1_t, upper_alpha2_t, lower_c1_t,
+        lower_c2_t, lower_phi_t, lower_alpha1_t, lower_alpha2_t, upper_c1ddot, upper_c2ddot,
+        upper_phiddot, upper_alpha1ddot, upper_alpha2ddot, lower_c1ddot, lower_c2ddot,
+        lower_phiddot, lower_alpha1ddot, lower_alpha2ddot, _, _, _, _) = ydot
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2650,12 +2678,14 @@ def residual(t, y, ydot, k):
     F_22 = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1
     F_23 = lower_c2 + lower_left_s_2 - upper_c2 - upper_right_s_2
 
+    if xp is _NUMBERS:
+        return (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13, F_14,
+            F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23)
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
         F_14, F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23))
     return F
 
 
-@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 3: [qdot - v; M vdot + h - G^T lambda; g]: values
         by columns, diagonal included.
@@ -2673,25 +2703,21 @@ def jacobian(t, y, ydot, cj, k):
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float) and
         isinstance(cj, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
-    upper_phi = y[2]
-    upper_alpha1 = y[3]
-    upper_alpha2 = y[4]
-    lower_phi = y[7]
-    lower_alpha1 = y[8]
-    lower_alpha2 = y[9]
-    upper_phidot = y[12]
-    upper_alpha1dot = y[13]
-    upper_alpha2dot = y[14]
-    lower_phidot = y[17]
-    lower_alpha1dot = y[18]
-    lower_alpha2dot = y[19]
-    lambda_hinge_1 = y[20]
-    lambda_hinge_2 = y[21]
-    lambda_elbow_1 = y[22]
-    lambda_elbow_2 = y[23]
+        try:
+            return _vector(_jacobian(t, y.tolist(), ydot.tolist(), cj, k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
+    return _jacobian(t, y, ydot, cj, k, xp, batch)
+
+
+def _jacobian(t, y, ydot, cj, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2,
+        _, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot,
+        lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
+        lambda_elbow_2) = y
     upper_phiddot = ydot[12]
     lower_phiddot = ydot[17]
 
@@ -2884,6 +2910,17 @@ def jacobian(t, y, ydot, cj, k):
     jac_102 = lower_cos_phi
     jac_103 = 0
 
+    if xp is _NUMBERS:
+        return (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9, jac_10,
+            jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20, jac_21,
+            jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31, jac_32,
+            jac_33, jac_34, jac_35, jac_36, jac_37, jac_38, jac_39, jac_40, jac_41, jac_42, jac_43,
+            jac_44, jac_45, jac_46, jac_47, jac_48, jac_49, jac_50, jac_51, jac_52, jac_53, jac_54,
+            jac_55, jac_56, jac_57, jac_58, jac_59, jac_60, jac_61, jac_62, jac_63, jac_64, jac_65,
+            jac_66, jac_67, jac_68, jac_69, jac_70, jac_71, jac_72, jac_73, jac_74, jac_75, jac_76,
+            jac_77, jac_78, jac_79, jac_80, jac_81, jac_82, jac_83, jac_84, jac_85, jac_86, jac_87,
+            jac_88, jac_89, jac_90, jac_91, jac_92, jac_93, jac_94, jac_95, jac_96, jac_97, jac_98,
+            jac_99, jac_100, jac_101, jac_102, jac_103)
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31,
@@ -2897,7 +2934,6 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
-@_in_numbers
 def residual_ggl(t, y, ydot, k):
     """Residual F(t, y, ydot) of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot;
         g].
@@ -2917,57 +2953,26 @@ def residual_ggl(t, y, ydot, k):
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (28,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=28, ydot=28, k=0), t, y, ydot, k)
-    upper_c1 = y[0]
-    upper_c2 = y[1]
-    upper_phi = y[2]
-    upper_alpha1 = y[3]
-    upper_alpha2 = y[4]
-    lower_c1 = y[5]
-    lower_c2 = y[6]
-    lower_phi = y[7]
-    lower_alpha1 = y[8]
-    lower_alpha2 = y[9]
-    upper_c1dot = y[10]
-    upper_c2dot = y[11]
-    upper_phidot = y[12]
-    upper_alpha1dot = y[13]
-    upper_alpha2dot = y[14]
-    lower_c1dot = y[15]
-    lower_c2dot = y[16]
-    lower_phidot = y[17]
-    lower_alpha1dot = y[18]
-    lower_alpha2dot = y[19]
-    lambda_hinge_1 = y[20]
-    lambda_hinge_2 = y[21]
-    lambda_elbow_1 = y[22]
-    lambda_elbow_2 = y[23]
-    mu_hinge_1 = y[24]
-    mu_hinge_2 = y[25]
-    mu_elbow_1 = y[26]
-    mu_elbow_2 = y[27]
-    upper_c1_t = ydot[0]
-    upper_c2_t = ydot[1]
-    upper_phi_t = ydot[2]
-    upper_alpha1_t = ydot[3]
-    upper_alpha2_t = ydot[4]
-    lower_c1_t = ydot[5]
-    lower_c2_t = ydot[6]
-    lower_phi_t = ydot[7]
-    lower_alpha1_t = ydot[8]
-    lower_alpha2_t = ydot[9]
-    upper_c1ddot = ydot[10]
-    upper_c2ddot = ydot[11]
-    upper_phiddot = ydot[12]
-    upper_alpha1ddot = ydot[13]
-    upper_alpha2ddot = ydot[14]
-    lower_c1ddot = ydot[15]
-    lower_c2ddot = ydot[16]
-    lower_phiddot = ydot[17]
-    lower_alpha1ddot = ydot[18]
-    lower_alpha2ddot = ydot[19]
+        try:
+            return _vector(_residual_ggl(t, y.tolist(), ydot.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=28, ydot=28, k=0), t, y, ydot, k)
+    return _residual_ggl(t, y, ydot, k, xp, batch)
+
+
+def _residual_ggl(t, y, ydot, k, xp=_NUMBERS, batch=_SINGLE):
+    (upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2, lower_c1, lower_c2, lower_phi,
+        lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot,
+        upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1, lambda_elbow_2,
+        mu_hinge_1, mu_hinge_2, mu_elbow_1, mu_elbow_2) = y
+    (upper_c1_t, upper_c2_t, upper_phi_t, upper_alpha1_t, upper_alpha2_t, lower_c1_t,
+        lower_c2_t, lower_phi_t, lower_alpha1_t, lower_alpha2_t, upper_c1ddot, upper_c2ddot,
+        upper_phiddot, upper_alpha1ddot, upper_alpha2ddot, lower_c1ddot, lower_c2ddot,
+        lower_phiddot, lower_alpha1ddot, lower_alpha2ddot, _, _, _, _, _, _, _, _) = ydot
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -3098,12 +3103,14 @@ def residual_ggl(t, y, ydot, k):
     F_26 = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1
     F_27 = lower_c2 + lower_left_s_2 - upper_c2 - upper_right_s_2
 
+    if xp is _NUMBERS:
+        return (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13, F_14,
+            F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23, F_24, F_25, F_26, F_27)
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
         F_14, F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23, F_24, F_25, F_26, F_27))
     return F
 
 
-@_in_numbers
 def jacobian_ggl(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T
         lambda; gdot; g]: values by columns, diagonal included.
@@ -3121,29 +3128,21 @@ def jacobian_ggl(t, y, ydot, cj, k):
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (28,) and k.shape == (0,) and isinstance(t, float) and
         isinstance(cj, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=28, ydot=28, cj=None, k=0), t, y, ydot, cj, k)
-    upper_phi = y[2]
-    upper_alpha1 = y[3]
-    upper_alpha2 = y[4]
-    lower_phi = y[7]
-    lower_alpha1 = y[8]
-    lower_alpha2 = y[9]
-    upper_phidot = y[12]
-    upper_alpha1dot = y[13]
-    upper_alpha2dot = y[14]
-    lower_phidot = y[17]
-    lower_alpha1dot = y[18]
-    lower_alpha2dot = y[19]
-    lambda_hinge_1 = y[20]
-    lambda_hinge_2 = y[21]
-    lambda_elbow_1 = y[22]
-    lambda_elbow_2 = y[23]
-    mu_hinge_1 = y[24]
-    mu_hinge_2 = y[25]
-    mu_elbow_1 = y[26]
-    mu_elbow_2 = y[27]
+        try:
+            return _vector(_jacobian_ggl(t, y.tolist(), ydot.tolist(), cj, k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=28, ydot=28, cj=None, k=0), t, y, ydot, cj, k)
+    return _jacobian_ggl(t, y, ydot, cj, k, xp, batch)
+
+
+def _jacobian_ggl(t, y, ydot, cj, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2,
+        _, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot,
+        lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
+        lambda_elbow_2, mu_hinge_1, mu_hinge_2, mu_elbow_1, mu_elbow_2) = y
     upper_phiddot = ydot[12]
     lower_phiddot = ydot[17]
 
@@ -3440,6 +3439,26 @@ def jacobian_ggl(t, y, ydot, cj, k):
     jac_180 = t36
     jac_181 = 0
 
+    if xp is _NUMBERS:
+        return (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9, jac_10,
+            jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20, jac_21,
+            jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31, jac_32,
+            jac_33, jac_34, jac_35, jac_36, jac_37, jac_38, jac_39, jac_40, jac_41, jac_42, jac_43,
+            jac_44, jac_45, jac_46, jac_47, jac_48, jac_49, jac_50, jac_51, jac_52, jac_53, jac_54,
+            jac_55, jac_56, jac_57, jac_58, jac_59, jac_60, jac_61, jac_62, jac_63, jac_64, jac_65,
+            jac_66, jac_67, jac_68, jac_69, jac_70, jac_71, jac_72, jac_73, jac_74, jac_75, jac_76,
+            jac_77, jac_78, jac_79, jac_80, jac_81, jac_82, jac_83, jac_84, jac_85, jac_86, jac_87,
+            jac_88, jac_89, jac_90, jac_91, jac_92, jac_93, jac_94, jac_95, jac_96, jac_97, jac_98,
+            jac_99, jac_100, jac_101, jac_102, jac_103, jac_104, jac_105, jac_106, jac_107, jac_108,
+            jac_109, jac_110, jac_111, jac_112, jac_113, jac_114, jac_115, jac_116, jac_117,
+            jac_118, jac_119, jac_120, jac_121, jac_122, jac_123, jac_124, jac_125, jac_126,
+            jac_127, jac_128, jac_129, jac_130, jac_131, jac_132, jac_133, jac_134, jac_135,
+            jac_136, jac_137, jac_138, jac_139, jac_140, jac_141, jac_142, jac_143, jac_144,
+            jac_145, jac_146, jac_147, jac_148, jac_149, jac_150, jac_151, jac_152, jac_153,
+            jac_154, jac_155, jac_156, jac_157, jac_158, jac_159, jac_160, jac_161, jac_162,
+            jac_163, jac_164, jac_165, jac_166, jac_167, jac_168, jac_169, jac_170, jac_171,
+            jac_172, jac_173, jac_174, jac_175, jac_176, jac_177, jac_178, jac_179, jac_180,
+            jac_181)
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31,
@@ -3461,7 +3480,6 @@ def jacobian_ggl(t, y, ydot, cj, k):
     return jac
 
 
-@_in_numbers
 def residual_index1(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma].
 
@@ -3480,49 +3498,25 @@ def residual_index1(t, y, ydot, k):
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
-    upper_phi = y[2]
-    upper_alpha1 = y[3]
-    upper_alpha2 = y[4]
-    lower_phi = y[7]
-    lower_alpha1 = y[8]
-    lower_alpha2 = y[9]
-    upper_c1dot = y[10]
-    upper_c2dot = y[11]
-    upper_phidot = y[12]
-    upper_alpha1dot = y[13]
-    upper_alpha2dot = y[14]
-    lower_c1dot = y[15]
-    lower_c2dot = y[16]
-    lower_phidot = y[17]
-    lower_alpha1dot = y[18]
-    lower_alpha2dot = y[19]
-    lambda_hinge_1 = y[20]
-    lambda_hinge_2 = y[21]
-    lambda_elbow_1 = y[22]
-    lambda_elbow_2 = y[23]
-    upper_c1_t = ydot[0]
-    upper_c2_t = ydot[1]
-    upper_phi_t = ydot[2]
-    upper_alpha1_t = ydot[3]
-    upper_alpha2_t = ydot[4]
-    lower_c1_t = ydot[5]
-    lower_c2_t = ydot[6]
-    lower_phi_t = ydot[7]
-    lower_alpha1_t = ydot[8]
-    lower_alpha2_t = ydot[9]
-    upper_c1ddot = ydot[10]
-    upper_c2ddot = ydot[11]
-    upper_phiddot = ydot[12]
-    upper_alpha1ddot = ydot[13]
-    upper_alpha2ddot = ydot[14]
-    lower_c1ddot = ydot[15]
-    lower_c2ddot = ydot[16]
-    lower_phiddot = ydot[17]
-    lower_alpha1ddot = ydot[18]
-    lower_alpha2ddot = ydot[19]
+        try:
+            return _vector(_residual_index1(t, y.tolist(), ydot.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
+    return _residual_index1(t, y, ydot, k, xp, batch)
+
+
+def _residual_index1(t, y, ydot, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2,
+        upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot,
+        lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot, lambda_hinge_1,
+        lambda_hinge_2, lambda_elbow_1, lambda_elbow_2) = y
+    (upper_c1_t, upper_c2_t, upper_phi_t, upper_alpha1_t, upper_alpha2_t, lower_c1_t,
+        lower_c2_t, lower_phi_t, lower_alpha1_t, lower_alpha2_t, upper_c1ddot, upper_c2ddot,
+        upper_phiddot, upper_alpha1ddot, upper_alpha2ddot, lower_c1ddot, lower_c2ddot,
+        lower_phiddot, lower_alpha1ddot, lower_alpha2ddot, _, _, _, _) = ydot
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -3657,12 +3651,14 @@ def residual_index1(t, y, ydot, k):
             - lower_cos_phi * lower_alpha2ddot
     )
 
+    if xp is _NUMBERS:
+        return (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13, F_14,
+            F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23)
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
         F_14, F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23))
     return F
 
 
-@_in_numbers
 def jacobian_index1(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot -
         gamma]: values by columns, diagonal included.
@@ -3680,25 +3676,21 @@ def jacobian_index1(t, y, ydot, cj, k):
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float) and
         isinstance(cj, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
-    upper_phi = y[2]
-    upper_alpha1 = y[3]
-    upper_alpha2 = y[4]
-    lower_phi = y[7]
-    lower_alpha1 = y[8]
-    lower_alpha2 = y[9]
-    upper_phidot = y[12]
-    upper_alpha1dot = y[13]
-    upper_alpha2dot = y[14]
-    lower_phidot = y[17]
-    lower_alpha1dot = y[18]
-    lower_alpha2dot = y[19]
-    lambda_hinge_1 = y[20]
-    lambda_hinge_2 = y[21]
-    lambda_elbow_1 = y[22]
-    lambda_elbow_2 = y[23]
+        try:
+            return _vector(_jacobian_index1(t, y.tolist(), ydot.tolist(), cj, k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
+    return _jacobian_index1(t, y, ydot, cj, k, xp, batch)
+
+
+def _jacobian_index1(t, y, ydot, cj, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, upper_phi, upper_alpha1, upper_alpha2, _, _, lower_phi, lower_alpha1, lower_alpha2,
+        _, _, upper_phidot, upper_alpha1dot, upper_alpha2dot, _, _, lower_phidot,
+        lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
+        lambda_elbow_2) = y
     upper_phiddot = ydot[12]
     upper_alpha1ddot = ydot[13]
     upper_alpha2ddot = ydot[14]
@@ -3949,6 +3941,19 @@ def jacobian_index1(t, y, ydot, cj, k):
     jac_120 = lower_cos_phi
     jac_121 = 0
 
+    if xp is _NUMBERS:
+        return (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9, jac_10,
+            jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20, jac_21,
+            jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31, jac_32,
+            jac_33, jac_34, jac_35, jac_36, jac_37, jac_38, jac_39, jac_40, jac_41, jac_42, jac_43,
+            jac_44, jac_45, jac_46, jac_47, jac_48, jac_49, jac_50, jac_51, jac_52, jac_53, jac_54,
+            jac_55, jac_56, jac_57, jac_58, jac_59, jac_60, jac_61, jac_62, jac_63, jac_64, jac_65,
+            jac_66, jac_67, jac_68, jac_69, jac_70, jac_71, jac_72, jac_73, jac_74, jac_75, jac_76,
+            jac_77, jac_78, jac_79, jac_80, jac_81, jac_82, jac_83, jac_84, jac_85, jac_86, jac_87,
+            jac_88, jac_89, jac_90, jac_91, jac_92, jac_93, jac_94, jac_95, jac_96, jac_97, jac_98,
+            jac_99, jac_100, jac_101, jac_102, jac_103, jac_104, jac_105, jac_106, jac_107, jac_108,
+            jac_109, jac_110, jac_111, jac_112, jac_113, jac_114, jac_115, jac_116, jac_117,
+            jac_118, jac_119, jac_120, jac_121)
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31,
@@ -4022,8 +4027,6 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
-    if xp is _NUMBERS:
-        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -4045,7 +4048,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if xp is _NUMBERS or not valid.shape:
+    if not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
@@ -4053,3 +4056,41 @@ def _where(xp, valid, values):
 def _require(holds, code, text):
     if not holds:
         raise ModelError(code, text)
+
+
+numbers = SimpleNamespace(
+    mass=_mass,
+    force=_force,
+    mass_force=_mass_force,
+    accel=_accel,
+    energy=_energy,
+    momentum=_momentum,
+    rates=_rates,
+    marker_upper_left=_marker_upper_left,
+    marker_upper_middle=_marker_upper_middle,
+    marker_upper_right=_marker_upper_right,
+    marker_lower_left=_marker_lower_left,
+    marker_lower_middle=_marker_lower_middle,
+    marker_lower_right=_marker_lower_right,
+    load_upper_left=_load_upper_left,
+    load_upper_middle=_load_upper_middle,
+    load_upper_right=_load_upper_right,
+    load_lower_left=_load_lower_left,
+    load_lower_middle=_load_lower_middle,
+    load_lower_right=_load_lower_right,
+    constraints=_constraints,
+    constraint_rates=_constraint_rates,
+    constraint_jacobian=_constraint_jacobian,
+    constraint_bias=_constraint_bias,
+    solve=_solve,
+    project_velocity=_project_velocity,
+    poses=_poses,
+    residual=_residual,
+    jacobian=_jacobian,
+    residual_ggl=_residual_ggl,
+    jacobian_ggl=_jacobian_ggl,
+    residual_index1=_residual_index1,
+    jacobian_index1=_jacobian_index1,
+)
+"""The functions of a single state by numbers alone, several times faster than arrays: vectors are sequences of numbers,
+results are sequences too. They raise the errors of `math`, and check no sizes: `numbers.force(0.0, q.tolist(), ...)`."""

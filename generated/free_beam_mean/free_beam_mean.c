@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_644d7b9c4bf07698
+#ifndef FREE_BEAM_MEAN_HASH_b5c68b34215c4c94
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 

@@ -89,10 +89,10 @@ Terms of (15) that vanish:
       (all deflections are along e2)
 
 Arrays may have leading batch axes, which broadcast; the last axis is the one described. Sparse matrices are arrays of
-values in the order of their pattern; `dense` unfolds them.
+values in the order of their pattern; `dense` unfolds them. The functions of `numbers` take a single state as
+sequences of numbers, which is several times faster than arrays.
 """
 
-import functools
 import math
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -122,7 +122,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "644d7b9c4bf07698"
+HASH = "b5c68b34215c4c94"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -205,29 +205,7 @@ def dense(pattern, values):
     return matrix
 
 
-def _in_numbers(function):
-    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
-
-    @functools.wraps(function)
-    def call(*arguments, **named):
-        try:
-            return function(*arguments, **named)
-        except ModelError:
-            raise
-        except (ArithmeticError, ValueError):
-            pass
-        arguments = [_as_list(value) for value in arguments]
-        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
-
-    return call
-
-
-def _as_list(value):
-    """A vector of NumPy as a list, which functions convert to arrays again."""
-    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
-
-
-_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_ARRAY, _DOUBLE, _vector = numpy.ndarray, numpy.dtype(numpy.float64), numpy.array
 _SINGLE = (), _DOUBLE
 _NUMBERS = SimpleNamespace(
     sin=math.sin,
@@ -325,9 +303,12 @@ def mass(q, k):
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
         k.shape == (10,)):
-        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
-    else:
-        xp, batch, (q, k) = _arrays(dict(q=5, k=10), q, k)
+        return _vector(_mass(q.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, k) = _arrays(dict(q=5, k=10), q, k)
+    return _mass(q, k, xp, batch)
+
+
+def _mass(q, k, xp=_NUMBERS, batch=_SINGLE):
     alpha1 = q[3]
     alpha2 = q[4]
     mass = k[0]
@@ -349,6 +330,8 @@ def mass(q, k):
     M_3 = c8_1_1
     M_4 = c8_2_2
 
+    if xp is _NUMBERS:
+        return (M_0, M_1, M_2, M_3, M_4)
     M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4))
     return M
 
@@ -367,14 +350,15 @@ def force(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+        return _vector(_force(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+    return _force(t, q, v, k, xp, batch)
+
+
+def _force(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
     alpha1 = q[3]
     alpha2 = q[4]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
+    (_, _, phidot, alpha1dot, alpha2dot) = v
     c8_1_1 = k[2]
     c8_2_2 = k[3]
     K_1_1 = k[4]
@@ -395,6 +379,8 @@ def force(t, q, v, k):
     h_3 = K_1_1 * alpha1 - t1 * D2_1
     h_4 = K_2_2 * alpha2 - t1 * D2_2
 
+    if xp is _NUMBERS:
+        return (h_0, h_1, h_2, h_3, h_4)
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4))
     return h
 
@@ -414,20 +400,17 @@ def mass_force(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+        M, h = _mass_force(t, q.tolist(), v.tolist(), k.tolist())
+        return _vector(M, _DOUBLE), _vector(h, _DOUBLE)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+    return _mass_force(t, q, v, k, xp, batch)
+
+
+def _mass_force(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
     alpha1 = q[3]
     alpha2 = q[4]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
-    mass = k[0]
-    C3 = k[1]
-    c8_1_1 = k[2]
-    c8_2_2 = k[3]
-    K_1_1 = k[4]
-    K_2_2 = k[5]
+    (_, _, phidot, alpha1dot, alpha2dot) = v
+    (mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, _, _, _, _) = k
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -460,12 +443,13 @@ def mass_force(t, q, v, k):
     h_0 = 0
     M_0 = mass
 
+    if xp is _NUMBERS:
+        return ((M_0, M_1, M_2, M_3, M_4), (h_0, h_1, h_2, h_3, h_4))
     M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4))
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4))
     return M, h
 
 
-@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body
         frame, fixed at generation time.
@@ -481,19 +465,21 @@ def accel(t, q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,) and isinstance(t, float)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+        try:
+            return _vector(_accel(t, q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+    return _accel(t, q, v, k, xp, batch)
+
+
+def _accel(t, q, v, k, xp=_NUMBERS, batch=_SINGLE):
     alpha1 = q[3]
     alpha2 = q[4]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
-    C3 = k[1]
-    c8_1_1 = k[2]
-    c8_2_2 = k[3]
-    free_alpha1_alpha1 = k[8]
-    free_alpha2_alpha2 = k[9]
+    (_, _, phidot, alpha1dot, alpha2dot) = v
+    (_, C3, c8_1_1, c8_2_2, _, _, _, _, free_alpha1_alpha1, free_alpha2_alpha2) = k
 
     # pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi
     t1 = c8_1_1 * alpha1
@@ -516,6 +502,8 @@ def accel(t, q, v, k):
     valid_1 = xp.isfinite(t3 + (t5 + t6))
     _require(batch[0] or valid_1, 2, "an acceleration is not finite")
 
+    if xp is _NUMBERS:
+        return (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4)
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
     return _where(xp, valid_1, vdot)
 
@@ -533,22 +521,16 @@ def energy(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+        return _vector(_energy(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    return _energy(q, v, k, xp, batch)
+
+
+def _energy(q, v, k, xp=_NUMBERS, batch=_SINGLE):
     alpha1 = q[3]
     alpha2 = q[4]
-    c1dot = v[0]
-    c2dot = v[1]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
-    mass = k[0]
-    C3 = k[1]
-    c8_1_1 = k[2]
-    c8_2_2 = k[3]
-    K_1_1 = k[4]
-    K_2_2 = k[5]
+    (c1dot, c2dot, phidot, alpha1dot, alpha2dot) = v
+    (mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, _, _, _, _) = k
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -564,6 +546,8 @@ def energy(q, v, k):
     )
     energy_1 = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2)
 
+    if xp is _NUMBERS:
+        return (energy_0, energy_1)
     energy = _stack(xp, batch, (energy_0, energy_1))
     return energy
 
@@ -581,16 +565,14 @@ def momentum(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    alpha1 = q[3]
-    alpha2 = q[4]
-    c1dot = v[0]
-    c2dot = v[1]
-    phidot = v[2]
+        return _vector(_momentum(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    return _momentum(q, v, k, xp, batch)
+
+
+def _momentum(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, _, alpha1, alpha2) = q
+    (c1dot, c2dot, phidot, _, _) = v
     mass = k[0]
     C3 = k[1]
     c8_1_1 = k[2]
@@ -608,6 +590,8 @@ def momentum(q, v, k):
     momentum_1 = c2dot * mass
     momentum_2 = phidot * J + c2dot * c1 * mass - c1dot * c2 * mass
 
+    if xp is _NUMBERS:
+        return (momentum_0, momentum_1, momentum_2)
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2))
     return momentum
 
@@ -625,14 +609,13 @@ def rates(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1dot = v[0]
-    c2dot = v[1]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
+        return _vector(_rates(q.tolist(), v.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    return _rates(q, v, k, xp, batch)
+
+
+def _rates(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1dot, c2dot, phidot, alpha1dot, alpha2dot) = v
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -641,11 +624,12 @@ def rates(q, v, k):
     qdot_3 = alpha1dot
     qdot_4 = alpha2dot
 
+    if xp is _NUMBERS:
+        return (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4)
     qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4))
     return qdot
 
 
-@_in_numbers
 def marker_left(q, v, k):
     """Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -661,19 +645,20 @@ def marker_left(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    phi = q[2]
-    alpha1 = q[3]
-    alpha2 = q[4]
-    c1dot = v[0]
-    c2dot = v[1]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
+        try:
+            x, xdot, jacobian = _marker_left(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    return _marker_left(q, v, k, xp, batch)
+
+
+def _marker_left(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, phi, alpha1, alpha2) = q
+    (c1dot, c2dot, phidot, alpha1dot, alpha2dot) = v
     X_left = k[6]
 
     # r (14): X + u and its time derivative at the marker, in the body frame
@@ -704,6 +689,9 @@ def marker_left(q, v, k):
     jacobian_6 = sin_phi
     jacobian_7 = -cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5, jacobian_6, jacobian_7))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -711,7 +699,6 @@ def marker_left(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_middle(q, v, k):
     """Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -727,17 +714,20 @@ def marker_middle(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    phi = q[2]
-    alpha1 = q[3]
-    c1dot = v[0]
-    c2dot = v[1]
-    phidot = v[2]
-    alpha1dot = v[3]
+        try:
+            x, xdot, jacobian = _marker_middle(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    return _marker_middle(q, v, k, xp, batch)
+
+
+def _marker_middle(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, phi, alpha1, _) = q
+    (c1dot, c2dot, phidot, alpha1dot, _) = v
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -760,6 +750,9 @@ def marker_middle(q, v, k):
     jacobian_4 = 0.5 * sin_phi
     jacobian_5 = (-0.5) * cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -767,7 +760,6 @@ def marker_middle(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def marker_right(q, v, k):
     """Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -783,19 +775,20 @@ def marker_right(q, v, k):
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (5,) and k.shape == (10,)):
-        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
-    else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[0]
-    c2 = q[1]
-    phi = q[2]
-    alpha1 = q[3]
-    alpha2 = q[4]
-    c1dot = v[0]
-    c2dot = v[1]
-    phidot = v[2]
-    alpha1dot = v[3]
-    alpha2dot = v[4]
+        try:
+            x, xdot, jacobian = _marker_right(q.tolist(), v.tolist(), k.tolist())
+            return _vector(x, _DOUBLE), _vector(xdot, _DOUBLE), _vector(jacobian, _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    return _marker_right(q, v, k, xp, batch)
+
+
+def _marker_right(q, v, k, xp=_NUMBERS, batch=_SINGLE):
+    (c1, c2, phi, alpha1, alpha2) = q
+    (c1dot, c2dot, phidot, alpha1dot, alpha2dot) = v
     X_right = k[7]
 
     # r (14): X + u and its time derivative at the marker, in the body frame
@@ -827,6 +820,9 @@ def marker_right(q, v, k):
     jacobian_6 = t7
     jacobian_7 = cos_phi
 
+    if xp is _NUMBERS:
+        return ((x_0, x_1), (xdot_0, xdot_1), (jacobian_0, jacobian_1, jacobian_2, jacobian_3,
+            jacobian_4, jacobian_5, jacobian_6, jacobian_7))
     x = _stack(xp, batch, (x_0, x_1))
     xdot = _stack(xp, batch, (xdot_0, xdot_1))
     jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
@@ -834,7 +830,6 @@ def marker_right(q, v, k):
     return x, xdot, jacobian
 
 
-@_in_numbers
 def load_left(q, F, k):
     """Generalised forces f of a force at marker left: then M vdot + h = f.
 
@@ -849,14 +844,19 @@ def load_left(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (5,) and F.shape == (2,) and k.shape == (10,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
-    phi = q[2]
-    alpha1 = q[3]
-    alpha2 = q[4]
-    F_1 = F[0]
-    F_2 = F[1]
+        try:
+            return _vector(_load_left(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+    return _load_left(q, F, k, xp, batch)
+
+
+def _load_left(q, F, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, phi, alpha1, alpha2) = q
+    (F_1, F_2) = F
     X_left = k[6]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
@@ -877,11 +877,12 @@ def load_left(q, F, k):
     f_3 = Fb_2
     f_4 = -Fb_2
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4))
     return f
 
 
-@_in_numbers
 def load_middle(q, F, k):
     """Generalised forces f of a force at marker middle: then M vdot + h = f.
 
@@ -896,13 +897,20 @@ def load_middle(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (5,) and F.shape == (2,) and k.shape == (10,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+        try:
+            return _vector(_load_middle(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+    return _load_middle(q, F, k, xp, batch)
+
+
+def _load_middle(q, F, k, xp=_NUMBERS, batch=_SINGLE):
     phi = q[2]
     alpha1 = q[3]
-    F_1 = F[0]
-    F_2 = F[1]
+    (F_1, F_2) = F
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -919,11 +927,12 @@ def load_middle(q, F, k):
     f_3 = (-0.5) * Fb_2
     f_4 = 0
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4))
     return f
 
 
-@_in_numbers
 def load_right(q, F, k):
     """Generalised forces f of a force at marker right: then M vdot + h = f.
 
@@ -938,14 +947,19 @@ def load_right(q, F, k):
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
         q.shape == (5,) and F.shape == (2,) and k.shape == (10,)):
-        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
-    else:
-        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
-    phi = q[2]
-    alpha1 = q[3]
-    alpha2 = q[4]
-    F_1 = F[0]
-    F_2 = F[1]
+        try:
+            return _vector(_load_right(q.tolist(), F.tolist(), k.tolist()), _DOUBLE)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass  # arrays have inf and NaN where numbers raise errors
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+    return _load_right(q, F, k, xp, batch)
+
+
+def _load_right(q, F, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, phi, alpha1, alpha2) = q
+    (F_1, F_2) = F
     X_right = k[7]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
@@ -966,6 +980,8 @@ def load_right(q, F, k):
     f_3 = Fb_2
     f_4 = Fb_2
 
+    if xp is _NUMBERS:
+        return (f_0, f_1, f_2, f_3, f_4)
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4))
     return f
 
@@ -985,32 +1001,15 @@ def residual(t, y, ydot, k):
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == k.shape == (10,) and isinstance(t, float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=10), t, y, ydot, k)
-    alpha1 = y[3]
-    alpha2 = y[4]
-    c1dot = y[5]
-    c2dot = y[6]
-    phidot = y[7]
-    alpha1dot = y[8]
-    alpha2dot = y[9]
-    c1_t = ydot[0]
-    c2_t = ydot[1]
-    phi_t = ydot[2]
-    alpha1_t = ydot[3]
-    alpha2_t = ydot[4]
-    c1ddot = ydot[5]
-    c2ddot = ydot[6]
-    phiddot = ydot[7]
-    alpha1ddot = ydot[8]
-    alpha2ddot = ydot[9]
-    mass = k[0]
-    C3 = k[1]
-    c8_1_1 = k[2]
-    c8_2_2 = k[3]
-    K_1_1 = k[4]
-    K_2_2 = k[5]
+        return _vector(_residual(t, y.tolist(), ydot.tolist(), k.tolist()), _DOUBLE)
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=10), t, y, ydot, k)
+    return _residual(t, y, ydot, k, xp, batch)
+
+
+def _residual(t, y, ydot, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, alpha1, alpha2, c1dot, c2dot, phidot, alpha1dot, alpha2dot) = y
+    (c1_t, c2_t, phi_t, alpha1_t, alpha2_t, c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot) = ydot
+    (mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, _, _, _, _) = k
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -1035,6 +1034,8 @@ def residual(t, y, ydot, k):
     F_8 = K_1_1 * alpha1 + alpha1ddot * c8_1_1 - t1 * D2_1
     F_9 = K_2_2 * alpha2 + alpha2ddot * c8_2_2 - t1 * D2_2
 
+    if xp is _NUMBERS:
+        return (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9)
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9))
     return F
 
@@ -1056,21 +1057,15 @@ def jacobian(t, y, ydot, cj, k):
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == k.shape == (10,) and isinstance(t, float) and isinstance(cj,
         float)):
-        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
-    else:
-        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=10), t, y, ydot, cj, k)
-    alpha1 = y[3]
-    alpha2 = y[4]
-    phidot = y[7]
-    alpha1dot = y[8]
-    alpha2dot = y[9]
+        return _vector(_jacobian(t, y.tolist(), ydot.tolist(), cj, k.tolist()), _DOUBLE)
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=10), t, y, ydot, cj, k)
+    return _jacobian(t, y, ydot, cj, k, xp, batch)
+
+
+def _jacobian(t, y, ydot, cj, k, xp=_NUMBERS, batch=_SINGLE):
+    (_, _, _, alpha1, alpha2, _, _, phidot, alpha1dot, alpha2dot) = y
     phiddot = ydot[7]
-    mass = k[0]
-    C3 = k[1]
-    c8_1_1 = k[2]
-    c8_2_2 = k[3]
-    K_1_1 = k[4]
-    K_2_2 = k[5]
+    (mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, _, _, _, _) = k
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -1110,6 +1105,10 @@ def jacobian(t, y, ydot, cj, k):
     jac_21 = t1 * D2_2
     jac_22 = cj * c8_2_2
 
+    if xp is _NUMBERS:
+        return (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9, jac_10,
+            jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20, jac_21,
+            jac_22)
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22))
@@ -1174,8 +1173,6 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
-    if xp is _NUMBERS:
-        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -1197,7 +1194,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if xp is _NUMBERS or not valid.shape:
+    if not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
@@ -1205,3 +1202,24 @@ def _where(xp, valid, values):
 def _require(holds, code, text):
     if not holds:
         raise ModelError(code, text)
+
+
+numbers = SimpleNamespace(
+    mass=_mass,
+    force=_force,
+    mass_force=_mass_force,
+    accel=_accel,
+    energy=_energy,
+    momentum=_momentum,
+    rates=_rates,
+    marker_left=_marker_left,
+    marker_middle=_marker_middle,
+    marker_right=_marker_right,
+    load_left=_load_left,
+    load_middle=_load_middle,
+    load_right=_load_right,
+    residual=_residual,
+    jacobian=_jacobian,
+)
+"""The functions of a single state by numbers alone, several times faster than arrays: vectors are sequences of numbers,
+results are sequences too. They raise the errors of `math`, and check no sizes: `numbers.force(0.0, q.tolist(), ...)`."""

@@ -95,6 +95,26 @@ def test_what_numbers_refuse_has_the_result_of_arrays() -> None:
         assert caught.value.code == 2
 
 
+@pytest.mark.parametrize("model", ["mean_2", "point_2", "given_2_flat"])
+def test_sequences_of_numbers_have_the_results_of_vectors(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The functions of `numbers` take lists and return sequences of floats, without NumPy."""
+    names, rng = names_of(model), np.random.default_rng(3)
+    k = names["setup"](np.array(names["DEFAULTS"]))
+    numbers, cases = names["numbers"], []
+    for kernel in MODELS[model]().model.kernels[1:]:
+        random = (rng.uniform(-0.5, 0.5, None if a.scalar else a.size) for a in kernel.arguments)
+        given = tuple(k if a.name == "k" else x for a, x in zip(kernel.arguments, random, strict=True))
+        cases.append((kernel, given, names[kernel.name](*given)))
+    assert sorted(vars(numbers)) == sorted(kernel.name for kernel, _, _ in cases)
+    monkeypatch.setitem(names["accel"].__globals__, "numpy", None)
+    for kernel, given, expected in cases:
+        found = getattr(numbers, kernel.name)(*as_lists(given))
+        several = len(kernel.outputs) > 1
+        for ours, of_arrays in zip(found if several else (found,), expected if several else (expected,), strict=True):
+            assert all(isinstance(x, int | float) for x in ours)
+            assert list(ours) == of_arrays.tolist(), kernel.name
+
+
 def test_functions_of_numbers_are_those_of_arrays() -> None:
     numbers = names_of("mean_2")["_NUMBERS"]
     values = (-1.0, -0.5, 0.0, 0.5, 2.0, math.inf, math.nan)

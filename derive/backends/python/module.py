@@ -80,9 +80,10 @@ class PythonBackend:
         builder.text(render("python/prologue.py.jinja", values))
         for kernel in model.kernels:
             numbers = model.lowering != "loops" and kernel.name != "setup"
-            builder.text("\n@_in_numbers\n" if numbers and _may_raise(kernel) else "\n")
+            builder.text("\n")
             builder.function(kernel, python_function(kernel, model.lowering != "loops", numbers))
             builder.text("\n")
+        values["of_numbers"] = [kernel.name for kernel in model.kernels if kernel.name != "setup"]
         builder.text(render("python/epilogue.py.jinja", values))
         (path,) = self.file_names(model.name)
         return (builder.file(self.name, path),)
@@ -93,27 +94,28 @@ def python_function(
 ) -> list[SourceLine]:
     """The function of a kernel, whose arguments are arrays, or their elements along the last axis.
 
-    numbers: whether it takes those of a single state as numbers of Python. Its module has the functions that it calls:
-    `_arrays`, which returns the namespace, the batch and the arguments; `_stack`; `_require` for errors; `_where` for
-    errors and NaN.
+    numbers: whether its statements are a function of their own, `_NAME`, which takes a single state as sequences of
+    numbers also and returns numbers for it. Their module has the functions that they call: `_arrays`, which returns the
+    namespace, the batch and the arguments; `_stack`; `_require` for errors; `_where` for errors and NaN.
     """
     names = ", ".join(a.name for a in kernel.arguments)
     given = tuple(a for a in kernel.arguments if not a.integer)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in given)
     own = tuple_text([a.name for a in given])
     first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
-    converted = f"xp, batch, {own} = _arrays(dict({sizes}), {', '.join(a.name for a in given)})"
     lines = [
         f"def {kernel.name}({names}):",
         f'    """{first}',
         *(f"    {line}" if line else "" for line in doc),
         '    """',
-        *([*_single_state(given), "    else:", f"        {converted}"] if numbers else [f"    {converted}"]),
+        *(_single_state(kernel, given) if numbers else []),
+        f"    xp, batch, {own} = _arrays(dict({sizes}), {', '.join(a.name for a in given)})",
+        *([f"    return _{kernel.name}({names}, xp, batch)", "", ""] if numbers else []),
+        *([f"def _{kernel.name}({names}, xp=_NUMBERS, batch=_SINGLE):"] if numbers else []),
     ]
     used = kernel.used
     for argument in kernel.arguments:
-        index = "" if elements else "..., "
-        lines += [f"    {name} = {argument.name}[{index}{k}]" for k, name in argument.named_elements if name in used]
+        lines += _element_lines(argument, used, elements, numbers)
         lines += [
             f"    {v.name} = {argument.name}[..., {v.offset}:{v.offset + v.size}]"
             for v in argument.parts
@@ -130,7 +132,19 @@ def python_function(
         printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
         body += [*plain("", *prefixed([section_text(section)], "    # ")), *printed] if printed else []
     lines += [f"    {name} = True" for name in printer.initial]
-    return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required, listed))]
+    return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required, listed, numbers))]
+
+
+def _element_lines(argument: Argument, used: frozenset[str], elements: bool, numbers: bool) -> list[str]:
+    """The lines that name the elements of an argument; if half are used, in one assignment, which is faster."""
+    names = {k: name for k, name in argument.named_elements if name in used}
+    if numbers and 1 < argument.size <= 2 * len(names):
+        targets = ", ".join(names.get(k, "_") for k in range(argument.size))
+        end = f" = {argument.name}"
+        *others, last = broken([f"({targets})"], WIDTH - len(f"    {end}"))
+        return [f"    {line}" for line in (*others, f"{last}{end}")]
+    index = "" if elements else "..., "
+    return [f"    {name} = {argument.name}[{index}{k}]" for k, name in names.items()]
 
 
 def _is_listed(kernel: Kernel) -> bool:
@@ -140,8 +154,8 @@ def _is_listed(kernel: Kernel) -> bool:
     return any(isinstance(s, ForEach | StoreElement) for s in kernel.statements)
 
 
-def _single_state(arguments: tuple[Argument, ...]) -> list[str]:
-    """The test whether the arguments are vectors of doubles of a single state, and their conversion to numbers."""
+def _single_state(kernel: Kernel, arguments: tuple[Argument, ...]) -> list[str]:
+    """The test whether the arguments are vectors of doubles of a single state, and its results by numbers."""
     vectors = [a for a in arguments if not a.scalar]
     by_size: dict[int, list[str]] = {}
     for a in vectors:
@@ -152,9 +166,27 @@ def _single_state(arguments: tuple[Argument, ...]) -> list[str]:
         *(f"{' == '.join(f'{name}.shape' for name in names)} == ({size},)" for size, names in by_size.items()),
         *(f"isinstance({a.name}, float)" for a in arguments if a.scalar),
     ]
-    names, lists = (", ".join(form.format(a.name) for a in vectors) for form in ("{}", "{}.tolist()"))
-    test = f"if ({' and '.join(conditions)}):"
-    return [*prefixed([test], "    "), f"        xp, batch, {names} = _NUMBERS, _SINGLE, {lists}"]
+    values = ", ".join(f"{a.name}.tolist()" if a in vectors else a.name for a in kernel.arguments)
+    call = f"_{kernel.name}({values})"
+    if len(kernel.outputs) == 1:
+        results = [f"return _vector({call}, _DOUBLE)"]
+    else:
+        outputs = [o.name for o in kernel.outputs]
+        arrays = ", ".join(f"_vector({name}, _DOUBLE)" for name in outputs)
+        results = [f"{', '.join(outputs)} = {call}", f"return {arrays}"]
+    if _may_raise(kernel):
+        results = [
+            "try:",
+            *(f"    {line}" for line in results),
+            "except ModelError:",
+            "    raise",
+            "except (ArithmeticError, ValueError):",
+            "    pass  # arrays have inf and NaN where numbers raise errors",
+        ]
+    return [
+        *prefixed([f"if ({' and '.join(conditions)}):"], "    "),
+        *(f"        {line}" for line in results),
+    ]
 
 
 def _may_raise(kernel: Kernel) -> bool:
@@ -218,13 +250,18 @@ class _Statements:
         return [*assignment(name, holds), *([error] if self.failure is Failure.ERROR else [])]
 
 
-def _results(outputs: tuple[Output, ...], required: list[str], listed: bool) -> list[str]:
+def _results(outputs: tuple[Output, ...], required: list[str], listed: bool, numbers: bool) -> list[str]:
+    def elements(output: Output) -> str:
+        return output.name if listed else tuple_text([f"{output.name}_{k}" for k in range(len(output.elements))])
+
     lines = []
+    if numbers:
+        values = [elements(output) for output in outputs]
+        lines += ["    if xp is _NUMBERS:"]
+        lines += prefixed([f"return {values[0] if len(values) == 1 else tuple_text(values)}"], "        ")
     for output in outputs:
-        if output.count is not None and not listed:
-            continue
-        elements = output.name if listed else tuple_text([f"{output.name}_{k}" for k in range(len(output.elements))])
-        lines += prefixed([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
+        if output.count is None or listed:
+            lines += prefixed([f"{output.name} = _stack(xp, batch, {elements(output)})"], "    ")
     if required:
         valid = " & ".join(required)
         lines += [f"    return {', '.join(f'_where(xp, {valid}, {o.name})' for o in outputs)}"]
