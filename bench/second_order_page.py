@@ -34,8 +34,8 @@ TEXT = """\
 Which floating frame is best for a beam of second order? This page compares four frames: which needs fewer non-zeros and
 less time, and which mass matrix stays positive definite?
 
-**In short.** At second order the mean frame has the fewest non-zeros and the fastest equations. With truncated terms its
-mass matrix stays definite up to the largest deflections. The tangent frame is the worst choice here. Second order
+**In short.** At second order the mean frame has the fewest non-zeros and the fastest equations. With truncated terms
+its mass matrix stays definite up to the largest deflections. The tangent frame is the worst choice here. Second order
 reduces the error from 12 % to less than 0.1 % in the other three frames.
 
 The test case is the rod of the crank-slider of `scenes/crank_slider_3.toml` as one beam with three shapes, the
