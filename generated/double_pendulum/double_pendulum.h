@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "b694e522992a62ae"
-#define DOUBLE_PENDULUM_HASH_b694e522992a62ae
+#define DOUBLE_PENDULUM_HASH "ee4f267e193bd3ce"
+#define DOUBLE_PENDULUM_HASH_ee4f267e193bd3ce
 
 /* ---- sizes and indices ---- */
 

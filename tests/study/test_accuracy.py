@@ -31,6 +31,7 @@ from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladde
 from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference, compared_plot, plotted_beams, reference
 from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, cheapest, run_table
+from strict_html import Page
 from svg_text import outside, text_boxes
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
@@ -107,6 +108,15 @@ def a_chart() -> LadderChart:
     quantity = Deflection(MarkerRef("rod", "a"), (MarkerRef("rod", "b"), MarkerRef("rod", "c")))
     known = Reference((Plot("tip", quantity),), "made.csv", 0.005)
     return LadderChart("made", LINES, known, 0.01, "a machine", shown=("rod",))
+
+
+def test_a_notebook_shows_the_chart_and_the_models() -> None:
+    chart = a_chart()
+    assert repr(chart) == f"LadderChart of made: {len(LINES)} models in {sum(len(line.points) for line in LINES)} runs"
+    page = Page(chart._repr_html_())
+    assert page.faults == []
+    assert page.count("svg") == 1
+    assert {line.model.label for line in chart.drawn} <= set(page.words["td"])
 
 
 def test_the_chart_says_what_it_shows() -> None:
