@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -103,9 +104,11 @@ class FakeHandle:
 
     def __init__(self, data: dict[str, str]) -> None:
         self.texts = [data["text/plain"]]
+        assert data["text/html"] == f"<pre>{escape(data['text/plain'])}</pre>"
 
     def update(self, data: dict[str, str], raw: bool) -> None:
         assert raw
+        assert data["text/html"] or not data["text/plain"]
         self.texts.append(data["text/plain"])
 
 

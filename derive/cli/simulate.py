@@ -171,5 +171,5 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
             File(f"{main.name}/{pictures[plot.name]}", svg(plot_chart(main.name, plot, text, curves)))
             for plot, text, curves in texts
         ),
-        File(f"{main.name}/{main.name}.html", motion_page(main, columns).text),
+        File(f"{main.name}/{main.name}.html", motion_page(main, columns, main.warnings).text),
     ]

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 import sample_report
-import strict_html
 
+import strict_html
 from derive.artifacts import MARK
 from derive.report.document.anchors import faults
 from derive.report.document.formula import Name
