@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import TisserandError
 from derive.notebook_line import in_notebook
+from derive.remaining_time import ElapsedTime, RemainingTime
 from derive.terminal import (
     DelayedLine,
     SampleProgress,
@@ -22,8 +24,6 @@ from derive.terminal import (
     progress_of,
     show_progress,
 )
-from derive.remaining_time import ElapsedTime, RemainingTime
-from derive.terminal import SimulationProgress, duration_text
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
 SLIDER = str(ROOT / "scenes/crank_slider_3.toml")
@@ -145,9 +145,11 @@ class FakeHandle:
 
     def __init__(self, data: dict[str, str]) -> None:
         self.texts = [data["text/plain"]]
+        assert data["text/html"] == f"<pre>{escape(data['text/plain'])}</pre>"
 
     def update(self, data: dict[str, str], raw: bool) -> None:
         assert raw
+        assert data["text/html"] or not data["text/plain"]
         self.texts.append(data["text/plain"])
 
 
