@@ -51,7 +51,7 @@ def test_the_view_in_space_rotates_by_keys_when_it_has_the_focus(browser: Any) -
     corner = "document.getElementById('stage').dataset.corner"
     seen = [tab.evaluate(corner)]
     tab.focus("#stage")
-    for key in ("ArrowLeft", "ArrowUp", "+"):
+    for key in ("ArrowRight", "ArrowUp", "+"):
         tab.keyboard.press(key)
         seen.append(tab.evaluate(corner))
     assert len(set(seen)) == 4

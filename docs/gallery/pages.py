@@ -104,7 +104,7 @@ def _card(run: Run) -> str:
     if shows == "output":
         lines = (run.output or (ROOT / run.entry.path).read_text()).splitlines()[:CARD_LINES]
         body = code("\n".join(line[:CARD_COLUMNS] for line in lines)) + "\n\n" + body
-    return f"```````{{container}} gallery-card gallery-{shows}\n{body}\n```````"
+    return f"```````{{container}} gallery-card\n{body}\n```````"
 
 
 def _card_kind(run: Run) -> str:
