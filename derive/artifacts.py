@@ -237,7 +237,7 @@ def _replace(contents: Sequence[tuple[Path, bytes]], folder: Path) -> None:
                 _create(_beside(target), data, target)
             if len(changed) > 1:
                 pending = {target.relative_to(folder).as_posix(): sha256(data) for target, data in changed}
-                journal.write_text(json.dumps(pending))
+                journal.write_text(json.dumps(pending), encoding="utf-8")
             for target, _ in changed:
                 os.replace(_beside(target), target)
                 renamed += 1

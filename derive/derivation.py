@@ -20,8 +20,6 @@ from derive.lowering import cost_model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.lower import lower_instances
-from derive.lowering.loops.body_functions import lower_loops
 from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
@@ -255,13 +253,19 @@ def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explic
         raise SpecError(
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
         )
-    return lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_loops(derived, reason)
+    if flat:
+        return lower_flat(derived.expanded(), reason, sensitivities=sensitivities)
+    from derive.lowering.loops.body_functions import lower_loops  # most models are straight-line code
+
+    return lower_loops(derived, reason)
 
 
 def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) -> Model:
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
     costs = estimate_mechanism_costs(mechanism)
     if costs.selected(requested) == "instances":
+        from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
+
         return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve")
     reason = "" if requested == "auto" else costs.reason(requested)
     try:

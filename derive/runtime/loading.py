@@ -99,7 +99,7 @@ def _key(sources: Sequence[Path], folder: Path, flags: Sequence[str]) -> str:
     used = [flag.replace(str(folder), ".") for flag in (*flags, *OWN_SYMBOLS)]
     parts = [platform.machine(), compiler_identity(), json.dumps([used, compiled])]
     for path in sorted(folder.glob("**/*.[ch]")):
-        parts += [str(path.relative_to(folder)), path.read_text()]
+        parts += [str(path.relative_to(folder)), path.read_text(encoding="utf-8")]
     return cache.key("library", *parts)
 
 
