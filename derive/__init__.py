@@ -74,4 +74,4 @@ def __dir__() -> list[str]:
     return __all__
 
 
-_display.register(lambda shown: str(import_module("derive.report.notebook").html(shown)))
+_display.register(lambda shown: str(import_module("derive.notebook.html").html(shown)))

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from derive.errors import TisserandError
+from derive.short_text import counted, summary
 
 try:
     import fcntl
@@ -33,10 +34,19 @@ JOURNAL = ".pending.tisserand"
 
 @dataclass(frozen=True)
 class File:
-    """A generated text file, with its path below the output folder.
+    r"""A generated text file, with its path below the output folder.
 
-    record: of a format without comments, such as CSV, the path of the JSON file that carries our mark instead, with the
-    SHA-256 of this file under `files`, by its name.
+    Attributes:
+        path: the path below the output folder, with slashes.
+        text: the content.
+        record: of a format without comments, such as CSV, the path of the JSON file that carries our mark instead, with
+            the SHA-256 of this file under `files`, by its name; None where the text carries the mark itself.
+
+    Examples:
+        >>> import derive
+        >>> file = derive.File("notes/readme.txt", "free beam\n")
+        >>> file.path, file.data
+        ('notes/readme.txt', b'free beam\n')
     """
 
     path: str
@@ -48,6 +58,11 @@ class File:
         """The content of the file."""
         return self.text.encode()
 
+    def __repr__(self) -> str:
+        return summary(
+            f"File {self.path}: {counted(len(self.text.splitlines()), 'line')}, {counted(len(self.data), 'byte')}"
+        )
+
 
 @dataclass(frozen=True)
 class BinaryFile:
@@ -56,6 +71,9 @@ class BinaryFile:
     path: str
     data: bytes
     record: str | None = field(default=None, kw_only=True)
+
+    def __repr__(self) -> str:
+        return summary(f"BinaryFile {self.path}: {counted(len(self.data), 'byte')}")
 
 
 class ForeignFile(TisserandError):
@@ -69,11 +87,37 @@ class UnusableFolder(TisserandError):
 def write(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
     """Write files below a folder, all or none of them; those that are equal already are left alone.
 
-    Raises ForeignFile, before anything is written, when a path holds a file without our mark; OSError as the system
-    does.
+    Arguments:
+        files: those of `model_files` or `exported`.
+        folder: the output folder, which is made if it is missing.
+
+    Raises:
+        ForeignFile: before anything is written, when a path holds a file without our mark.
+        TypeError: for anything but files.
+        OSError: as the system does, such as where the folder is a file, or on a full disk.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> files = derive.model_files(derive.lower(derive.derive(beam)), beam)
+        >>> derive.write(files, "generated")
+        >>> from pathlib import Path
+        >>> sorted(path.name for path in Path("generated/beam").iterdir())
+        ['beam.c', 'beam.h', 'beam.py', 'manifest.json']
     """
+    check_files(files)
     check_targets(files, folder)
     _replace([(Path(folder) / file.path, file.data) for file in files], Path(folder))
+
+
+def check_files(files: object) -> None:
+    """Raise TypeError for anything but generated files, such as a model or a path."""
+    given = isinstance(files, Sequence) and all(hasattr(file, "path") and hasattr(file, "data") for file in files)
+    if not given:
+        raise TypeError(
+            f"the files that derive.model_files(model, spec) returns are needed, not {type(files).__name__}; those of "
+            "a specification are derive.model_files(derive.lower(derive.derive(spec)), spec)"
+        )
 
 
 def check_targets(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
@@ -193,7 +237,7 @@ def _replace(contents: Sequence[tuple[Path, bytes]], folder: Path) -> None:
                 _create(_beside(target), data, target)
             if len(changed) > 1:
                 pending = {target.relative_to(folder).as_posix(): sha256(data) for target, data in changed}
-                journal.write_text(json.dumps(pending))
+                journal.write_text(json.dumps(pending), encoding="utf-8")
             for target, _ in changed:
                 os.replace(_beside(target), target)
                 renamed += 1

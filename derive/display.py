@@ -1,4 +1,4 @@
-"""The display of objects in notebooks: the report registers a function, so that no lower layer imports it."""
+"""The display of objects in notebooks: a higher layer registers a function, so that no lower layer imports it."""
 
 from __future__ import annotations
 

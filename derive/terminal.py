@@ -1,26 +1,41 @@
-"""Output on the terminal: a line of progress, tables, wrapped sentences."""
+"""Output on the terminal: a line of progress, which notebooks show as well, tables, wrapped sentences."""
 
 from __future__ import annotations
 
 import sys
 import textwrap
+import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TypeVar
+
+from derive.notebook_line import LINE, in_notebook
 
 WIDTH = 116
 """The characters of a line of prose."""
 
 
+PATIENCE = 2.0
+"""The time (s) after which a function that is called in Python shows its progress."""
+
+
 def show_progress(text: str = "") -> None:
-    """Replace the line of progress on stderr; an empty text removes it. Nothing is written where stderr is no tty."""
-    if sys.stderr.isatty():
+    """Replace the line of progress; an empty text removes it.
+
+    It is an output of the cell in a notebook, and a line on stderr otherwise; nothing is written where stderr is no
+    tty.
+    """
+    if in_notebook():
+        LINE.show(text)
+    elif sys.stderr.isatty():
         sys.stderr.write(f"\r{text}\x1b[K")
         sys.stderr.flush()
 
 
 def show_result(text: str) -> None:
-    """Show the result of a step of a long command: as a line on stderr or, on a tty, as the line of progress."""
-    if sys.stderr.isatty():
+    """Show the result of a step of long work: as the line of progress, or as a line on stderr if that is no tty."""
+    if in_notebook() or sys.stderr.isatty():
         show_progress(text)
     else:
         print(text, file=sys.stderr, flush=True)
@@ -29,13 +44,14 @@ def show_result(text: str) -> None:
 class SimulationProgress:
     """The line of progress of a simulation: `label`, the time that it has reached, and the estimated remaining time.
 
-    It changes ten times a second at most.
+    It changes ten times a second at most. after: the time (s) for which nothing is shown.
     """
 
-    def __init__(self, label: str, duration: float) -> None:
+    def __init__(self, label: str, duration: float, after: float = 0.0) -> None:
         self._label, self._end, self._next = label, duration, 0.0
         self._first: tuple[float, float] | None = None
-        show_progress(f"simulating {label}: compiling ...")
+        self._line = DelayedLine(after)
+        self._line.show(f"simulating {label}: compiling ...")
 
     def __call__(self, reached: float) -> None:
         """Show that the simulation has reached this time (s)."""
@@ -46,7 +62,7 @@ class SimulationProgress:
             self._next = now + 0.1
             reached = min(reached, self._end)
             remaining = self._remaining(now, reached)
-            show_progress(f"simulating {self._label}: {reached:.4g} of {self._end:g} s{remaining}")
+            self._line.show(f"simulating {self._label}: {reached:.4g} of {self._end:g} s{remaining}")
 
     def _remaining(self, now: float, reached: float) -> str:
         """The remaining time at the average speed since the first step; empty while it cannot be estimated."""
@@ -58,7 +74,82 @@ class SimulationProgress:
 
     def end(self) -> None:
         """Remove the line."""
-        show_progress()
+        self._line.end()
+
+
+class DelayedLine:
+    """A line of progress of which nothing is seen for the time `after` (s), so that short work shows none."""
+
+    def __init__(self, after: float) -> None:
+        self._text, self._visible, self._lock = "", after <= 0.0, threading.Lock()
+        self._timer = threading.Timer(after, self._begin)
+        self._timer.daemon = True
+        if not self._visible:
+            self._timer.start()
+
+    def show(self, text: str) -> None:
+        """Replace the text."""
+        with self._lock:
+            self._text = text
+            if self._visible:
+                show_progress(text)
+
+    def _begin(self) -> None:
+        with self._lock:
+            self._visible = True
+            show_progress(self._text)
+
+    def end(self) -> None:
+        """Remove the line, if it is there."""
+        self._timer.cancel()
+        with self._lock:
+            if self._visible:
+                show_progress()
+            self._visible, self._text = False, ""
+
+
+class SampleProgress:
+    """The line of progress of a sweep `name`: finished samples, and the estimated remaining time.
+
+    after: the time (s) for which nothing is shown.
+    """
+
+    def __init__(self, name: str, after: float = 0.0) -> None:
+        self._name, self._began = name, time.monotonic()
+        self._first: int | None = None
+        self._line = DelayedLine(after)
+
+    def __call__(self, finished: int, total: int) -> None:
+        """Show that `finished` of `total` samples are finished."""
+        if self._first is None:
+            self._first, self._began = finished, time.monotonic()
+        passed, own = time.monotonic() - self._began, finished - self._first
+        left = f", about {duration_text((total - finished) / own * passed)} left" if own and finished < total else ""
+        self._line.show(f"{self._name}: {finished} of {total} samples{left}")
+
+    def end(self) -> None:
+        """Remove the line."""
+        self._line.end()
+
+
+Reporter = TypeVar("Reporter", SimulationProgress, SampleProgress)
+Reported = TypeVar("Reported", bound=Callable[..., object])
+
+
+@contextmanager
+def progress_of(given: Reported | bool | None, line: Callable[[], Reporter]) -> Iterator[Reported | Reporter | None]:
+    """The function to which work reports its progress: the given one, or that of a line, which is removed at the end.
+
+    given: a function; True for a line of progress; None for one in a notebook alone; False for none.
+    """
+    if given is True or (given is None and in_notebook()):
+        shown = line()
+        try:
+            yield shown
+        finally:
+            shown.end()
+    else:
+        yield None if isinstance(given, bool) else given
 
 
 def duration_text(seconds: float) -> str:

@@ -5,15 +5,25 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import TisserandError
+from derive.notebook_line import in_notebook
 from derive.remaining_time import ElapsedTime, RemainingTime
-from derive.terminal import SimulationProgress, duration_text
+from derive.terminal import (
+    DelayedLine,
+    SampleProgress,
+    SimulationProgress,
+    duration_text,
+    progress_of,
+    show_progress,
+)
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
 SLIDER = str(ROOT / "scenes/crank_slider_3.toml")
@@ -128,3 +138,100 @@ def test_several_specifications_are_counted_on_a_terminal(tmp_path: Path, monkey
 )
 def test_durations_in_words(seconds: float, text: str) -> None:
     assert duration_text(seconds) == text
+
+
+class FakeHandle:
+    """An output of a cell, as IPython returns it: the texts that it has shown."""
+
+    def __init__(self, data: dict[str, str]) -> None:
+        self.texts = [data["text/plain"]]
+        assert data["text/html"] == f"<pre>{escape(data['text/plain'])}</pre>"
+
+    def update(self, data: dict[str, str], raw: bool) -> None:
+        assert raw
+        assert data["text/html"] or not data["text/plain"]
+        self.texts.append(data["text/plain"])
+
+
+@pytest.fixture
+def notebook(monkeypatch: pytest.MonkeyPatch) -> list[FakeHandle]:
+    """A process that a notebook runs; the outputs of its cells."""
+    outputs: list[FakeHandle] = []
+
+    def display(data: dict[str, str], raw: bool, display_id: bool) -> FakeHandle:
+        assert raw and display_id
+        outputs.append(FakeHandle(data))
+        return outputs[-1]
+
+    shell = SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", SimpleNamespace(display=display))
+    return outputs
+
+
+def test_a_notebook_shows_the_line_as_one_output_of_its_cell(
+    notebook: list[FakeHandle], capsys: pytest.CaptureFixture[str]
+) -> None:
+    for text in ("", "first", "second", "", "third", ""):
+        show_progress(text)
+    assert [output.texts for output in notebook] == [["first", "second", ""], ["third", ""]]
+    assert capsys.readouterr().err == ""
+
+
+def test_an_ipython_without_a_kernel_is_a_terminal(notebook: list[FakeHandle], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert in_notebook()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=SimpleNamespace))
+    assert not in_notebook()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    assert not in_notebook()
+
+
+def test_short_work_shows_no_line(notebook: list[FakeHandle]) -> None:
+    progress = SimulationProgress("pendulum", 2.0, after=60.0)
+    progress(1.0)
+    progress.end()
+    assert notebook == []
+
+
+def test_long_work_shows_its_line_while_it_waits(notebook: list[FakeHandle]) -> None:
+    line = DelayedLine(after=0.01)
+    line.show("compiling ...")
+    line._timer.join(5.0)  # nothing else happens meanwhile
+    assert [output.texts for output in notebook] == [["compiling ..."]]
+    line.show("1 of 2 s")
+    line.end()
+    line.end()
+    assert [output.texts for output in notebook] == [["compiling ...", "1 of 2 s", ""]]
+
+
+def test_functions_show_a_line_in_notebooks_or_where_they_are_asked_to(
+    notebook: list[FakeHandle], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def line() -> SimulationProgress:
+        return SimulationProgress("pendulum", 2.0)
+
+    for given, kind in ((None, SimulationProgress), (True, SimulationProgress), (False, type(None))):
+        with progress_of(given, line) as report:
+            assert isinstance(report, kind)
+    with progress_of(print, line) as report:
+        assert report is print
+    monkeypatch.delitem(sys.modules, "IPython")
+    with progress_of(None, line) as report:
+        assert report is None
+
+
+def test_a_sweep_reports_finished_samples_and_the_remaining_time(
+    notebook: list[FakeHandle], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([0.0, 0.0, 0.0, 10.0, 20.0, 30.0])
+    monkeypatch.setattr("derive.terminal.time.monotonic", lambda: next(clock))
+    progress = SampleProgress("bar")
+    for finished in (2, 4, 10):
+        progress(finished, 10)
+    progress.end()
+    assert notebook[0].texts == [
+        "bar: 2 of 10 samples",
+        "bar: 4 of 10 samples, about 30 s left",
+        "bar: 10 of 10 samples",
+        "",
+    ]

@@ -126,7 +126,7 @@ class SourceMap:
     functions: Mapping[str, FunctionLines]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SourceFile(File):
     """An emitted file with its source map."""
 

@@ -6,6 +6,7 @@ Only the module of the command is imported, so that `--help` answers at once.
 from __future__ import annotations
 
 import gc
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     `arguments` are those of the command line if omitted. The exit code is 0 after success, 1 after a failed `check`, 2
     after an error, whose message goes to standard error, and 130 after an interruption by Ctrl-C.
     """
+    # As on standard error, a console without Greek letters shows their numbers, and stops nothing.
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     if options.command is None:
         parser().print_help()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -23,7 +22,7 @@ from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, run_plan
 from derive.study.sweep.samples import parsed_samples
 from derive.study.sweep.table import sample_table, sweep_data, sweep_npz, sweep_text
-from derive.terminal import duration_text, show_progress
+from derive.terminal import SampleProgress, show_progress
 
 NAME = "sweep"
 SAMPLE_SIZE = 500
@@ -57,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         result, data = finished
     else:
         if nothing_left:
-            text = f"{plan.name}: no sweep of these samples is in {folder}, so that all of them are computed"
+            text = f"{plan.name}: {folder} holds no sweep of these samples, so all of them are computed"
             print(text, file=sys.stderr)
         result = _run(plan, store, options)
         data = sweep_data(result, plan)
@@ -68,14 +67,14 @@ def run(options: argparse.Namespace) -> int:
         write([File(picture.name, drawing)], picture.parent)
     store.unlink(missing_ok=True)
     written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawing else [])]
-    missing = [] if drawing else [f"  no picture: {len(samples.varying)} names vary, and it shows one or two"]
+    missing = [] if drawing else [f"  no picture: {len(samples.varying)} values vary, and a picture shows one or two"]
     print_result("\n".join([sweep_text(data, samples), *missing]), data, written, options.json)
     return 0
 
 
 def _run(plan: Plan, store: Path, options: argparse.Namespace) -> SweepResult:
     """Run the samples that are not in the store."""
-    progress = _Progress(plan.name)
+    progress = SampleProgress(plan.name)
     with _executor(options.scheduler) as (executor, threads):
         try:
             return run_plan(plan, executor, threads or options.workers, None, store, options.resume, progress)
@@ -84,22 +83,6 @@ def _run(plan: Plan, store: Path, options: argparse.Namespace) -> SweepResult:
             raise
         finally:
             show_progress()
-
-
-class _Progress:
-    """The line of progress: finished samples, and the estimated remaining time."""
-
-    def __init__(self, name: str) -> None:
-        self._name, self._began = name, time.monotonic()
-        self._first: int | None = None
-
-    def __call__(self, finished: int, total: int) -> None:
-        """Show that `finished` of `total` samples are finished."""
-        if self._first is None:
-            self._first, self._began = finished, time.monotonic()
-        passed, own = time.monotonic() - self._began, finished - self._first
-        left = f", about {duration_text((total - finished) / own * passed)} left" if own and finished < total else ""
-        show_progress(f"{self._name}: {finished} of {total} samples{left}")
 
 
 @contextmanager

@@ -26,7 +26,7 @@ from derive.mechanics.terms import EquationOfMotion, Reason, Term
 from derive.spec.model.body import Lowering
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class IndexedEquations(Equations):
     """The equations of motion of a body with their sums over the modes kept, and a row for a generic mode alpha_i.
 

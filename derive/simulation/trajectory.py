@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from derive.errors import TisserandError
+from derive.display import html
 from derive.ir.model import Model
 from derive.notes.scene_notes import scene_notes
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import counted, listed, summary
+from derive.simulation.conversions import data_frame, data_set
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
@@ -75,8 +76,17 @@ def column_values(scene: AnyScene, native: NativeScene, k: Vector, solution: Sol
     return columns
 
 
-class PandasMissing(TisserandError):
-    """The package pandas is not installed."""
+def column_docs(scene: AnyScene, model: Model) -> list[str]:
+    """The description of each column of a trajectory in a scene, in the order of `column_units`."""
+    return [
+        "time",
+        *(f"prescribed motion of {drive.joint}" for drive in scene.drives),
+        *(x.doc for x in (*model.coordinates, *model.velocities) for _ in x.columns),
+        *(f"multiplier: {x.doc}" for x in model.multipliers for _ in x.columns),
+        *(f"input: {x.doc}" for x in model.inputs),
+        *(x.doc for x in model.outputs for _ in x.columns),
+        *(name.replace("_", " ") for name in energy_names(scene, model)),
+    ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,11 +95,30 @@ class Trajectory(Mapping[str, Vector]):
 
     The columns are the time "t", the prescribed motions of drives, coordinates, their rates, multipliers, inputs that
     follow functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv)
-    and lam (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial
-    state, `motion` the basis of observables, `model` the kernels, `settings` those of the run, `validity` the monitors
-    of each beam, `warnings` the beams that pass a limit. An unknown name raises UnknownNameError.
+    and lam (n, nlambda) are the same as matrices. An unknown name raises UnknownNameError.
 
-    Of a body in space alone (`body`) the scene is empty; the last columns are its energies, J.
+    Attributes:
+        scene: the scene that is simulated; empty for a body in space alone, whose last columns are its energies, J.
+        model: the kernels.
+        initial: the consistent initial state.
+        motion: the basis of observables.
+        solution: the result of the integration, with its drift and cost.
+        settings: those of the run.
+        validity: the monitors of each beam; `warnings` has the beams that pass a limit.
+        body: the body in space, if it is simulated alone.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene(
+        ...     "flight", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (3, 4)}}}
+        ... )
+        >>> trajectory = derive.simulate(ball, duration=0.8, output=0.4)
+        >>> trajectory.columns
+        ('t', 'ball_c1', 'ball_c2', 'ball_phi', 'ball_c1dot', 'ball_c2dot', 'ball_phidot')
+        >>> trajectory["ball_c2"].round(6) + 0.0
+        array([0. , 0.8, 0. ])
+        >>> trajectory.units["ball_phidot"], trajectory.q.shape
+        ('rad/s', (3, 3))
     """
 
     scene: AnyScene
@@ -165,13 +194,32 @@ class Trajectory(Mapping[str, Vector]):
         return np.column_stack([self[name] for name in names]) if names else np.zeros((len(self.t), 0))
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame with the columns, indexed by time (s). Raises PandasMissing."""
-        try:
-            pandas = import_module("pandas")
-        except ImportError as error:
-            raise PandasMissing("to_pandas needs the package pandas: pip install pandas") from error
-        index = pandas.Index(self.t, name="t")
-        return pandas.DataFrame({column.name: column.values for column in self.table[1:]}, index=index)
+        """A pandas.DataFrame with the columns, indexed by time (s).
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> trajectory.to_pandas()["ball_c1"].round(3).tolist()
+            [0.0, 1.2, 2.4]
+        """
+        return data_frame(self.table)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset with the columns over the dimension `time` (s), with their units and descriptions.
+
+        The attributes of a column are `units` and `long_name`.
+
+        Raises:
+            XarrayMissing: if xarray is not installed.
+
+        Examples:
+            >>> trajectory.to_xarray()["ball_c1"].units
+            'm'
+        """
+        return data_set(
+            self.name, self.table, dict(zip(self.columns, column_docs(self.scene, self.model), strict=True))
+        )
 
     def __getitem__(self, name: str) -> Vector:
         for column in self.table:
@@ -187,4 +235,8 @@ class Trajectory(Mapping[str, Vector]):
 
     def __repr__(self) -> str:
         span = f"{len(self.t)} rows from {self.t[0]:g} to {self.t[-1]:g} s"
-        return f"Trajectory of {self.name}: {span}, columns {', '.join(self.columns)}"
+        warned = f"{counted(len(self.warnings), 'warning')}: {self.warnings[0]}" if self.warnings else ""
+        rows = {"columns": listed(self.columns), "warnings": warned, "notes": "; ".join(self.notes)}
+        return summary(f"Trajectory of {self.name}: {span}", rows)
+
+    _repr_html_ = html

@@ -22,6 +22,7 @@ from corpus.refusals import refusal
 from corpus.spatial_physics import physics_in_space
 from corpus.spatial_scenes import FIRST
 from derive import TisserandError
+from derive.short_text import full_text
 
 COMPILER = '#!/bin/sh\nexec cc "$@" -O0\n'
 """Compiles in a fifth of the time of -O2, and gives the same bits."""
@@ -65,7 +66,7 @@ def derived_once() -> Iterator[None]:
     lowered: dict[tuple[int, bool, bool], Any] = {}
 
     def derive(spec: Any) -> Any:
-        key = repr(spec)
+        key = full_text(spec)
         if key not in derived:
             derived[key] = equations(spec)
         return derived[key]

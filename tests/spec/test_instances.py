@@ -555,7 +555,7 @@ def test_faults_of_the_derivation_have_the_line_of_their_table(tmp_path: Path):
 @pytest.mark.long
 def test_hash_seed_does_not_matter():
     code = "import sys, derive\nfrom derive.spec.toml.read import parse\ntext = sys.stdin.read()\n"
-    code += "print(repr(parse(text)), derive.derive(parse(text)))\n"
+    code += "print(derive.short_text.full_text(parse(text)), derive.derive(parse(text)))\n"
     code += "try: parse(text.replace('i+1', 'i+2').replace('0.9^i', '1/i'))\n"
     code += "except derive.SpecError as error: print(error)\n"
     results = {

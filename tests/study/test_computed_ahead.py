@@ -90,7 +90,7 @@ def test_the_end_stops_what_is_computed_and_removes_its_temporary_folders(tmp_pa
 
 
 def test_nothing_is_computed_after_waiting(tmp_path: Path) -> None:
-    """What runs is finished, and what has not begun is left out."""
+    """Computations that run are finished, and those that have not begun are left out."""
 
     def marking(key: int) -> int:
         (tmp_path / f"begun {key}").touch()

@@ -11,6 +11,7 @@ from itertools import chain
 
 import sympy as sp
 
+from derive.display import html
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
@@ -35,6 +36,7 @@ from derive.mechanics.terms import (
     Term,
 )
 from derive.mechanics.time_functions import tried
+from derive.short_text import counted, listed, summary
 from derive.spec.model.scene import Redundant
 from derive.spec.model.scene_functions import splines, time_functions
 from derive.spec.model.specification import AnyScene
@@ -113,6 +115,19 @@ class InstancesOfKinds(ABC):
         lines += [f"  {title}: {', '.join(names) or 'none'}" for title, names in lists.items()]
         lines += [f"  {e.what}: {e.reason}" for e in self.eliminated]
         return "\n".join([*lines, "  the equations, one row for each velocity: print(mechanism.expanded())"])
+
+    def __repr__(self) -> str:
+        kinds = f"{counted(len(self.instances), 'body', 'bodies')} of {counted(len(self.kinds), 'kind')}"
+        return summary(
+            f"{type(self).__name__} {self.scene.name}: {kinds}, {counted(len(self.coordinates), 'coordinate')}",
+            {
+                "bodies": listed(instance.name for instance in self.instances),
+                "joints": listed(joint.name for joint in self.scene.joints),
+                "eliminated": listed(e.what for e in self.eliminated),
+            },
+        )
+
+    _repr_html_ = html
 
 
 @dataclass(frozen=True)
@@ -238,7 +253,7 @@ def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:
 
 def carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
     """The bodies whose pose depends on a prescribed motion, which functions without the argument t cannot describe."""
-    reason = "a drive carries it along, and these functions know no time"
+    reason = "a drive moves it, and these functions do not depend on time"
     names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 

@@ -21,6 +21,7 @@ from derive.runtime.integrators.compilation import header_flags, write_sources
 from derive.runtime.loading import shared_library
 from derive.runtime.native_call import Vector, doubles
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import counted, summary
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,28 @@ each constraint."""
 
 
 class IntegratorError(TisserandError):
-    """An integration stopped with a return code other than 0; `partial` has the rows it has reached, then NaN."""
+    """An integration in C stopped with a return code other than 0.
+
+    Attributes:
+        code: the return code.
+        partial: the rows it has reached, then NaN.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": 1, "markers": {"top": (0, 0.5)}, "keep_coordinates": True}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> rk4 = derive.FixedStep(derive.model_files(derive.lower(derive.derive(pendulum)), pendulum))
+        >>> try:
+        ...     rk4.run([0, -0.5, 0], [1, 0, 2], step=1000, steps=10)
+        ... except derive.IntegratorError as error:
+        ...     print(error)
+        pendulum: code 3 after t = 0: the constraints could not be met
+    """
 
     def __init__(self, name: str, code: int, partial: Integration, meanings: Mapping[int, str] = CODES) -> None:
         self.code, self.partial = code, partial
@@ -63,11 +85,30 @@ class IntegratorError(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class Integration:
-    """The result of an integration in SI units: t (rows,), q (rows, nq), v (rows, nv), multipliers lam (rows, nlambda).
+    """The result of an integration in C, in SI units.
 
-    For many initial states q, v and lam have a first axis with one element for each. counts: evaluations by name.
-    seconds: CPU time of the C function. An observer that ends the integration leaves the rows up to the one that it has
-    seen last.
+    For many initial states q, v and lam have a first axis with one element for each. An observer that ends the
+    integration leaves the rows up to the one that it has seen last.
+
+    Attributes:
+        t: the times (rows,), s.
+        q: coordinates (rows, nq).
+        v: generalised velocities (rows, nv).
+        lam: multipliers (rows, nlambda).
+        counts: evaluations by name.
+        seconds: CPU time of the C function.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> rk4 = derive.FixedStep(derive.model_files(derive.lower(derive.derive(ball)), ball))
+        >>> result = rk4.run([0, 0, 0], [3, 4, 0], step=0.1, steps=8, every=4)
+        >>> result.t
+        array([0. , 0.4, 0.8])
+        >>> result.q[:, 1].round(6) + 0.0
+        array([0. , 0.8, 0. ])
+        >>> result.counts["steps"]
+        8
     """
 
     t: Vector
@@ -76,6 +117,14 @@ class Integration:
     lam: Array
     counts: dict[str, int]
     seconds: float
+
+    def __repr__(self) -> str:
+        states = f", {self.q.shape[0]} states" if self.q.ndim == 3 else ""
+        counts = ", ".join(f"{count} {name}" for name, count in self.counts.items())
+        return summary(
+            f"Integration: {counted(len(self.t), 'row')}, nq = {self.q.shape[-1]}, nv = {self.v.shape[-1]}{states}",
+            {"cost": f"{counts}; {self.seconds:.3g} s of CPU time"},
+        )
 
 
 def fields(*names: str) -> list[tuple[str, Any]]:
@@ -127,6 +176,9 @@ class CIntegrator:
             t, rows = t[:good], rows[:good]
         q, v, lam = np.split(rows, np.cumsum([self.native.nq, self.native.nv]), axis=-1)
         return Integration(t, q, v, lam, {n: getattr(counts, n) for n, *_ in counts._fields_}, seconds)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__} of {self.native.name}"
 
 
 def times(t0: float, interval: float, rows: int) -> Vector:

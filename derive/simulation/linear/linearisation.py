@@ -21,9 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve, qr
 
+from derive.display import html
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.short_text import listed, summary
 from derive.simulation.configurations import rate_matrix, velocity_roles
 from derive.simulation.constraints.scaling import SINGULAR, mass_factor, spectrum
 from derive.simulation.linear.ports import inputs_of, outputs_of
@@ -36,11 +38,39 @@ WELL_CONDITIONED = 0.05
 class Linearisation:
     """The state space xdot = A x + B u, y = C x + D u about a state of a model, in SI units.
 
-    t, q (nq,), v (nv,), vdot (nv,), lam (nlambda,): the state, with its accelerations and multipliers. states: the
-    names of x = [z; w] (2 n,). inputs, outputs: the names of u and y: the run-time inputs and the outputs of a
-    scene. Without outputs y are the positions of the markers, and without inputs as well u are forces at the markers,
-    in the inertial frame; with outputs alone there is no u. All are small changes from the state. displacements
-    (nq, n): dq = displacements z if u = 0.
+    All of x, u and y are small changes from the state. Without outputs y are the positions of the markers, and without
+    inputs as well u are forces at the markers, in the inertial frame; with outputs alone there is no u.
+
+    Attributes:
+        t: the time of the state, s.
+        q: its coordinates (nq,).
+        v: its generalised velocities (nv,).
+        vdot: its accelerations (nv,).
+        lam: its multipliers (nlambda,).
+        states: the names of x = [z; w] (2 n,).
+        inputs: the names of u, the run-time inputs of a scene.
+        outputs: the names of y, the outputs of a scene.
+        A: the state matrix (2 n, 2 n).
+        B: the input matrix (2 n, inputs).
+        C: the output matrix (outputs, 2 n).
+        D: the feedthrough matrix (outputs, inputs).
+        displacements: the matrix (nq, n) of dq = displacements z if u = 0.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> linear = derive.modes(pendulum).linear
+        >>> linear.states
+        ('rod_phi', 'rod_phidot')
+        >>> linear.A.round(3) + 0.0
+        array([[  0.   ,   1.   ],
+               [-14.715,   0.   ]])
     """
 
     t: float
@@ -61,6 +91,18 @@ class Linearisation:
     def count(self) -> int:
         """The number n of independent coordinates."""
         return len(self.states) // 2
+
+    def __repr__(self) -> str:
+        return summary(
+            f"Linearisation at t = {self.t:g} s: xdot = A x + B u, y = C x + D u",
+            {
+                "states x": listed(self.states),
+                "inputs u": listed(self.inputs),
+                "outputs y": listed(self.outputs),
+            },
+        )
+
+    _repr_html_ = html
 
 
 class _Linear(NamedTuple):

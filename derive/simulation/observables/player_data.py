@@ -48,6 +48,9 @@ MAX_FRAMES, MAX_NUMBERS = 600, 40_000
 RESOLUTION = 2e-6
 """The step to which lengths are rounded, in sizes of the scene; angles in rad."""
 
+POINT = 1e-12
+"""m: markers that are never farther from each other than this are one point, which does not show where bodies are."""
+
 TIME_TICKS, CURVE_TICKS = (5, 16), (3, 6)
 """The least and the largest number of ticks of the axes."""
 
@@ -68,7 +71,10 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
     markers += [MarkerRef(b.name, m.name) for b in scene.bodies for m in b.markers]
     at = {marker: marker_positions(shown, marker) for marker in markers}
     beams = beam_bodies(scene)
-    low, high = _view([*at.values(), *(c for beam in beams for c in beam_points(shown, beam))])
+    paths = [*at.values(), *(c for beam in beams for c in beam_points(shown, beam))]
+    if not paths or np.ptp(np.concatenate(paths), axis=0).max() < POINT:
+        paths += [shown.pose(body.name)[:, :2] for body in scene.bodies if not isinstance(body, BeamBody)]
+    low, high = _view(paths)
     step = rounded(RESOLUTION * float(max(high - low)))
     time = shown.t if clock is None else clock[chosen]
     duration = float(time[-1] - time[0])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from derive.short_text import record_text
+
 
 @dataclass(frozen=True)
 class SceneOutput:
@@ -14,3 +16,4 @@ class SceneOutput:
     name: str
     kind: str
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
+    __repr__ = record_text

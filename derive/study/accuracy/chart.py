@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from derive.display import html
 from derive.percentages import percent
+from derive.short_text import counted, summary
 from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, duration, group_label, label_groups, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import Headline, candidates, front, headline, headline_texts
@@ -65,6 +67,13 @@ class LadderChart:
     def headline(self) -> Headline:
         """The result: the recommended run, a cheaper one in doubt, and the next better one."""
         return headline(self.lines, self.error, self.reference.error)
+
+    def __repr__(self) -> str:
+        runs = sum(len(line.points) for line in self.lines)
+        models = f"{counted(len(self.lines), 'model')} in {counted(runs, 'run')}"
+        return summary(f"LadderChart of {self.name}: {models}", {"notes": "; ".join(self.notes)})
+
+    _repr_html_ = html
 
 
 def accuracy_svg(chart: LadderChart, alone: bool = True) -> str:

@@ -132,8 +132,8 @@ def _without_reference(references: _References, error: float, further: str) -> s
     possible = rounded_up(best.error / references.share)
     larger = f"an error of {percent(possible)} or more, or " if possible < 1 else ""
     return (
-        f"an error of {percent(error)} needs a reference whose own error is a third of it at most, and none that was "
-        f"run is so accurate: {best.model.label} differs by {percent(worst.difference)} from that with {worst.label}"
+        f"an error of {percent(error)} needs a reference whose own error is at most a third of it. No reference was "
+        f"accurate enough: {best.model.label} differs by {percent(worst.difference)} from the model with {worst.label}"
         f"{further}. Ask for {larger}a shorter time"
     )
 

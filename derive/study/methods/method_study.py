@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.display import html
 from derive.errors import TisserandError, first_line
 from derive.runtime.native_call import Vector
+from derive.short_text import counted, summary
 from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
@@ -85,6 +87,12 @@ class MethodStudy:
         if any(len(run.t) and not len(run.energy) for run in self.drifts):
             return f"no energies of runs of fewer than {FEWEST} steps"
         return ""
+
+    def __repr__(self) -> str:
+        runs = counted(len(self.drifts) + len(self.forms), "run")
+        return summary(f"MethodStudy of {self.name}: {runs} along {self.along}", {"notes": "; ".join(self.notes)})
+
+    _repr_html_ = html
 
 
 MEMORY = 2e9

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from derive.display import html
 from derive.enumerations import enumeration
 from derive.remaining_time import RemainingTime
+from derive.short_text import counted, summary
 from derive.simulation.errors import SimulationError
 from derive.study.accuracy.models import LadderModel, refinements
 from derive.study.stability.model_path import ModelPath, model_path
@@ -89,6 +91,11 @@ class LadderStability:
         if not self.converged:
             return ()
         return wrong_intervals(path.intervals, self.truth, 0.0 if self.known else self.error or 0.0)
+
+    def __repr__(self) -> str:
+        return summary(f"LadderStability of {self.name}: {counted(len(self.paths), 'model')}", {"about": self.motion})
+
+    _repr_html_ = html
 
 
 def distance(value: float | None, truth: float | None) -> float | None:

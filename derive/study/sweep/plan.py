@@ -15,6 +15,7 @@ from derive.generated_models import package_hash
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import load_scene, model_library
+from derive.short_text import full_text
 from derive.simulation.inputs import with_functions
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
@@ -121,7 +122,7 @@ def make_plan(
         progress(f"checking the values: {number + 1}")
         texts = dict(zip(remaining, map(number_text, values), strict=True))
         scenes.append(builder.add(_simulated(changed({**_defaults(changes, samples), **texts})[0], options)))
-    cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
+    cases = tuple(Case(scene, model, _hash(full_text(scene))) for scene, model in scenes)
     chosen = tuple(output(text, builder.runs[0].scene, builder.runs[0].units) for text in outputs)
     check_outputs(chosen, builder.codes)
     number_of = {values: number for number, values in enumerate(dict.fromkeys(keys))}
@@ -132,9 +133,9 @@ def make_plan(
     order, states = _order(runs, cases, builder.codes, tuple(symbols[name] or "" for name in parameters))
     identity = {
         "Tisserand": f"{VERSION} {package_hash()}",
-        "the specification": _hash(*(fingerprint(case.scene) + repr(case.scene) for case in cases)),
+        "the specification": _hash(*(fingerprint(case.scene) + full_text(case.scene) for case in cases)),
         "the samples": _hash(repr(samples.names), samples.values.tobytes().hex()),
-        "the outputs": repr(chosen),
+        "the outputs": full_text(chosen),
     }
     known = {parameter.name: parameter.unit for parameter in builder.runs[0].model.parameters}
     return Plan(

@@ -14,7 +14,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike
 
+from derive import short_text
 from derive.errors import TisserandError
+from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 
 MOST_SAMPLES = 1_000_000
@@ -27,9 +29,18 @@ class SamplesError(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Values (n, names) of parameters, or of keys of a specification: a row for each sample.
+    """Values of parameters, or of keys of a specification: a row for each sample.
 
-    shape: the numbers of values of a grid, whose last name changes fastest; () if the samples are no grid.
+    Attributes:
+        names: those of the parameters or keys.
+        values: (n, names), in SI units.
+        shape: the numbers of values of a grid, whose last name changes fastest; () if the samples are no grid.
+
+    Examples:
+        >>> import derive
+        >>> samples = derive.Samples(("EI", "m"), [[10, 1], [20, 1]])
+        >>> samples.varying
+        ('EI',)
     """
 
     names: tuple[str, ...]
@@ -40,6 +51,7 @@ class Samples:
         repeated = sorted({name for name in self.names if self.names.count(name) > 1})
         if repeated:
             raise SamplesError(f"{', '.join(repeated)}: several sets of values; give one")
+        object.__setattr__(self, "values", np.asarray(self.values, dtype=np.float64))
         if self.values.ndim != 2 or self.values.shape[1] != len(self.names) or not self.values.size:
             raise SamplesError(f"samples of {len(self.names)} names need an array (n, {len(self.names)}) of values")
         if not np.all(np.isfinite(self.values)):
@@ -49,7 +61,17 @@ class Samples:
         return len(self.values)
 
     def axis(self, name: str) -> Vector:
-        """The different values of a name, in the order in which they appear."""
+        """The different values of the parameter or key `name`, in the order in which they appear.
+
+        Raises:
+            UnknownNameError: if there is no such name.
+
+        Examples:
+            >>> samples.axis("EI")
+            array([10., 20.])
+        """
+        if name not in self.names:
+            raise UnknownNameError("name of the samples", name, self.names)
         column = self.values[:, self.names.index(name)]
         return np.array(list(dict.fromkeys(column.tolist())))
 
@@ -57,6 +79,14 @@ class Samples:
     def varying(self) -> tuple[str, ...]:
         """The names that have more than one value."""
         return tuple(name for name in self.names if len(self.axis(name)) > 1)
+
+    def __repr__(self) -> str:
+        grid = f", a grid of {' x '.join(map(str, self.shape))}" if self.shape else ""
+        bounds = zip(self.names, self.values.min(axis=0), self.values.max(axis=0), strict=True)
+        ranges = short_text.listed(f"{name} from {low:.4g} to {high:.4g}" for name, low, high in bounds)
+        return short_text.summary(
+            f"Samples: {len(self)} of {short_text.counted(len(self.names), 'name')}{grid}", {"values": ranges}
+        )
 
 
 @dataclass(frozen=True)
@@ -91,10 +121,25 @@ def normal(mean: float, deviation: float) -> Random:
 
 
 def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
-    """All combinations of the values (m,) of each name; those of the last name change fastest.
+    """All combinations of the values of each name; those of the last name change fastest.
 
-    Values may be a text such as "10:100:40" (start:stop:count) or "10:100:40:log". Raises SamplesError.
+    Arguments:
+        axes: by name, values (m,), or a text such as "10:100:40" (start:stop:count) or "10:100:40:log".
+
+    Raises:
+        SamplesError: for a text that is none of these, for values that are not finite, and without any name.
+
+    Examples:
+        >>> import derive
+        >>> samples = derive.grid({"EI": "10:30:3", "m": [1, 2]})
+        >>> samples.shape
+        (3, 2)
+        >>> samples.values[:3]
+        array([[10.,  1.],
+               [10.,  2.],
+               [20.,  1.]])
     """
+    _check_names(axes)
     columns = [np.atleast_1d(np.asarray(_values(name, given), dtype=np.float64)) for name, given in axes.items()]
     for name, column in zip(axes, columns, strict=True):
         if len(set(column.tolist())) < len(column):
@@ -102,6 +147,12 @@ def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
     _check_count(math.prod(map(len, columns)))
     values = np.array(list(itertools.product(*columns)), dtype=np.float64).reshape(-1, len(columns))
     return Samples(tuple(axes), values, tuple(map(len, columns)))
+
+
+def _check_names(given: object) -> None:
+    """Raise SamplesError for anything but a mapping from names to values, which is not empty."""
+    if not isinstance(given, Mapping) or not given:
+        raise SamplesError('samples need names with their values, such as {"EI": [10, 20]}')
 
 
 def _check_count(count: int) -> None:
@@ -120,7 +171,22 @@ def _values(name: str, given: ArrayLike | str) -> ArrayLike:
 
 
 def listed(columns: Mapping[str, ArrayLike]) -> Samples:
-    """Samples one by one: the values (n,) of each name, or a number for all samples. Raises SamplesError."""
+    """Samples one by one: the first values of all names, the second ones, and so on.
+
+    Arguments:
+        columns: by name, values (n,), or a number for all samples.
+
+    Raises:
+        SamplesError: if the numbers of values differ.
+
+    Examples:
+        >>> import derive
+        >>> derive.listed({"EI": [10, 20, 40], "m": 2}).values
+        array([[10.,  2.],
+               [20.,  2.],
+               [40.,  2.]])
+    """
+    _check_names(columns)
     try:
         rows = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, dtype=np.float64)) for c in columns.values()))
     except ValueError:
@@ -129,12 +195,30 @@ def listed(columns: Mapping[str, ArrayLike]) -> Samples:
 
 
 def random_samples(axes: Mapping[str, Random | float | str], count: int, seed: int = 0) -> Samples:
-    """`count` independent random samples, of which the first ones do not depend on their number. Raises SamplesError.
+    """Independent random samples, of which the first ones do not depend on their number.
 
-    axes: a distribution for each name, such as "uniform(10, 100)", "loguniform(1, 100)" or "normal(10, 0.5)" with its
-    standard deviation; or a number, which all samples have. The numbers follow from the seed alone: those of the
-    generator of Python's `random`, which all versions share.
+    The numbers follow from the seed alone: those of the generator of Python's `random`, which all versions share.
+
+    Arguments:
+        axes: a distribution for each name, such as "uniform(10, 100)", "loguniform(1, 100)" or "normal(10, 0.5)" with
+            its standard deviation; or a number, which all samples have.
+        count: the number of samples.
+        seed: of the generator.
+
+    Raises:
+        SamplesError: for a text that is no distribution, and for a count below 1.
+
+    Examples:
+        >>> import derive
+        >>> samples = derive.random_samples({"EI": "uniform(10, 100)", "m": "normal(1, 0.1)"}, 100, seed=1)
+        >>> samples.values.shape
+        (100, 2)
+        >>> samples.values.mean(axis=0).round(1)
+        array([52.8,  1. ])
     """
+    _check_names(axes)
+    if not isinstance(count, int) or count < 1:
+        raise SamplesError(f"the number of samples is a whole number from 1 on, not {count}")
     _check_count(count)
     generator, known = random.Random(seed), [_distribution(name, axis) for name, axis in axes.items()]
     rows = [[axis.quantile(max(generator.random(), 2.0**-53)) for axis in known] for _ in range(count)]

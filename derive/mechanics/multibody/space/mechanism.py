@@ -45,7 +45,7 @@ class SpatialActionInstance:
     values: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SpatialMechanism(InstancesOfKinds):
     """The kinds, instances, joints and forces of a scene in space. `expanded()` returns the equations of all of them.
 

@@ -1,0 +1,87 @@
+"""The HTML of studies: their chart and their table; of a sweep its picture and the extremes of its outputs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from derive.notebook.parts import Writers, folded, head, joined, lines, number, paragraph, picture, table
+from derive.short_text import counted
+from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.table import model_table
+from derive.study.methods.method_study import MethodStudy
+from derive.study.methods.methods_chart import methods_svg
+from derive.study.methods.methods_table import tables
+from derive.study.stability.chart import stability_svg
+from derive.study.stability.ladder_stability import LadderStability
+from derive.study.stability.table import mode_table, truth_sentences
+from derive.study.sweep.picture import sweep_svg
+from derive.study.sweep.result import SweepResult
+from derive.study.table import StudyTable
+
+
+def study_table(of: StudyTable) -> str:
+    """The table of a study with all of its rows and its notes."""
+    heads = [f"{c.heading}, {c.unit}" if c.unit else c.heading for c in of.columns]
+    return table(heads, of.cells, of.left, most=max(1, len(of.cells))) + lines(f"{note}." for note in of.footnotes)
+
+
+def sweep_html(result: SweepResult) -> str:
+    """A sweep: its picture over one or two names, the extremes of each output, and failed samples."""
+    failed = f", {counted(len(result.failures), 'failure')}" if result.failures else ""
+    drawn = sweep_svg(result)
+    rows = []
+    for label, values in zip(result.labels, result.values.T, strict=True):
+        least, largest = int(np.nanargmin(values)), int(np.nanargmax(values))
+        rows.append(
+            (label, number(values[least]), _sample(result, least), number(values[largest]), _sample(result, largest))
+        )
+    return joined(
+        head(result.name, f"sweep of {counted(len(result.samples), 'sample')}{failed}"),
+        picture(drawn, f"Sweep of {result.name}: {', '.join(result.labels)}") if drawn else "",
+        table(("output", "least", "at", "largest", "at"), rows),
+        lines(f"{counted(count, 'sample')}: {text}" for text, count, _ in result.reasons()),
+        lines(f"warning: {text}" for texts in result.warnings.values() for text in texts),
+    )
+
+
+def _sample(result: SweepResult, number_of: int) -> str:
+    """The values of a sample that vary."""
+    values = result.sample(number_of)
+    return ", ".join(f"{name} = {values[name]:g}" for name in result.samples.varying)
+
+
+def accuracy_html(chart: LadderChart) -> str:
+    """A study of accuracy: error over cost for a ladder of models, and the table of these models."""
+    return joined(
+        head(chart.name, "accuracy against cost"),
+        picture(accuracy_svg(chart), f"{chart.name}: error over CPU time and over operations"),
+        folded("Models", study_table(model_table(chart))),
+        paragraph(f"Times were measured on {chart.machine}."),
+    )
+
+
+def methods_html(study: MethodStudy) -> str:
+    """A study of methods: its chart and its tables."""
+    return joined(
+        head(study.name, "methods of integration and formulations"),
+        picture(methods_svg(study), f"{study.name}: methods"),
+        "".join(folded(of.title or "Table", study_table(of)) for of in tables(study)),
+    )
+
+
+def stability_html(of: LadderStability) -> str:
+    """A study of stability: its chart, what is known of the loss of stability, and the models."""
+    return joined(
+        head(of.name, "stability over a ladder of models"),
+        picture(stability_svg(of), f"{of.name}: stability"),
+        lines(truth_sentences(of)),
+        folded("Models", study_table(mode_table(of))),
+    )
+
+
+WRITERS: Writers = {
+    SweepResult: sweep_html,
+    LadderChart: accuracy_html,
+    MethodStudy: methods_html,
+    LadderStability: stability_html,
+}
