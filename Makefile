@@ -39,6 +39,7 @@ test-hosts: $(VENV)/installed-hosts
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
 
 docs: $(VENV)/installed-docs
+	$(BIN)/python -m docs.gallery
 	$(BIN)/python docs/website/assemble.py build/docs/source
 	$(BIN)/sphinx-build --quiet --jobs 2 --fail-on-warning --keep-going -c docs -d build/docs/doctrees build/docs/source site
 	@echo "The site is site/index.html."

@@ -120,17 +120,20 @@ def measured(cases: Sequence[Case], runs: int, flags: tuple[str, ...]) -> list[C
     return [replace(c.cost, nanoseconds=round(ns, 2)) for c, ns in zip(cases, medians, strict=True)]
 
 
-def table(costs: Sequence[Cost]) -> str:
-    """The figures as a table of Markdown: a row for each frame and number of shapes, first / truncated / full."""
-    lines = [
-        "| frame | shapes | nnz(M) | k | M and h | accel | ns |",
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
+SIZE = {"nonzeros": "nnz(M)", "constants": "k"}
+COST = {"mass_force": "M and h", "accel": "accel", "nanoseconds": "ns"}
+"""The figures of each table with their headings."""
+
+
+def table(costs: Sequence[Cost], figures: dict[str, str]) -> str:
+    """A table with a row for each frame and number of shapes, and a column for each figure and order."""
+    head = ["frame", "shapes", *(f"{title}, {order}" for title in figures.values() for order in ORDERS)]
+    lines = [f"| {' | '.join(head)} |", f"| --- |{' ---: |' * (len(head) - 1)}"]
     for frame, shapes in dict.fromkeys((cost.frame, cost.shapes) for cost in costs):
         rows = [cost for cost in costs if (cost.frame, cost.shapes) == (frame, shapes)]
-        cells = [[getattr(cost, name) for cost in rows] for name in ("nonzeros", "constants", "mass_force", "accel")]
-        cells.append([f"{cost.nanoseconds:.1f}" if cost.nanoseconds is not None else "-" for cost in rows])
-        lines.append(f"| {frame} | {shapes} | " + " | ".join(" / ".join(map(str, cell)) for cell in cells) + " |")
+        values = (getattr(cost, name) for name in figures for cost in rows)
+        cells = ("-" if x is None else f"{x:.1f}" if isinstance(x, float) else str(x) for x in values)
+        lines.append(f"| {frame} | {shapes} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -152,7 +155,7 @@ def main() -> None:
     if options.json:
         print(json.dumps({"setting": setting, "rows": [asdict(cost) for cost in costs]}, indent=2))
     else:
-        print("\n".join([*setting, "columns   order 1 / order 2, truncated / order 2, full", "", table(costs)]))
+        print("\n".join([*setting, "", table(costs, SIZE), "", table(costs, COST)]))
 
 
 if __name__ == "__main__":

@@ -34,10 +34,19 @@ JOURNAL = ".pending.tisserand"
 
 @dataclass(frozen=True)
 class File:
-    """A generated text file, with its path below the output folder.
+    r"""A generated text file, with its path below the output folder.
 
-    record: of a format without comments, such as CSV, the path of the JSON file that carries our mark instead, with the
-    SHA-256 of this file under `files`, by its name.
+    Attributes:
+        path: the path below the output folder, with slashes.
+        text: the content.
+        record: of a format without comments, such as CSV, the path of the JSON file that carries our mark instead, with
+            the SHA-256 of this file under `files`, by its name; None where the text carries the mark itself.
+
+    Examples:
+        >>> import derive
+        >>> file = derive.File("notes/readme.txt", "free beam\n")
+        >>> file.path, file.data
+        ('notes/readme.txt', b'free beam\n')
     """
 
     path: str
@@ -78,8 +87,23 @@ class UnusableFolder(TisserandError):
 def write(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
     """Write files below a folder, all or none of them; those that are equal already are left alone.
 
-    Raises ForeignFile, before anything is written, when a path holds a file without our mark; OSError as the system
-    does.
+    Arguments:
+        files: those of `model_files` or `exported`.
+        folder: the output folder, which is made if it is missing.
+
+    Raises:
+        ForeignFile: before anything is written, when a path holds a file without our mark.
+        UnusableFolder: when the folder cannot be made, because a file is in its place.
+        OSError: as the system does, such as on a full disk.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> files = derive.model_files(derive.lower(derive.derive(beam)), beam)
+        >>> derive.write(files, "generated")
+        >>> from pathlib import Path
+        >>> sorted(path.name for path in Path("generated/beam").iterdir())
+        ['beam.c', 'beam.h', 'beam.py', 'manifest.json']
     """
     check_targets(files, folder)
     _replace([(Path(folder) / file.path, file.data) for file in files], Path(folder))

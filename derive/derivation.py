@@ -52,7 +52,26 @@ def derive(spec: Specification) -> IndexedEquations | AnyMechanism:
     """The equations of motion of a body, or the mechanism that a scene describes.
 
     Both have a method `expanded()`, which expands the sums over the modes and, for a mechanism, the equations of every
-    instance of a body. Raises SpecError if the specification has no valid equations, TypeError if it is none.
+    instance of a body.
+
+    Arguments:
+        spec: a specification, as `read`, `planar_beam` or `scene` return it.
+
+    Returns:
+        For a body its equations with a row for a generic mode; for a scene a Mechanism.
+
+    Raises:
+        SpecError: if the specification has no valid equations.
+        TypeError: for anything but a specification.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> equations = derive.derive(beam).expanded()
+        >>> [row.name for row in equations.rows]
+        ['c1', 'c2', 'phi', 'alpha1', 'alpha2']
+        >>> equations.mass[2, 2]
+        J
     """
     check_specification(spec)
     match spec:
@@ -71,7 +90,28 @@ def derive(spec: Specification) -> IndexedEquations | AnyMechanism:
 
 
 def modal(spec: NodalBody) -> ModalBody:
-    """The shape integrals of a finite-element body, in its frame. Raises SpecError with a list of all faults."""
+    """The shape integrals of a finite-element body, in its frame.
+
+    Arguments:
+        spec: the body, as `nodal_body` or `read` return it.
+
+    Raises:
+        SpecError: with a list of all faults of the nodes, matrices and modes.
+        TypeError: for anything but a finite-element body.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> square = derive.nodal_body("square", nodes, units="SI")
+        >>> body = derive.modal(square)
+        >>> body.mass, body.C3[2, 2]  # kg, kg m^2
+        (4.0, np.float64(8.0))
+        >>> (body.stiffness / body.c8) ** 0.5  # natural frequency, rad/s
+        array([[10.]])
+    """
     from derive.reduction import reduce  # only a body of nodes needs it, and SciPy's rotations
 
     return reduce(spec)
@@ -98,14 +138,61 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
 
 @paused()
 def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> IndexedEquations:
-    """The equations of motion of a body given by its shape integrals; `lowering` is auto, flat or loops."""
+    """The equations of motion of a body given by its shape integrals.
+
+    Arguments:
+        body: mass, shape integrals, stiffness and damping, as `modal` or `derive.sid.read` return them.
+        gravity: three components, m/s^2, numbers or parameters; None for no gravity.
+        lowering: "flat" (sums unrolled), "loops" (loops over the modes) or "auto" (the faster, as predicted).
+
+    Returns:
+        The equations with a row for a generic mode; `lower` makes kernels of them.
+
+    Raises:
+        TypeError: for anything but the shape integrals of a body.
+        ValueError: for another lowering, and for gravity that has not three components.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> square = derive.nodal_body("square", nodes, units="SI")
+        >>> equations = derive.derive_modal(derive.modal(square), gravity=(0, 0, -10))
+        >>> model = derive.lower(equations)
+        >>> [velocity.name for velocity in model.velocities]
+        ['c1dot', 'c2dot', 'c3dot', 'omega1', 'omega2', 'omega3', 'alpha1dot']
+    """
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
 
 
 def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
-    """The parameter vector p (parameters,) with which the model of `spec` represents `body`; gravity has its defaults.
+    """The parameters with which the model of a symbolic body represents a particular body; gravity has its defaults.
 
-    Raises ValueError if the numbers of modes differ, or if the body has a non-zero integral that vanishes in the model.
+    Arguments:
+        body: the shape integrals of the body, as `modal` returns them.
+        spec: the symbolic body, whose compiled model takes the parameters.
+
+    Returns:
+        The vector p (parameters,) in SI units, for `Native.setup`.
+
+    Raises:
+        ValueError: if the numbers of modes differ, or if the body has a non-zero integral that vanishes in the model.
+        TypeError: for anything but shape integrals and a symbolic body.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> square = derive.nodal_body("square", nodes, units="SI")
+        >>> any_body = derive.symbolic_body("any_body", modes=1)
+        >>> model = derive.lower(derive.derive(any_body))
+        >>> p = derive.parameters(derive.modal(square), any_body)
+        >>> [(parameter.name, float(value)) for parameter, value in zip(model.parameters, p)][:3]
+        [('m', 4.0), ('C3_11_', 4.0), ('C3_12_', 0.0)]
     """
     if body.modes != spec.modes:
         raise ValueError(f"{spec.name} has {spec.modes} modes and {body.name} {body.modes}")
@@ -114,13 +201,26 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
 
 @paused()
 def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
-    """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
+    """The kernels of a model: straight-line code, or loops over modes or bodies where these are predicted to be faster.
 
-    sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and
-    inputs, which models with loops over the modes do not have. explicit: leave out the kernels of a scene that explicit
-    integration does not call, which takes half the time.
-    Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
-    sensitivities are required; TypeError for anything but equations.
+    Arguments:
+        derived: what `derive` returns.
+        sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters
+            and inputs, which models with loops over the modes do not have.
+        explicit: leave out the kernels of a scene that explicit integration does not call, which takes half the time.
+
+    Raises:
+        SpecError: if the specification requires straight-line code that would be too long, or has loops where
+            sensitivities are required.
+        TypeError: for anything but equations or a mechanism.
+
+    Examples:
+        >>> import derive
+        >>> model = derive.lower(derive.derive(derive.planar_beam("beam")))
+        >>> model.lowering
+        'flat'
+        >>> [kernel.name for kernel in model.kernels][:4]
+        ['setup', 'mass', 'force', 'mass_force']
     """
     if not isinstance(derived, (Equations, Mechanism, SpatialMechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")

@@ -10,7 +10,16 @@ from dataclasses import dataclass
 
 
 class TisserandError(Exception):
-    """An error that its text explains: the base class of all exceptions of this package."""
+    """An error that its text explains: the base class of all exceptions of this package.
+
+    Examples:
+        >>> import derive
+        >>> try:
+        ...     derive.planar_beam("beam", frame="meen")
+        ... except derive.TisserandError as error:
+        ...     print(error)
+        beam.frame: the frame is one of "mean", "point", "chord", "tangent", "given", not "meen"; did you mean "mean"?
+    """
 
 
 @dataclass(frozen=True)
@@ -27,7 +36,21 @@ class Problem:
 
 
 class SpecError(TisserandError):
-    """A specification that cannot be used; `problems` holds all its faults, `source` the file."""
+    """A specification that cannot be used.
+
+    Attributes:
+        problems: all its faults, each with `path` (its key), `message` and `line` (of the TOML file, or None).
+        source: the file, or None.
+
+    Examples:
+        >>> import derive
+        >>> try:
+        ...     derive.planar_beam("beam", mass=-1, length=0)
+        ... except derive.SpecError as error:
+        ...     print(error)
+        beam.mass: a positive number is needed, not -1
+        beam.length: a positive number is needed, not 0
+    """
 
     def __init__(self, problems: tuple[Problem, ...], source: str | None = None) -> None:
         self.problems = problems

@@ -104,9 +104,27 @@ def generate(
 def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:
     """The files of a model as `tisserand build` writes them: of the backends of these names, and the manifest.
 
-    spec: the specification that the model was made from. The files of a scene contain its initial state as the function
-    NAME_start; where there is no initial state, a warning of Python says why. Raises UnknownNameError for a name that
-    is not in `BACKENDS`.
+    The files of a scene contain its initial state as the function NAME_start; where there is no initial state, a
+    warning of Python says why.
+
+    Arguments:
+        model: the kernels that `lower` returns.
+        spec: the specification that the model was made from.
+        backends: names in `derive.backends.model_files.BACKENDS`: "c", "python".
+
+    Raises:
+        UnknownNameError: for a backend that is not registered.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> model = derive.lower(derive.derive(beam))
+        >>> for file in derive.model_files(model, beam):
+        ...     print(file.path)
+        beam/beam.h
+        beam/beam.c
+        beam/beam.py
+        beam/manifest.json
     """
     if isinstance(spec, (Scene, SpatialScene)) and model.start is None:
         model, unstarted = _started(spec, model)

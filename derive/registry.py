@@ -16,10 +16,19 @@ MOST_LISTED = 30
 
 
 class UnknownNameError(TisserandError, KeyError):
-    """A name that is not in an open set.
+    """A name that is not in an open set; the text lists the names that are, and the nearest one.
 
-    name: as it was given; known: the names of the set, in its order. The text lists these, or as many of them as
-    someone reads, and the nearest one.
+    Attributes:
+        name: the name as it was given.
+        known: the names of the set, in its order.
+
+    Examples:
+        >>> import derive
+        >>> try:
+        ...     derive.JOINTS["revolut"]
+        ... except derive.UnknownNameError as error:
+        ...     print(error)
+        there is no joint "revolut"; did you mean "revolute"? known: revolute, weld, fixed, translational
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
@@ -37,12 +46,14 @@ class UnknownNameError(TisserandError, KeyError):
 
 
 class Registry(Mapping[str, T], Generic[T]):
-    """The members of an open set by their names, in the order of their registration.
+    """The members of an open set by their names, in the order of their registration: a mapping that can be extended.
 
     `registry[name]` raises UnknownNameError if there is no such member. `kind` is what messages call a member.
     """
 
-    def __init__(self, kind: str, members: Mapping[str, T] | None = None) -> None:
+    def __init__(self, kind: str, members: Mapping[str, T] | None = None, doc: str = "") -> None:
+        if doc:
+            self.__doc__ = doc
         self.kind = kind
         self._members: dict[str, T] = dict(members or {})
         self._first = dict(self._members)
@@ -53,13 +64,33 @@ class Registry(Mapping[str, T], Generic[T]):
         return self._members != self._first
 
     def register(self, name: str, member: T) -> None:
-        """Add a member. Raises ValueError if the name is taken: two members of one name hide each other."""
+        """Add a member under a name.
+
+        Raises:
+            ValueError: if the name is taken, since two members of one name hide each other.
+
+        Examples:
+            >>> derive.JOINTS.register("hinge", derive.JOINTS["revolute"])
+            >>> "hinge" in derive.JOINTS
+            True
+            >>> derive.JOINTS.unregister("hinge")
+        """
         if name in self._members:
             raise ValueError(f"the {self.kind} {quoted(name)} is registered already")
         self._members[name] = member
 
     def unregister(self, name: str) -> None:
-        """Remove a member. Raises UnknownNameError."""
+        """Remove the member with a name.
+
+        Raises:
+            UnknownNameError: if there is no such member.
+
+        Examples:
+            >>> derive.JOINTS.register("pin", derive.JOINTS["revolute"])
+            >>> derive.JOINTS.unregister("pin")
+            >>> "pin" in derive.JOINTS
+            False
+        """
         self[name]
         del self._members[name]
 

@@ -6,7 +6,15 @@ from enum import Enum, StrEnum
 
 
 class Role(Enum):
-    """The kind of a generalised coordinate; the values are those of the descriptor of a generated model."""
+    """The kind of a generalised coordinate; the values are those of the descriptor of a generated model.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> model = derive.lower(derive.derive(beam))
+        >>> [coordinate.name for coordinate in model.coordinates if coordinate.role is derive.Role.AMPLITUDE]
+        ['alpha1', 'alpha2']
+    """
 
     TRANSLATION = 1
     """Component of the position of the origin of a floating frame in the inertial frame."""

@@ -12,12 +12,14 @@ author = "The authors of Tisserand"
 project_copyright = ""
 version = release = VERSION
 language = "en"
+python_maximum_signature_line_length = 80
+add_module_names = False
 html_title = "Tisserand"
 html_theme = "furo"
-extensions = ["myst_nb", "sphinx_copybutton", "website.formulas"]
+extensions = ["myst_nb", "sphinx_copybutton", "website.accessibility", "website.formulas"]
 exclude_patterns = ["README.md"]  # parts of it are included by pages
 
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 6
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(Path(__file__).parent.parent / "build/docs/notebooks")
@@ -26,7 +28,8 @@ nb_execution_timeout = 300
 
 html_math_renderer = "mathml"
 html_static_path = ["website/static"]
-html_css_files = ["site.css"]
+html_extra_path = ["../build/docs/extra"]  # players and reports, which are complete pages
+html_css_files = ["site.css", "gallery.css"]
 html_js_files = ["scroll.js"]
 html_show_sphinx = False
 html_show_copyright = False

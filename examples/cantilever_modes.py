@@ -6,12 +6,15 @@ beta l = 1.8751041. The static gain D - C A^-1 B from a force to the deflection 
 are the computed beta l, and the gain over the exact one.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import derive
 
 
-def main() -> tuple[float, float]:
+def main(folder: str | None = None) -> tuple[float, float]:
     """Return beta l of the first mode, and the static gain over the exact one."""
     scene = derive.scene(
         "cantilever_modes",
@@ -36,8 +39,20 @@ def main() -> tuple[float, float]:
     gain = (linear.D - linear.C @ np.linalg.solve(linear.A, linear.B))[deflection, force]
     for number, mode in enumerate(found.modes[:3], 1):
         print(f"mode {number}: {mode.frequency:.4f} Hz")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        xi = np.linspace(-1, 1, 101)
+        for number, mode in enumerate(found.modes[:3], 1):
+            shape = np.polynomial.legendre.legval(xi, mode.shape[1:].real)  # c2, l phi/2 with l/2 = 1 m, alpha
+            axes.plot(1 + xi, shape / shape[-1], label=f"mode {number}, {mode.frequency:.3f} Hz")
+        axes.set(xlabel="distance from the wall, m", ylabel="deflection, of that of the tip")
+        axes.legend()
+        figure.savefig(Path(folder) / "cantilever_modes.svg")
+        plt.close(figure)
     return float(beta), float(gain / (2**3 / (3 * 50)))
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

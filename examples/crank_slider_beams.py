@@ -6,6 +6,7 @@ dividing the rod recovers it, because every beam has a floating frame of its own
 deflection, relative to the peak of the reference: 20.6 % and 3.0 %.
 """
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,21 +30,35 @@ def deflection(trajectory: derive.Trajectory) -> np.ndarray:
     return (chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]) / np.hypot(*chord.T) / LENGTH
 
 
-def main() -> list[float]:
+def main(folder: str | None = None) -> list[float]:
     """Return the rms errors with one and two beams."""
     scene = derive.read(SCENES / "crank_slider_3.toml")
     reference = np.genfromtxt(SCENES / "crank_slider_A.csv", delimiter=",", names=True)
     crank, rod, slider = scene.bodies
-    errors = []
+    errors, curves = [], []
     for beams in (1, 2):
         trajectory = derive.simulate(replace(scene, bodies=(crank, replace(rod, pieces=beams), slider), plots=()))
-        computed = scipy.interpolate.CubicSpline(trajectory["t"], deflection(trajectory))
+        curves.append((trajectory["motor"], deflection(trajectory)))
+        computed = scipy.interpolate.CubicSpline(trajectory["t"], curves[-1][1])
         exact = reference["midpoint_deflection_over_L"]
         off = (computed(reference["t_s"]) - exact) / np.abs(exact).max()
         errors.append(float(np.sqrt(np.mean(off**2))))
         print(f"{beams} beam{'s' if beams > 1 else ' '}: rms error {100 * errors[-1]:.1f} % of the peak")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(
+            reference["crank_angle_rad"], exact, color="gray", linewidth=5, alpha=0.5, label="nonlinear finite elements"
+        )
+        for (angle, curve), beams in zip(curves, ("1 beam", "2 beams"), strict=True):
+            axes.plot(angle, curve, label=beams)
+        axes.set(xlabel="crank angle, rad", ylabel="deflection of the middle, of the length")
+        axes.legend()
+        figure.savefig(Path(folder) / "crank_slider_beams.svg")
+        plt.close(figure)
     return errors
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -5,6 +5,7 @@ midpoint. Both models predict nearly the same deflection, but the mass matrix of
 numbers are, for each frame, the non-zeros and the largest deflection of the middle of the rod over its length.
 """
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,10 +23,10 @@ def with_rod(scene: derive.Scene, frame: derive.Frame) -> derive.Scene:
     return replace(scene, bodies=(crank, replace(rod, beam=beam, pieces=1), slider), plots=())
 
 
-def main() -> dict[str, tuple[int, float]]:
+def main(folder: str | None = None) -> dict[str, tuple[int, float]]:
     """Return the non-zeros of M and the largest deflection over the length by frame."""
     scene = derive.read(SCENE)
-    result = {}
+    result, curves = {}, {}
     for frame in (derive.Frame("mean"), derive.Frame("point", at=0)):
         trajectory = derive.simulate(with_rod(scene, frame))
         a1, a2 = trajectory["rod_alpha1"], trajectory["rod_alpha2"]
@@ -36,10 +37,21 @@ def main() -> dict[str, tuple[int, float]]:
         chord = np.hypot(0.3, right - left)
         deflection = (middle - (left + right) / 2) * 0.3 / chord / 0.3
         nonzeros = trajectory.model.pattern("mass", "M").full_nnz
+        curves[frame.kind] = trajectory["motor"], deflection
         result[frame.kind] = nonzeros, float(deflection.max())
         print(f"{frame.kind:>5} frame: {nonzeros:2} non-zeros, largest deflection {deflection.max():.7f} of the length")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        for name, (angle, curve) in curves.items():
+            axes.plot(angle, curve, label=f"{name} frame", linestyle="--" if name == "point" else "-")
+        axes.set(xlabel="crank angle, rad", ylabel="deflection of the middle, of the length")
+        axes.legend()
+        figure.savefig(Path(folder) / "crank_slider_frames.svg")
+        plt.close(figure)
     return result
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -5,6 +5,9 @@ is released at an angle of 0.1 rad. The bearing leaves one coordinate, `wheel_ph
 difference between the simulated angle and the closed form, in rad.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import derive
@@ -12,7 +15,7 @@ import derive
 INERTIA, STIFFNESS, DAMPING, RELEASE = 1.0, 100.0, 4.0, 0.1
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the largest error of the angle, rad."""
     scene = derive.scene(
         "damped_oscillator",
@@ -43,8 +46,18 @@ def main() -> float:
     exact = RELEASE * np.exp(-decay * t) * (np.cos(frequency * t) + decay / frequency * np.sin(frequency * t))
     error = float(np.abs(trajectory["wheel_phi"] - exact).max())
     print(f"largest error of the angle: {error:.2e} rad")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(t, exact, color="gray", linewidth=5, alpha=0.5, label="closed form")
+        axes.plot(t, trajectory["wheel_phi"], label="simulated")
+        axes.set(xlabel="time, s", ylabel="angle, rad")
+        axes.legend()
+        figure.savefig(Path(folder) / "damped_oscillator.svg")
+        plt.close(figure)
     return error
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -5,6 +5,7 @@ crank-slider with a rod of three beams has 16 coordinates. Its KKT matrix is ass
 SciPy. The number is the largest difference to the accelerations of the generated LDL^T, relative to the largest one.
 """
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import derive
 SCENE = Path(__file__).parent.parent / "scenes" / "crank_slider_3.toml"
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the largest relative difference of the accelerations."""
     scene = derive.read(SCENE)
     native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
@@ -33,8 +34,16 @@ def main() -> float:
     solution = scipy.sparse.linalg.spsolve(kkt, right)[: native.nv]
     vdot = native.accel(0.0, q, v, k)
     print(f"{mass.nnz} non-zeros in M, {kkt.nnz} in the KKT matrix of {kkt.shape[0]} rows")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots(figsize=(5, 5))
+        axes.spy(kkt, markersize=5, color="C2")
+        axes.set(xlabel="column: accelerations, multipliers", ylabel="row: equations of motion, constraints")
+        figure.savefig(Path(folder) / "dense_and_sparse.svg")
+        plt.close(figure)
     return float(np.abs(solution - vdot).max() / np.abs(vdot).max())
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -6,6 +6,7 @@ package scikit-sundae (`pip install 'tisserand[ida]'`). Both follow the crank-sl
 The number is the largest difference of the amplitudes, relative to their largest value.
 """
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import derive
 SCENE = Path(__file__).parent.parent / "scenes" / "crank_slider_3.toml"
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the largest relative difference of the amplitudes."""
     scene = derive.read(SCENE)
     crank, rod, slider = scene.bodies
@@ -28,8 +29,18 @@ def main() -> float:
         cost = trajectory.solution.cost
         print(f"{integrator}: {cost.steps} steps, {cost.evaluations} evaluations")
     difference = np.abs(amplitudes[0] - amplitudes[1]).max() / np.abs(amplitudes[0]).max()
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        for values, name in zip(amplitudes, ("DOP853", "IDA"), strict=True):
+            axes.plot(1e3 * trajectory["t"], 1e3 * values, label=name, linestyle="--" if name == "IDA" else "-")
+        axes.set(xlabel="time, ms", ylabel="first amplitude of the rod, mm")
+        axes.legend()
+        figure.savefig(Path(folder) / "dop853_or_ida.svg")
+        plt.close(figure)
     return float(difference)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -1,4 +1,5 @@
-/* Simulate scenes/double_pendulum.toml from its initial state, with the Runge-Kutta method of templates/host:
+/* A double pendulum in C: the generated code of scenes/double_pendulum.toml, from its initial state, with the Runge-Kutta
+ * method of templates/host.
  *
  *     cc -std=c99 -O2 -Igenerated/double_pendulum -Itemplates/host -DTISSERAND_HEADER='"double_pendulum.h"' \
  *        examples/double_pendulum.c templates/host/fixed_step.c generated/double_pendulum/double_pendulum.c -lm

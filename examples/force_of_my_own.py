@@ -5,6 +5,9 @@ F = -b |v| v. Once it is registered, a specification may use it. A body that fal
 V tanh(g t/V), where V = sqrt(m g/b). The number is the simulated speed over this one.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import sympy
 
@@ -37,7 +40,7 @@ class Drag(derive.extensions.ForceType):
         return derive.extensions.GeneralisedForce(derive.extensions.force_terms(element.name, at, force, rows))
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the simulated speed of a falling body over the exact one."""
     if "drag" not in derive.FORCES:
         derive.FORCES.register("drag", Drag())
@@ -48,12 +51,24 @@ def main() -> float:
         forces={"air": {"kind": "drag", "at": "ball.centre", "drag": DRAG}},
         simulation={"duration": DURATION, "output": 0.05, "tolerance": 1e-10},
     )
-    speed = -derive.simulate(scene)["ball_c2dot"][-1]
+    motion = derive.simulate(scene)
+    speed = -motion["ball_c2dot"][-1]
     limit = np.sqrt(MASS * GRAVITY / DRAG)
     exact = limit * np.tanh(GRAVITY * DURATION / limit)
     print(f"speed {speed:.8f} m/s, exact {exact:.8f} m/s")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(motion["t"], limit * np.tanh(GRAVITY * motion["t"] / limit), "--", label="closed form")
+        axes.plot(motion["t"], -motion["ball_c2dot"], "o", label="simulated")
+        axes.axhline(limit, color="gray", linestyle=":", label="limit")
+        axes.set(xlabel="time, s", ylabel="speed, m/s")
+        axes.legend()
+        figure.savefig(Path(folder) / "force_of_my_own.svg")
+        plt.close(figure)
     return float(speed / exact)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -5,6 +5,9 @@ m. The position of the joint between coupler and rocker is the intersection of t
 angle in closed form. The number is the largest difference over a revolution of the crank, in rad.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import derive
@@ -33,7 +36,7 @@ def rod(length: float, position: list[float], angle: float) -> dict:
     }
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the largest error of the rocker angle, rad."""
     scene = derive.scene(
         "four_bar_rigid",
@@ -55,8 +58,22 @@ def main() -> float:
     trajectory = derive.simulate(scene)
     error = float(np.abs(trajectory["rocker_phi"] - rocker_angle(trajectory["motor"])).max())
     print(f"largest error of the rocker angle: {error:.2e} rad")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(
+            np.degrees(trajectory["motor"]), np.degrees(rocker_angle(trajectory["motor"])), "--", label="closed form"
+        )
+        axes.plot(
+            np.degrees(trajectory["motor"][::8]), np.degrees(trajectory["rocker_phi"][::8]), "o", label="simulated"
+        )
+        axes.set(xlabel="crank angle, degrees", ylabel="rocker angle, degrees")
+        axes.legend()
+        figure.savefig(Path(folder) / "four_bar_rigid.svg")
+        plt.close(figure)
     return error
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -7,6 +7,7 @@ the true ones.
 """
 
 import importlib.util
+import sys
 import tempfile
 from pathlib import Path
 
@@ -42,7 +43,7 @@ def exported(scene: derive.Scene):
     return module
 
 
-def main() -> list[float]:
+def main(folder: str | None = None) -> list[float]:
     """Return the estimated mass and stiffness over the true ones."""
     import jax
     import jax.numpy as jnp
@@ -62,17 +63,30 @@ def main() -> list[float]:
         return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
     @jax.jit
-    def residuals(p):
+    def tips(p):
         states = jax.lax.scan(lambda x, _: (step(x, p),) * 2, jnp.array(module.X), length=ROWS * STEPS)[1]
-        tips = jax.vmap(lambda x: module.rhs(0.0, x, u, p)[1])(states[STEPS - 1 :: STEPS])
-        return (tips - measured).ravel()
+        return jax.vmap(lambda x: module.rhs(0.0, x, u, p)[1])(states[STEPS - 1 :: STEPS])
+
+    def residuals(p):
+        return (tips(p) - measured).ravel()
 
     p, jacobian = np.array(GUESS), jax.jit(jax.jacfwd(residuals))
     for _ in range(6):
         p = p - np.linalg.lstsq(jacobian(p), residuals(p), rcond=None)[0]
         print(f"m = {p[0]:.5f} kg, EI = {p[1]:.4f} N m^2: residual {np.linalg.norm(residuals(p)):.3g} m")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        for name, values in (("guess", np.array(GUESS)), ("estimate", p)):
+            axes.plot(*np.array(tips(values)).T, label=f"{name}: {values[0]:.3g} kg, {values[1]:.3g} N m^2")
+        axes.plot(*measured.T, "o", color="gray", markersize=3, label="measured")
+        axes.set(xlabel="position of the tip x1, m", ylabel="x2, m")
+        axes.legend()
+        figure.savefig(Path(folder) / "jax_identification.svg")
+        plt.close(figure)
     return [float(value) for value in p / np.array(TRUE)]
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

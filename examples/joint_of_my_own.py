@@ -6,6 +6,9 @@ it. A body on such a rod is a mathematical pendulum. The number is its period ov
 4 sqrt(L/g) K(sin^2(amplitude/2)).
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import scipy.interpolate
 import scipy.special
@@ -31,7 +34,7 @@ class Distance(ext.JointType):
     drawing = ext.Drawing(lines=(((-1, -2), (1, 2)),))
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the simulated period over the exact one."""
     if "distance" not in derive.JOINTS:
         derive.JOINTS.register("distance", Distance())
@@ -50,8 +53,18 @@ def main() -> float:
     period = 2 * float(np.diff(crossings).mean())
     exact = 4 * np.sqrt(LENGTH / GRAVITY) * scipy.special.ellipk(np.sin(AMPLITUDE / 2) ** 2)
     print(f"period {period:.8f} s, exact {exact:.8f} s")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(trajectory["t"], trajectory["bob_c1"])
+        axes.axvline(exact, color="gray", linestyle="--", label="exact period")
+        axes.set(xlabel="time, s", ylabel="horizontal position, m")
+        axes.legend()
+        figure.savefig(Path(folder) / "joint_of_my_own.svg")
+        plt.close(figure)
     return float(period / exact)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -36,7 +36,7 @@ def draw(patterns: list, path: Path) -> None:
         matrix = np.zeros((pattern.rows, pattern.cols))
         for row, column in pattern.entries:
             matrix[row, column] = matrix[column, row] = 1
-        panel.spy(matrix, markersize=14)
+        panel.spy(matrix, markersize=14, color="C2")
         panel.set_title(title)
     figure.savefig(path)
     plt.close(figure)

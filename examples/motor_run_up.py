@@ -6,12 +6,17 @@ deflection under the inertia load m a x/l^2 of the angular acceleration a, 11/12
 middle of the run-up. The numbers are the angle after it and the largest simulated deflection over this one.
 """
 
+import sys
+from pathlib import Path
+
+import numpy as np
+
 import derive
 
 SPEED, TIME, STIFFNESS = 1.0, 5.0, 100.0
 
 
-def main() -> tuple[float, float]:
+def main(folder: str | None = None) -> tuple[float, float]:
     """Return the angle after the run-up, and the largest deflection of the tip over that of statics."""
     scene = derive.scene(
         "motor_run_up",
@@ -41,8 +46,18 @@ def main() -> tuple[float, float]:
     ratio = -trajectory["lag"].min() / (11 / 120 * 15 / 8 * SPEED / TIME / STIFFNESS)
     print(f"after the run-up the hub has turned by {angle:.12g} rad")
     print(f"the tip lags behind by {ratio:.4f} of the deflection of statics")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots(2, sharex=True)
+        axes[0].plot(trajectory["t"], np.gradient(trajectory["motor"], trajectory["t"]))
+        axes[0].set(ylabel="speed of the hub, rad/s")
+        axes[1].plot(trajectory["t"], -1e3 * trajectory["lag"])
+        axes[1].set(xlabel="time, s", ylabel="lag of the tip, mm")
+        figure.savefig(Path(folder) / "motor_run_up.svg")
+        plt.close(figure)
     return angle, float(ratio)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

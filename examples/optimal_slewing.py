@@ -6,6 +6,9 @@ and the deflection (m) that are left when `derive.simulate` applies a torque wit
 turns a rigid link by 90 degrees, then the optimal one.
 """
 
+import sys
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
 
@@ -66,15 +69,27 @@ def optimal_torque(scene: derive.Scene, guess: derive.Trajectory) -> np.ndarray:
     return np.array(result["x"]).ravel()[-nodes:]
 
 
-def main() -> list[tuple[float, float]]:
+def main(folder: str | None = None) -> list[tuple[float, float]]:
     """Return what is left of speed (m/s) and deflection (m) by the torque of a rigid link, and by the optimal one."""
     rigid = simulated(scene := link(), RIGID)
-    optimal = simulated(scene, optimal_torque(scene, rigid))
+    optimal = simulated(scene, torque := optimal_torque(scene, rigid))
     left = [(abs(motion["speed_1"][-1]), abs(motion["arm_alpha1"][-1])) for motion in (rigid, optimal)]
     for (speed, deflection), name in zip(left, ("of a rigid link", "that is optimal"), strict=True):
         print(f"the torque {name} leaves {speed:.2g} m/s and {deflection:.2g} m")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots(2, sharex=True)
+        for name, values, motion in (("of a rigid link", RIGID, rigid), ("optimal", torque, optimal)):
+            axes[0].plot(TIMES, values, label=name)
+            axes[1].plot(motion["t"], 1e3 * motion["arm_alpha1"])
+        axes[0].set(ylabel="torque, N m")
+        axes[1].set(xlabel="time, s", ylabel="deflection, mm")
+        axes[0].legend()
+        figure.savefig(Path(folder) / "optimal_slewing.svg")
+        plt.close(figure)
     return left
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

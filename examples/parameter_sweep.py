@@ -5,12 +5,15 @@ computes everything that depends on parameters alone; no other function is evalu
 of the first natural frequency as a function of the bending stiffness EI, which is 1/2.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import derive
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the slope of log(frequency) over log(EI)."""
     beam = derive.planar_beam("sweep")
     native = derive.load(derive.model_files(derive.lower(derive.derive(beam)), beam))
@@ -22,8 +25,16 @@ def main() -> float:
         frequencies.append(np.sqrt(-acceleration / 1e-3))
     for stiffness, frequency in zip(values, frequencies, strict=True):
         print(f"EI = {stiffness:8.2f} N m^2: {frequency:8.2f} rad/s")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.loglog(values, frequencies, "o-")
+        axes.set(xlabel="bending stiffness EI, N m^2", ylabel="first natural frequency, rad/s")
+        figure.savefig(Path(folder) / "parameter_sweep.svg")
+        plt.close(figure)
     return float(np.polyfit(np.log(values), np.log(frequencies), 1)[0])
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -6,6 +6,9 @@ the acceleration of the motor under a constant torque M is (M - m g h)/(J_1 + r^
 The number is the largest error of the height, in m; the motor turns more than a dozen times.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import derive
@@ -14,7 +17,7 @@ TORQUE, RATIO, PITCH, MASS, GRAVITY = 0.1, -1 / 3, 0.005, 20.0, 9.81
 MOTOR, WHEEL = 1e-5, 2e-3
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the largest error of the height of the table, m."""
     along_e1 = {"z": [1, 0, 0], "x": [0, 1, 0]}
     scene = derive.spatial_scene(
@@ -46,8 +49,18 @@ def main() -> float:
     acceleration = (TORQUE - MASS * GRAVITY * lift) / (MOTOR + RATIO**2 * WHEEL + MASS * lift**2)
     error = float(np.abs(trajectory["height"] - lift * acceleration * trajectory.t**2 / 2).max())
     print(f"turns of the motor: {acceleration / 2 / (2 * np.pi):.1f}; largest error of the height: {error:.1e} m")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(trajectory.t, 1e3 * lift * acceleration * trajectory.t**2 / 2, "--", label="closed form")
+        axes.plot(trajectory.t[::5], 1e3 * trajectory["height"][::5], "o", label="simulated")
+        axes.set(xlabel="time, s", ylabel="height of the table, mm")
+        axes.legend()
+        figure.savefig(Path(folder) / "screw_jack.svg")
+        plt.close(figure)
     return error
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -5,6 +5,9 @@ follows the constraints. The position of the slider has the closed form r cos(p)
 crank angle p. The number is the largest difference, in m.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import derive
@@ -12,7 +15,7 @@ import derive
 CRANK, ROD, SPEED = 0.15, 0.3, 10.0
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the largest error of the slider position, m."""
     scene = derive.scene(
         "slider_crank_rigid",
@@ -46,8 +49,18 @@ def main() -> float:
     exact = CRANK * np.cos(angle) + np.sqrt(ROD**2 - (CRANK * np.sin(angle)) ** 2)
     error = float(np.abs(trajectory["slider_s"] - exact).max())
     print(f"largest error of the slider position: {error:.2e} m")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        axes.plot(trajectory["t"], exact, color="gray", linewidth=5, alpha=0.5, label="closed form")
+        axes.plot(trajectory["t"], trajectory["slider_s"], label="simulated")
+        axes.set(xlabel="time, s", ylabel="position of the slider, m")
+        axes.legend()
+        figure.savefig(Path(folder) / "slider_crank_rigid.svg")
+        plt.close(figure)
     return error
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -6,6 +6,7 @@ numbers are the lowest natural frequencies in sqrt(EI/(m l^3)) at a spin of 20 a
 slender beam has 36.294 and 61.212. With order = 1 the first one is 10.04, and at a spin of 40 the beam is unstable.
 """
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -32,17 +33,30 @@ def lowest_square(native: derive.Native, spin: float) -> float:
     return float(np.linalg.eigvals(stiffness).real.min()) / UNIT**2
 
 
-def main() -> dict[int, list[float]]:
+def main(folder: str | None = None) -> dict[int, list[float]]:
     """Return the squares of the frequencies by the order of the displacements."""
-    result = {}
+    result, curves = {}, {}
+    spins = np.linspace(0, 45, 46)
     for order in (1, 2):
         body = derive.nodal_body(f"spinning_{order}", str(BEAM), units="SI", order=order)
         native = derive.load(derive.model_files(derive.lower(derive.derive(body)), body))
         result[order] = [lowest_square(native, spin) for spin in (20, 40)]
+        curves[order] = np.maximum([lowest_square(native, spin) for spin in spins], 0)
         texts = (f"{np.sqrt(square):.3f}" if square > 0 else "unstable" for square in result[order])
         print(f"order {order}: lowest frequency at spin 20 and 40: {', '.join(texts)}")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        for order, squares in curves.items():
+            axes.plot(spins, np.sqrt(squares), label=f"order {order}")
+        axes.plot([20, 40], [36.294, 61.212], "o", color="gray", label="inextensible beam")
+        axes.set(xlabel="spin, sqrt(EI/(m l^3))", ylabel="lowest frequency, sqrt(EI/(m l^3))")
+        axes.legend()
+        figure.savefig(Path(folder) / "spinning_solid_beam.svg")
+        plt.close(figure)
     return result
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -49,7 +49,7 @@ def main(folder: str | None = None) -> tuple[float, float, float]:
         import matplotlib.pyplot as plt
 
         figure, axes = plt.subplots()
-        axes.plot(reference[:, 0], reference[:, 2], "k--", label="nonlinear finite elements")
+        axes.plot(reference[:, 0], reference[:, 2], "--", color="gray", label="nonlinear finite elements")
         axes.plot(t, tip, label="first order")
         axes.set(xlabel="time, s", ylabel="tip deflection, m", ylim=(-1.5, 0.2))
         axes.legend()

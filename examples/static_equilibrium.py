@@ -5,15 +5,19 @@ coordinates, velocities and multipliers in y; with ydot = 0 they describe equili
 deflection of this beam for small loads. The number is the computed tip deflection over F l^3/(3 EI).
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import scipy.sparse.linalg
 
 import derive
 
 FORCE, LENGTH, STIFFNESS = 1e-3, 2.0, 50.0
+NAMES = ("root", "quarter", "middle", "threequarters", "tip")
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the tip deflection over its exact value."""
     scene = derive.scene(
         "static_equilibrium",
@@ -24,7 +28,7 @@ def main() -> float:
                 "mass": 1,
                 "length": LENGTH,
                 "bending_stiffness": STIFFNESS,
-                "markers": {"root": -1, "tip": 1},
+                "markers": dict(zip(NAMES, np.linspace(-1, 1, len(NAMES)), strict=True)),
                 "start": {"position": [LENGTH / 2, 0]},
             }
         },
@@ -42,8 +46,20 @@ def main() -> float:
         jacobian = native.jacobian_pattern.sparse(values)
         y -= scipy.sparse.linalg.spsolve(jacobian, residual)
     position, _, _ = native.marker("beam_tip", y[: native.nq], np.zeros(native.nv), k)
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        x = np.linspace(0, LENGTH, 50)
+        markers = np.array([native.marker(f"beam_{name}", y[: native.nq], np.zeros(native.nv), k)[0] for name in NAMES])
+        axes.plot(x, 1e6 * FORCE * x**2 * (3 * LENGTH - x) / (6 * STIFFNESS), color="gray", label="exact deflection")
+        axes.plot(markers[:, 0], 1e6 * markers[:, 1], "o", label="computed")
+        axes.set(xlabel="distance from the wall, m", ylabel="deflection, micrometres")
+        axes.legend()
+        figure.savefig(Path(folder) / "static_equilibrium.svg")
+        plt.close(figure)
     return float(position[1] / (FORCE * LENGTH**3 / (3 * STIFFNESS)))
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

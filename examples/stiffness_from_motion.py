@@ -6,6 +6,9 @@ of the residuals, with which IPOPT minimises the sum of squares (Gauss-Newton), 
 the estimated stiffness over the true one.
 """
 
+import sys
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
 
@@ -61,19 +64,32 @@ def tip_positions(scene: derive.Scene) -> ca.Function:
     return ca.Function("tip", [p], [outputs])
 
 
-def main() -> float:
+def main(folder: str | None = None) -> float:
     """Return the estimated stiffness over the true one."""
     tip = tip_positions(pendulum(GUESS))
     p, weight, multipliers = ca.MX.sym("p"), ca.MX.sym("weight"), ca.MX.sym("multipliers", 0)
-    residual = ca.vec(tip(p) - measured()) / NOISE
+    measurements = measured()
+    residual = ca.vec(tip(p) - measurements) / NOISE
     gauss_newton = weight * ca.sumsqr(ca.jacobian(residual, p))
     hessian = ca.Function("hessian", [p, ca.MX(0, 1), weight, multipliers], [gauss_newton])
     quiet = {"print_time": False, "hess_lag": hessian, "ipopt": {"print_level": 0, "sb": "yes"}}
     solver = ca.nlpsol("estimate", "ipopt", {"x": p, "f": ca.sumsqr(residual) / 2}, quiet)
     estimate = float(solver(x0=GUESS, lbx=0.1)["x"])
     print(f"{estimate:.4f} N m^2 after {solver.stats()['iter_count']} iterations; true: {TRUE} N m^2")
+    if folder is not None:
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots()
+        times = 1e3 * DURATION / ROWS * np.arange(1, ROWS + 1)
+        for name, stiffness in (("guess", GUESS), ("estimate", estimate)):
+            axes.plot(times, 1e3 * np.array(tip(stiffness))[1], label=f"{name}: {stiffness:.3g} N m^2")
+        axes.plot(times, 1e3 * measurements[1], "o", color="gray", markersize=3, label="measured")
+        axes.set(xlabel="time, ms", ylabel="height of the tip, mm")
+        axes.legend()
+        figure.savefig(Path(folder) / "stiffness_from_motion.svg")
+        plt.close(figure)
     return estimate / TRUE
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -5,7 +5,7 @@ fail, `<!-- output -->` is what the block before it prints.
 
 The first command of each kind runs in a process of its own, and so do `make` and the Python of the README; `make run`
 builds and compares. Other commands of these kinds, also on other pages, and the Python there run in the process of the
-tests, which spares them the start of an interpreter.
+tests, which spares them the start of an interpreter. The blocks of Python of a page continue each other.
 """
 
 from __future__ import annotations
@@ -109,13 +109,11 @@ def run_command(command: str, tree: Path, known: set[str]) -> Result:
     return run(command, tree)
 
 
-def run_python(text: str, tree: Path, here: bool) -> Result:
-    """Run Python as a script, or in this process."""
-    return (
-        run_here(lambda: exec(text, {"__name__": "__main__"}), tree)
-        if here
-        else run([sys.executable, "-c", text], tree)
-    )
+def run_python(text: str, tree: Path, namespace: dict[str, object] | None) -> Result:
+    """Run Python in this process with the names of earlier blocks, or as a script if there is no namespace."""
+    if namespace is None:
+        return run([sys.executable, "-c", text], tree)
+    return run_here(lambda: exec(text, namespace), tree)
 
 
 RUN = {"build", "compare"}
@@ -130,6 +128,7 @@ def run_page(page: Path, tree: Path) -> dict[Block, str]:
     outputs: dict[Block, str] = {}
     last = ""
     here = page != README
+    namespace: dict[str, object] | None = {"__name__": "__main__"} if here else None
     known = (
         {of for block in blocks(README, "sh") for line in block.commands() if (of := kind(line))} if here else {*RUN}
     )
@@ -139,7 +138,7 @@ def run_page(page: Path, tree: Path) -> dict[Block, str]:
         elif block.comment == "output":
             assert block.text == last
         elif block.language == "python":
-            done = run_python(block.text, tree, here)
+            done = run_python(block.text, tree, namespace)
             assert done.code == 0, done.err
             outputs[block] = last = done.out
         elif block.language == "sh":

@@ -221,7 +221,7 @@ def test_wrong_arguments(arguments: list[str], capsys: pytest.CaptureFixture[str
         (["simulat", "x.toml"], "did you mean 'simulate'?"),
         (["SIMULATE"], "did you mean 'simulate'?"),
         (["study", "pivot"], "did you mean 'pivots'?"),
-        (["x"], "choose from build,"),
+        (["x"], "choose from new,"),
     ],
 )
 def test_unknown_commands_get_a_suggestion(arguments: list[str], hint: str, capsys: pytest.CaptureFixture[str]) -> None:

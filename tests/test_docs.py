@@ -16,10 +16,10 @@ from derive.spec.toml.read import parse
 from markdown_pages import TISSERAND, blocks, copy_tree, run_page
 
 PAGES = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "bench/README.md", ROOT / "examples/README.md"]
+    [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "bench/README.md", ROOT / "examples/README.md"]
 )
 
-RUN = [page for page in PAGES if page.parent == ROOT / "docs" and blocks(page) and page.stem != "hosts"]
+RUN = [page for page in PAGES if page.is_relative_to(ROOT / "docs") and blocks(page) and page.stem != "hosts"]
 """The pages with commands; tests/hosts runs those of `hosts`, which need other programs."""
 
 
@@ -34,7 +34,9 @@ def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
 
 
 def test_tutorials_are_run() -> None:
-    assert {page.stem for page in RUN} == {"commands", "tutorial_body", "tutorial_c", "tutorial_mechanism"}
+    tutorials = {"tutorial_body", "tutorial_c", "tutorial_mechanism", "tutorial_python", "tutorial_space"}
+    tasks = {"choose", "cluster", "embed_c", "finite_element_data", "fmu", "identify"}
+    assert {page.stem for page in RUN} == {"commands", *tutorials, *tasks}
 
 
 def test_the_committed_files_are_checked() -> None:
@@ -107,7 +109,7 @@ def test_pages_use_the_terms_of_the_field(phrase: str) -> None:
     scenes, examples = (ROOT / "scenes").glob("*.toml"), (ROOT / "examples").iterdir()
     for path in [
         ROOT / "README.md",
-        *(ROOT / "docs").glob("*.md"),
+        *(ROOT / "docs").rglob("*.md"),
         *scenes,
         *(p for p in examples if p.is_file() and p.suffix != ".npz"),
     ]:

@@ -232,7 +232,11 @@ def description(text: ModelText) -> tuple[Prose, ...]:
             if text.multipliers
             else ()
         ),
-        *(block("Not modelled, with the reasons:", text.eliminated) if text.eliminated else ()),
+        *(
+            block("Eliminated coordinates and constraints, with the reasons:", text.eliminated)
+            if text.eliminated
+            else ()
+        ),
         *block("Parameters p:", text.parameters),
         *block("Constants k, computed from the parameters by setup:", text.constants),
         *block("Mass matrix (x: structural non-zero, .: structural zero):", text.picture),

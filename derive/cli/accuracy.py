@@ -15,11 +15,12 @@ from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.fixed_steps import fixed_step_lines
 from derive.study.accuracy.ladder_run import LadderRun
-from derive.study.accuracy.measurement import Line, retimed
+from derive.study.accuracy.measurement import LADDER_FLAGS, Line, Preparation, preparation, retimed
 from derive.study.accuracy.models import LadderRange, ladder
 from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
 from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, run_table
+from derive.study.computed_ahead import available_workers
 from derive.study.timing import machine_description
 from derive.terminal import show_progress, show_result
 
@@ -57,13 +58,23 @@ def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderCha
     record: called now and then with the finished part of the ladder. Raises SpecError, SimulationError, CompilerError.
     """
     plot = compared_plot(scene, options.plot)
+    compared = replace(scene, plots=(plot,))
+    with preparation(compared, available_workers()) as ahead:
+        return _study(compared, options, record, ahead)
+
+
+def _study(
+    scene: Scene, options: argparse.Namespace, record: Callable[[LadderChart], None], ahead: Preparation
+) -> tuple[LadderChart, bool]:
+    """The study of a scene with the compared plot alone, whose models are prepared ahead."""
+    (plot,) = scene.plots
     peers = read_peers(options.peers) if options.peers else ()
     error, own = options.reference_error, options.own_reference
-    known = reference(scene, plot, error, own, show_progress, show_result)
+    known = reference(scene, plot, error, own, show_progress, show_result, ahead)
     limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
     models = ladder(limits)
     shown = plotted_beams(plot, scene)
-    runs = LadderRun(replace(scene, plots=(plot,)), known, options.tolerances, explicit=not options.integrators)
+    runs = LadderRun(scene, known, options.tolerances, explicit=not options.integrators, ahead=ahead)
     machine, last = _machine(), time.monotonic()
 
     def chart(lines: Sequence[Line], *notes: str) -> LadderChart:
@@ -77,6 +88,7 @@ def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderCha
 
     try:
         runs.run(models, show_progress, show_result, recorded)
+        ahead.close()
         lines = retimed(runs.lines, runs.ready, options.runs, show_progress)
         others = fixed_step_lines(
             list(runs.ready.values()), options.integrators, known.plots, options.runs, show_progress
@@ -92,5 +104,5 @@ def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderCha
 
 def _machine() -> str:
     """The processor, the compiler and its flags in a line."""
-    known = machine_description()
+    known = machine_description(LADDER_FLAGS)
     return f"{known['machine']}; {known['compiler']}, {known['flags']}"

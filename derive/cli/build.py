@@ -38,8 +38,9 @@ def _table(built: Built, path: Path, out: Path) -> str:
             f"{built.model.name}: {built.model.doc}",
             *(f"  {note}" for note in build_notes(built, path)),
             *table(rows),
-            f"  non-zeros: of the {mass.rows * mass.cols} entries of the mass matrix; operations: of one evaluation of",
-            f"  mass matrix and forces together, after {setup} operations in setup, which depend on parameters alone",
+            "  operations: one evaluation of mass matrix and forces together; setup takes "
+            f"{setup} more, once for each set of parameters",
+            f"  non-zeros: structural ones among the {mass.rows * mass.cols} entries of the mass matrix",
             *(f"  wrote {out / file.path}" for file in built.files),
         ]
     )

@@ -42,7 +42,7 @@ def _lowering(built: Built) -> Iterator[str]:
 def _elimination(model: Model) -> Iterator[str]:
     """Yield which coordinates of a scene are eliminated and why, and the size of its KKT matrix."""
     for what, reason in merged_rows([(out.what, out.reason) for out in model.eliminated]):
-        yield f"eliminated: {what}: {reason}"
+        yield f"{what}: {reason}"
     if model.kkt is None:
         return
     size, entries = model.kkt.pattern.rows, model.kkt.pattern.full_nnz

@@ -19,6 +19,7 @@ from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, choose
 from derive.study.choice.written_specification import WrittenSpecification, chosen_specification
+from derive.study.computed_ahead import available_workers
 from derive.terminal import show_progress, show_result
 
 EXPECTED_SIZE = 100_000
@@ -36,16 +37,19 @@ def run(options: argparse.Namespace) -> int:
     if os.path.lexists(target):
         raise ExistingFile(f"{target} exists, and is not overwritten; move it, or give another file with --out")
     check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
+    runs = None
     try:
         if not beam_bodies(scene):
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
         plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
-        runs = ModelRuns(with_functions(scene, {}), plots, show_progress)
+        runs = ModelRuns(with_functions(scene, {}), plots, show_progress, available_workers())
         screened = screening(runs)
         choice = choose(runs, options.error, show_result)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
+        if runs is not None:
+            runs.close()
         show_progress()
     written = None if choice.chosen is None else _written(options.spec, target, choice)
     if options.json:

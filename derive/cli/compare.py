@@ -107,7 +107,7 @@ def _show(native: Native, result: dict[str, object]) -> str:
     width = max(len(n) for n in names)
     pattern = native.mass_pattern
     lines = [
-        f"{native.name}, compiled C, default parameters, in the state",
+        f"{native.name}: compiled C with the default parameters, in the state",
         f"  q = {_numbers(q)}",
         f"  v = {_numbers(v)}",
         f"  mass matrix M ({pattern.full_nnz} of {pattern.rows * pattern.cols} structural non-zeros) and forces h",

@@ -56,7 +56,8 @@ def _text(
     for kind in KINDS:
         variables: tuple[HostVariable, ...] = getattr(model, kind)
         names = ", ".join(f"{x.name} ({x.unit})" if x.unit else x.name for x in variables)
-        lines.append(f"  {len(variables)} {kind}{': ' if names else ''}{names}")
+        noun = kind.removesuffix("s") if len(variables) == 1 else kind
+        lines.append(f"  {len(variables)} {noun}{': ' if names else ''}{names}")
     lines += [f"  wrote {options.out / file.path}" for file in files]
     lines.append(f"  next: {interface.next_step.format(folder=shlex.quote(str(folder)), name=model.name)}")
     return "\n".join(lines)

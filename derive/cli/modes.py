@@ -93,7 +93,7 @@ def _text(result: Modes, count: int) -> list[str]:
                 row.append("" if whirl is None else f"{'forward' if whirl > 0 else 'backward'} {abs(whirl):.6g}")
         lines += table(rows)
     else:
-        lines.append("  no coordinate is independent: constraints and drives determine the motion")
+        lines.append("  no coordinate is independent, since constraints and drives determine the motion")
     if result.zero_eigenvalues:
         lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:

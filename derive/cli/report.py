@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     show_progress("building ...")
     try:
         name, doc, page = _paper() if options.paper else _of_model(options.spec)
-        target = options.out or Path("results") / name / f"{name}.report.html"
+        target = options.out or report_file(name, Path("results"))
         written = _write(page, target, options)
     finally:
         show_progress()
@@ -42,6 +42,23 @@ def run(options: argparse.Namespace) -> int:
     else:
         print("\n".join([f"{page.title}: {doc}", *(f"  wrote {path}" for path in written)]))
     return 0
+
+
+def report_file(name: str, folder: Path) -> Path:
+    """The page of a model in the folder of all results."""
+    return folder / name / f"{name}.report.html"
+
+
+def model_report(path: Path, folder: Path) -> Path:
+    """Write the page of a specification file into the folder of all results; its path."""
+    show_progress("building ...")
+    try:
+        name, _, page = _of_model(path)
+        target = report_file(name, folder)
+        write([File(target.name, _html(page))], target.parent)
+    finally:
+        show_progress()
+    return target
 
 
 def _of_model(path: Path) -> tuple[str, str, Page]:

@@ -30,6 +30,11 @@ RECORDED = ("csv", "npz")
 """The endings of formats without comments, for which a record vouches, the file of the same name with `json`."""
 
 
+def motion_page_path(model: str) -> str:
+    """The page with the animation and the curves of a simulation, below the output folder."""
+    return f"{model}/{model}.html"
+
+
 def planned_files(study: str, model: str, folder: Path) -> list[File]:
     """The files of a study of a model in a folder, still without their texts.
 

@@ -11,8 +11,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
-from derive.cli.result_files import picture_names
-from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, pieces_text, summary_data, summary_text
+from derive.cli.result_files import motion_page_path, picture_names
+from derive.cli.simulation_summary import (
+    Pieces,
+    Plain,
+    PlotCurves,
+    SimulationResult,
+    pieces_text,
+    summary_data,
+    summary_text,
+)
 from derive.cli.specifications import in_file_order, read_changed, simulation_of
 from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
@@ -37,7 +45,14 @@ from derive.visual.plot_chart import plot_chart
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene or a single body; then write all files.
+    """Simulate a scene or a single body, write all files and print the summary."""
+    summary = simulated_files(options)
+    print(json.dumps(summary, indent=2) if options.json else summary_text(summary))
+    return 0
+
+
+def simulated_files(options: argparse.Namespace) -> Plain:
+    """Simulate a scene or a single body, then write all files; the summary.
 
     Errors in the specification, its plots and its files are reported before the first run.
     """
@@ -49,9 +64,7 @@ def run(options: argparse.Namespace) -> int:
     result = simulations.result(earlier, changes)
     files = _files(result.main, result.plots)
     write(files, options.out)
-    summary = summary_data(options.spec, result, [str(options.out / file.path) for file in files])
-    print(json.dumps(summary, indent=2) if options.json else summary_text(summary))
-    return 0
+    return summary_data(options.spec, result, [str(options.out / file.path) for file in files])
 
 
 @dataclass(frozen=True)
@@ -117,7 +130,7 @@ class Simulations:
         """The files of the simulations, still without their texts."""
         name = self._spec.name
         record, pictures = f"{name}/{name}.json", picture_names(self.plots).values()
-        others = (record, f"{name}/{name}.html", *(f"{name}/{picture}" for picture in pictures))
+        others = (record, motion_page_path(name), *(f"{name}/{picture}" for picture in pictures))
         return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in others)]
 
     def expected_size(self) -> int:
@@ -171,5 +184,5 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
             File(f"{main.name}/{pictures[plot.name]}", svg(plot_chart(main.name, plot, text, curves)))
             for plot, text, curves in texts
         ),
-        File(f"{main.name}/{main.name}.html", motion_page(main, columns, main.warnings).text),
+        File(motion_page_path(main.name), motion_page(main, columns, main.warnings).text),
     ]

@@ -127,7 +127,7 @@ def summary_text(summary: Plain) -> str:
 def _runs(runs: Sequence[Plain]) -> list[str]:
     """The table of the runs, each with its cost, and with its drift or, of a body in space, its energy."""
     body = "energy" in runs[0]
-    head = ["energy, J", "its change"] if body else ["drift", "of velocities"]
+    head = ["energy, J", "change, J"] if body else ["drift", "velocity drift"]
     rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", *head]]
     for run in runs:
         name = ", ".join([*pieces_text(tuple(run["pieces"].items())), *finite_elements_text(run["finite_elements"])])
@@ -137,7 +137,9 @@ def _runs(runs: Sequence[Plain]) -> list[str]:
         else:
             quality = [f"{run[key]:.1e}" for key in ("drift", "drift_of_rates")]
         rows.append([name or ("" if body else "all rigid"), *counts, f"{run['cpu_seconds']:.2f}", *quality])
-    drift = "  drift: the largest violation of the constraints (m, rad) and of their time derivatives (m/s, rad/s)"
+    drift = (
+        "  drift: largest violation of the constraints (m, rad); velocity drift: of their time derivatives (m/s, rad/s)"
+    )
     return [*table(rows), *([] if body else [drift])]
 
 

@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         result, data = finished
     else:
         if nothing_left:
-            text = f"{plan.name}: no sweep of these samples is in {folder}, so that all of them are computed"
+            text = f"{plan.name}: {folder} holds no sweep of these samples, so all of them are computed"
             print(text, file=sys.stderr)
         result = _run(plan, store, options)
         data = sweep_data(result, plan)
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         write([File(picture.name, drawing)], picture.parent)
     store.unlink(missing_ok=True)
     written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawing else [])]
-    missing = [] if drawing else [f"  no picture: {len(samples.varying)} names vary, and it shows one or two"]
+    missing = [] if drawing else [f"  no picture: {len(samples.varying)} values vary, and a picture shows one or two"]
     print_result("\n".join([sweep_text(data, samples), *missing]), data, written, options.json)
     return 0
 

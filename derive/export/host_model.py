@@ -39,14 +39,31 @@ class HostVariable:
 
 @dataclass(frozen=True)
 class HostModel:
-    """A model as hosts see it.
+    """A model as hosts see it: names, units and start values of all that goes in and out, and the generated files.
 
-    spec: what was specified; a single beam is the scene of this beam, as in a simulation. derived: its equations, or
-    its mechanism. model: its kernels and patterns. files: NAME/NAME.h, NAME/NAME.c and the manifest
-    NAME/manifest.json, as `derive.model_files` makes them. coordinates, velocities: q (nq,) and v (nv,) with the
-    consistent initial state. inputs: u (nu,) with their values at t = 0; one that prescribes a motion is followed by
-    its first two time derivatives. outputs: (nout,). parameters: p (np,) with their defaults. multipliers: lambda
-    (nlambda,). notes: lines of text for the user.
+    Attributes:
+        name: the name of the model.
+        spec: what was specified; a single beam is the scene of this beam, as in a simulation.
+        derived: its equations, or its mechanism.
+        model: its kernels and patterns.
+        files: NAME/NAME.h, NAME/NAME.c and the manifest NAME/manifest.json, as `derive.model_files` makes them.
+        coordinates: q (nq,) with the consistent initial state.
+        velocities: v (nv,) likewise.
+        inputs: u (nu,) with their values at t = 0; one that prescribes a motion is followed by its first two time
+            derivatives.
+        outputs: those of the model (nout,).
+        parameters: p (np,) with their defaults.
+        multipliers: lambda (nlambda,).
+        notes: lines of text for the user.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> host = derive.host_model(beam)
+        >>> [(variable.name, variable.unit) for variable in host.parameters]
+        [('m', 'kg'), ('l', 'm'), ('EI', 'N m^2')]
+        >>> host.source.path
+        'beam/beam.c'
     """
 
     name: str
@@ -112,8 +129,21 @@ class HostModel:
 def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
     """The model of a specification as hosts see it, with its consistent initial state.
 
-    sensitivities: see `derive.lower`. Raises SpecError and SimulationError where there is no initial state, as
-    `simulate` does.
+    Arguments:
+        spec: a scene, a beam or a finite-element body.
+        sensitivities: whether the model has the kernels of derivatives, see `derive.lower`.
+
+    Raises:
+        SpecError: if the specification is not valid.
+        SimulationError: where there is no initial state, as `simulate` does.
+        TypeError: for anything but a specification that can be simulated.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (3, 4)}}})
+        >>> host = derive.host_model(ball)
+        >>> [(variable.name, variable.start) for variable in host.velocities]
+        [('ball_c1dot', 3.0), ('ball_c2dot', 4.0), ('ball_phidot', 0.0)]
     """
     mechanism = simulated(spec, lacking="it has no initial state for a host to start from")
     values = input_values(surroundings(mechanism), 0.0)
@@ -157,5 +187,5 @@ def _notes(spec: AnyScene | NodalBody) -> Iterator[str]:
     """Notes for the user: inputs without a value, and limits of the model."""
     for value in surroundings(spec).inputs:
         if value.function is None:
-            yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
+            yield f"inputs.{value.name}: no value is given; it is 0 in the initial state, and the host sets it"
     yield from limits(spec)

@@ -44,7 +44,26 @@ INTERFACES: Registry[Interface] = Registry(
 def exported(spec: Specification, kind: str) -> tuple[HostFile, ...]:
     """The files with which the hosts of an interface use the model of a specification.
 
-    kind: a name in `INTERFACES`. `derive.write` writes the files. Raises UnknownNameError, SpecError, SimulationError.
+    Arguments:
+        spec: a scene, a beam or a finite-element body.
+        kind: the interface, a name in `derive.export.registry.INTERFACES`, such as "cmake", "fmu3" or "casadi".
+
+    Returns:
+        The files, which `derive.write` writes.
+
+    Raises:
+        UnknownNameError: for an interface that is not registered.
+        SpecError: if the specification is not valid, or if the interface has no form for it.
+        SimulationError: where there is no initial state.
+        CompilerError: if the interface needs a compiler and there is none.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> files = derive.exported(ball, "cmake")
+        >>> "ball-cmake/CMakeLists.txt" in [file.path for file in files]
+        True
+        >>> derive.write(files, ".")
     """
     interface = INTERFACES[kind]
     return exported_files(host_model(spec, interface.sensitivities), kind, interface)

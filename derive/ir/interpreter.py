@@ -60,13 +60,33 @@ def interpret(
     tables: Mapping[str, Callable[[Any, int], Any]] | None = None,
     nodes: Iterable[Node] | None = None,
 ) -> dict[str, list[Any]]:
-    """The outputs of a kernel: by their names, lists of the sizes of `kernel.outputs`.
+    """The outputs of a kernel, computed statement by statement: slowly, and in any type of numbers.
 
-    arguments: by their names, sequences of the sizes of the arguments, or numbers for scalars; number: converts exact
-    constants into the type of number; functions: `sin`, `cos`, `sqrt` and the others of `LIBRARY` of that type; check:
-    whether requirements are checked; tables: functions of an argument and the order of the derivative, by the names of
-    the tables of the model, such as its splines; nodes: plain statements to run in place of the statements of the
-    kernel. Raises RequirementError if a requirement does not hold, ValueError for a wrong length.
+    Arguments:
+        kernel: one of the kernels of a model, see `Model.kernel`.
+        arguments: by their names, sequences of the sizes of the arguments, or numbers for scalars.
+        number: converts exact constants into the type of number.
+        functions: `sin`, `cos`, `sqrt` and the others of `LIBRARY` of that type.
+        check: whether requirements are checked.
+        tables: functions of an argument and the order of the derivative, by the names of the tables of the model, such
+            as its splines.
+        nodes: plain statements to run in place of the statements of the kernel.
+
+    Returns:
+        By the names of the outputs, lists of the sizes of `kernel.outputs`.
+
+    Raises:
+        RequirementError: if a requirement does not hold, such as a positive mass.
+        ValueError: for an argument that is missing or has a wrong length.
+
+    Examples:
+        >>> import derive
+        >>> from fractions import Fraction
+        >>> model = derive.lower(derive.derive(derive.planar_beam("beam", mass=3, length=2, bending_stiffness=1)))
+        >>> k = derive.interpret(model.kernel("setup"), {"p": []}, number=Fraction)["k"]
+        >>> M = derive.interpret(model.kernel("mass"), {"q": [0, 0, 0, 0, 0], "k": k}, number=Fraction)["M"]
+        >>> M[:3]  # m, m, m l^2/12
+        [Fraction(3, 1), Fraction(3, 1), Fraction(1, 1)]
     """
     call = {**ARITHMETIC, **LIBRARY}
     call |= {Operator(name): function for name, function in (functions or {}).items()}

@@ -124,21 +124,47 @@ class StartState:
 class Model:
     """The result of a lowering: the kernels of one model and the description of its quantities.
 
-    doc: the kind of model in words; frame_doc: the definition of the floating frames in words. coordinates, velocities,
-    equations: q, v, and the equations of motion with their units. kernels: the functions, setup first. markers: the
-    material points. zeros, vanished: the structural zeros of the mass matrix and the terms of (15) that vanish.
-    terms: the terms of the equations of motion with the values they are part of. splines: the tables that kernels look
-    up.
+    Only a scene has multipliers, names of bodies, eliminated components, run-time inputs, outputs and a KKT matrix.
 
-    lowering: "flat" (straight-line code), "loops" (loops over the modes) or "instances" (loops over the bodies and
-    joints); choice: the reason for it. data: the
-    defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
+    Attributes:
+        name: the name of the model, which is the prefix of its C.
+        doc: the kind of model in words.
+        frame_doc: the definition of the floating frames in words.
+        coordinates: q (nq,) with names, units and roles.
+        velocities: v (nv,) likewise.
+        equations: the equations of motion with their units.
+        parameters: p (np,) with their defaults.
+        constants: k (nk,), which `setup` computes from p.
+        kernels: the functions, setup first.
+        markers: the material points.
+        zeros: the structural zeros of the mass matrix.
+        vanished: the terms of (15) that vanish.
+        lowering: "flat" (straight-line code), "loops" (loops over the modes) or "instances" (loops over the bodies and
+            joints).
+        choice: the reason for it.
+        data: the defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
+        multipliers: the constraint reactions on body 2 of each joint, lambda (nlambda,).
+        bodies: the names of the bodies of a scene.
+        eliminated: the components and constraints that are eliminated.
+        kkt: the structure of the KKT matrix.
+        inputs: the run-time inputs u.
+        outputs: the outputs.
+        terms: the terms of the equations of motion with the values they are part of.
+        start: the initial state, if it has been computed.
+        splines: the tables that kernels look up.
+        marker_classes: what loops over instances have in place of `markers`.
+        proximal: whether the constraints may be redundant, since a proximal term gives multipliers of least norm.
+        in_space: whether the bodies of a scene are in space.
 
-    A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
-    components and constraints that are eliminated, its run-time inputs and outputs, the structure of its KKT matrix
-    and, if it has been computed, its initial state. Loops over instances have `marker_classes` in place of `markers`.
-    proximal: whether the constraints may be redundant, since a proximal term gives multipliers of least norm.
-    in_space: whether the bodies of a scene are in space.
+    Examples:
+        >>> import derive
+        >>> model = derive.lower(derive.derive(derive.planar_beam("beam")))
+        >>> model.lowering
+        'flat'
+        >>> [(variable.name, variable.unit) for variable in model.coordinates]
+        [('c1', 'm'), ('c2', 'm'), ('phi', 'rad'), ('alpha1', 'm'), ('alpha2', 'm')]
+        >>> model.defaults
+        (1.0, 1.0, 1.0)
     """
 
     name: str
@@ -200,14 +226,31 @@ class Model:
         return tuple({array.name: array for kernel in self.kernels for array in kernel.constants}.values())
 
     def kernel(self, name: str) -> Kernel:
-        """The kernel of that name. Raises UnknownNameError if there is none."""
+        """The kernel of that name.
+
+        Raises:
+            UnknownNameError: if there is none.
+
+        Examples:
+            >>> [argument.name for argument in model.kernel("mass").arguments]
+            ['q', 'k']
+        """
         for kernel in self.kernels:
             if kernel.name == name:
                 return kernel
         raise UnknownNameError("kernel", name, (kernel.name for kernel in self.kernels))
 
     def pattern(self, kernel: str, output: str) -> Pattern:
-        """The sparsity of a matrix that a kernel writes. Raises UnknownNameError if there is no such matrix."""
+        """The sparsity of the matrix `output` that a kernel writes; of a symmetric matrix, that of its lower triangle.
+
+        Raises:
+            UnknownNameError: if there is no such kernel or matrix.
+
+        Examples:
+            >>> pattern = model.pattern("mass", "M")
+            >>> pattern.rowidx
+            (0, 1, 2, 3, 4)
+        """
         patterns = {o.name: o.pattern for o in self.kernel(kernel).outputs if o.pattern is not None}
         if output not in patterns:
             raise UnknownNameError(f"matrix of {kernel}", output, patterns)

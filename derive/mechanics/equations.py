@@ -27,6 +27,7 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
+from derive.registry import UnknownNameError
 from derive.short_text import listed, summary
 from derive.spec.model.time_function import Spline
 
@@ -48,15 +49,43 @@ class Equations:
     There is a row for each coordinate velocity, and no term vanishes. `IndexedEquations` keep their sums over the modes
     instead, in a row for a generic mode, and `expanded()` returns this form of them.
 
-    The equations of a mechanism are those of its bodies, with `constraints`: the sum of a row is then what the
-    multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `inputs` and `outputs` those of
-    the scene, `eliminated` says what is not modelled, and `splines` are the tables of values that definitions look up.
+    Attributes:
+        name: the name of the model.
+        doc: the kind of model in words.
+        frame_doc: where the origin c of the floating frame is, in words.
+        coordinates: q with their symbols, units and roles.
+        rows: the equations of motion by their names, with the symbols of velocities and accelerations.
+        rates: the time derivatives of the coordinates, in velocities.
+        parameters: the symbols of run-time parameters with their defaults.
+        coefficients: what depends on parameters alone, such as the shape integrals c1..c8 and the stiffness, with zeros
+            and the reasons for them.
+        definitions: d1, D2, d3, J and what else is shared, with zeros and the reasons for them.
+        terms: the terms of all rows, with their names and the numbers of their equations in the paper.
+        vanished: the terms that vanish, with the reasons.
+        kinetic_energy: in coefficients, definitions and sums, J.
+        strain_energy: likewise, J.
+        weight_energy: the potential of gravity, J; None where there is no gravity.
+        linear_momentum: its components in the inertial frame, kg m/s.
+        angular_momentum: its components about the origin of the inertial frame, kg m^2/s.
+        markers: the positions, velocities and Jacobians of markers.
+        constraints: those of a mechanism; the sum of a row is then what the multipliers contribute, sum lambda_k
+            jacobian_k.
+        poses: those of the bodies of a mechanism.
+        inputs: those of a scene.
+        outputs: those of a scene.
+        eliminated: what is eliminated or left out, and why.
+        splines: the tables of values that definitions look up.
+        mass: the mass matrix.
+        mass_zeros: row, column (lower triangle) and reason of each of its structural zeros.
+        body: what the equations of a body were derived from.
 
-    `frame_doc` describes where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold what
-    depends on parameters alone, such as the shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and
-    what else is shared; both keep their zeros, with reasons. `mass` is the mass matrix, and `mass_zeros` are the row,
-    column (lower triangle) and reason of each of its structural zeros. `weight_energy` is the potential of gravity,
-    None where there is none. `body` is what the equations of a body were derived from.
+    Examples:
+        >>> import derive
+        >>> equations = derive.derive(derive.planar_beam("beam")).expanded()
+        >>> equations.mass[0, 0], equations.mass[2, 2]
+        (mass, J)
+        >>> equations.strain_energy
+        K_1_1*alpha1**2/2 + K_2_2*alpha2**2/2
     """
 
     name: str
@@ -97,7 +126,12 @@ class Equations:
         return self.body is not None and self.body.truncated
 
     def expanded(self) -> Equations:
-        """Return the equations with a row for each coordinate, which these are."""
+        """Return the equations with a row for each coordinate, which these are.
+
+        Examples:
+            >>> equations.expanded() is equations
+            True
+        """
         return self
 
     @property
@@ -107,23 +141,59 @@ class Equations:
         return tuple(self.sum_of(row.name).xreplace(at_rest) for row in self.rows)
 
     def marker(self, name: str) -> MarkerEquations:
-        """The marker with this name; StopIteration if there is none."""
-        return next(m for m in self.markers if m.name == name)
+        """The position, velocity and Jacobian of the marker with this name.
+
+        Raises:
+            UnknownNameError: if there is none.
+
+        Examples:
+            >>> with_tip = derive.derive(derive.planar_beam("beam", markers={"tip": 1})).expanded()
+            >>> with_tip.marker("tip").name
+            'tip'
+        """
+        for marker in self.markers:
+            if marker.name == name:
+                return marker
+        raise UnknownNameError(f"marker of {self.name}", name, (marker.name for marker in self.markers))
 
     def sum_of(self, row: str) -> sp.Expr:
-        """The left-hand side of one equation of motion, in coefficients, definitions and sums."""
-        return sp.Add(*(t.expr for t in self.terms if t.row == row))
+        """The left-hand side of the equation of motion `row`, in coefficients, definitions and sums.
+
+        Raises:
+            UnknownNameError: if there is no such row.
+
+        Examples:
+            >>> equations.sum_of("c1")
+            c1ddot*mass
+        """
+        exprs = [t.expr for t in self.terms if t.row == row]
+        names = [r.name for r in self.rows] if not exprs else []
+        if not exprs and row not in names:
+            raise UnknownNameError(f"equation of motion of {self.name}", row, names)
+        return sp.Add(*exprs)
 
     def row(self, name: str) -> sp.Expr:
         """The left-hand side of one equation of motion in coordinates, velocities, accelerations and parameters.
 
         The row of mode 1 has the name `alpha1`.
+
+        Raises:
+            UnknownNameError: if there is no row with this name.
+
+        Examples:
+            >>> equations.row("c1")
+            c1ddot*m
         """
         form = self.expanded()
         return form.substituted(form.sum_of(name))
 
     def substituted(self, expr: sp.Expr) -> sp.Expr:
-        """An expression with every definition and coefficient substituted."""
+        """The expression `expr` with every definition and coefficient substituted.
+
+        Examples:
+            >>> equations.substituted(equations.mass[0, 0])
+            m
+        """
         for definition in reversed(self.definitions):
             expr = expr.subs(definition.symbol, definition.expr)
         return sp.expand(expr.subs({c.symbol: c.value for c in self.coefficients}))

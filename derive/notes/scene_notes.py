@@ -63,6 +63,6 @@ def _connection_notes(scene: AnyScene) -> Iterator[str]:
             them, they = ("it", "it") if len(names) == 1 else ("them", "they")
             moves = ("falls" if scene.gravity else "moves") if they == "it" else ("fall" if scene.gravity else "move")
             yield (
-                f"{', '.join(names)}: no joint and no spring connects {them} with the ground, so that {they} {moves} "
-                "freely; if this is not meant, a joint is missing"
+                f"{', '.join(names)}: no joint and no spring connects {them} with the ground, so {they} {moves} "
+                "freely; add a joint if this is not intended"
             )

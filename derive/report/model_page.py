@@ -115,10 +115,10 @@ def _motion(equations: Equations) -> tuple[Block, ...]:
         Heading("Equations of motion", "motion"),
         Paragraph(
             (
-                "The virtual work of the inertia on each virtual displacement, with the variation of the strain "
-                "energy: the factor of every variation vanishes, ",
+                "The virtual work of the inertia forces and the variation of the strain energy vanish together for "
+                "every virtual displacement. The factor of each variation is one equation of motion, ",
                 Math(FormulaRow((law, OperatorToken("="), NumberToken("0")))),
-                ". A term leads to the line of the generated C that computes it, and a line leads back to its terms."
+                ". Each term links to the line of the generated C that computes it, and each line links to its terms."
                 f"{loops}",
             )
         ),

@@ -106,16 +106,16 @@ def _orders(spec: AnyScene) -> set[DisplacementOrder]:
 
 def _law(alike: Mapping[str, tuple[str, ...]]) -> tuple[Block, ...]:
     text = (
-        "Each body has its rows of (15), in the coordinates that it keeps; what stands there is not zero, but what the "
-        "joints exert: M(q) v̇ + h(t, q, v) = Gᵀ λ, with g(t, q) = 0."
+        "Each body has its rows of (15), in the coordinates that it keeps. The right-hand sides are the constraint "
+        "reactions of the joints: M(q) v̇ + h(t, q, v) = Gᵀ λ, with g(t, q) = 0."
     )
     if alike:
         text += (
-            " Of bodies whose equations differ in names and constants alone, the first is shown; the damping between "
-            "the pieces of a rod does not count."
+            " Where the equations of bodies differ only in names and constants, or in the damping between the pieces "
+            "of a rod, those of the first body are shown."
         )
     rows: list[list[Content]] = [[name, enumeration_of_instances(others)] for name, others in alike.items()]
-    same = (table("Bodies with the same equations", ("shown", "alike"), rows),) if alike else ()
+    same = (table("Bodies with the same equations", ("shown", "the same for"), rows),) if alike else ()
     return (Heading("Equations of motion", "motion"), Paragraph((text,)), *same)
 
 
@@ -127,8 +127,8 @@ def _mass(
         return mass_blocks(equations, _matrix(mechanism, equations), written)
     heading, *blocks = mass_blocks(shown, _matrix(mechanism, shown), written)
     text = (
-        f"M has {len(equations.rows)} rows. It is block-diagonal, with a block for each body, since bodies share no "
-        "inertia. Of bodies whose equations are shown once, so is the block:"
+        f"M has {len(equations.rows)} rows. It is block-diagonal, with one block for each body. Where the equations "
+        "of several bodies are shown once, their block is shown once as well:"
     )
     return (heading, Paragraph((text,)), *blocks)
 
@@ -158,6 +158,6 @@ def _matrix(mechanism: Mechanism | SpatialMechanism, equations: Equations) -> Ma
 def _results(results: Sequence[ResultPicture], warnings: Sequence[str]) -> tuple[Block, ...]:
     if not results and not warnings:
         return ()
-    doubts = (Paragraph((f"The run warns: {warning}.",)) for warning in warnings)
+    doubts = (Paragraph((f"Warning of the run: {warning}.",)) for warning in warnings)
     pictures = (Picture(result.svg, f"Result {result.name}", result.name) for result in results)
     return (Heading("Results", "results"), *doubts, *pictures)

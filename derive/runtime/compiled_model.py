@@ -58,13 +58,40 @@ NO_PATTERN = Pattern(0, 0, (0,), (), symmetric=False)
 class Native:
     """A compiled model. Arrays are vectors of doubles in SI units; matrices come as the values of their pattern.
 
-    The pattern makes a matrix of them, dense or in SciPy's compressed columns:
-    `native.mass_pattern.dense(native.mass(q, k))`, `native.jacobian_pattern.sparse(native.jacobian(t, y, ydot, c, k))`.
+    The pattern makes a matrix of them, dense or in SciPy's compressed columns: `native.mass_pattern.dense(values)`,
+    `native.jacobian_pattern.sparse(values)`. `coordinates`, `velocities`, `parameters` and `markers` are names, `nq`,
+    `nv`, `np`, `nk` and `nlambda` sizes; `defaults` are the parameters p (np,) that `setup` takes by default.
 
-    Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length. They write
-    their result into `out`, where one is given: an array of doubles of its length, which they return. A call with the
-    same arrays as the last one, whose values may have changed, takes about a microsecond and allocates nothing; new
-    arrays, lists and slices take a few: see `CompiledFunction`.
+    A call with the same arrays as the last one, whose values may have changed, takes about a microsecond and allocates
+    nothing; new arrays, lists and slices take a few: see `CompiledFunction`. The functions share these arguments;
+    batches take matrices with a row for each state, and have NaN for states that fail:
+
+    Arguments:
+        t: the time, s.
+        q: the coordinates (nq,), in batches (n, nq).
+        v: the generalised velocities (nv,), in batches (n, nv).
+        y: the state [q; v; lambda] (nq + nv + nlambda,) of the model as a differential-algebraic equation.
+        ydot: its time derivative, of the same length.
+        k: the constants (nk,) of `setup`.
+        out: an array of doubles that the result is written into, and that is returned; a new one by default.
+        check: whether a batch raises ModelError if a state fails.
+
+    Raises:
+        ModelError: when the model returns a code other than 0.
+        ValueError: on a wrong length, and for constants of another model.
+        CompilerError: for a function that the library does not have, such as one of sensitivities.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", markers={"tip": 1})
+        >>> model = derive.lower(derive.derive(beam), sensitivities=True)
+        >>> native = derive.load(derive.model_files(model, beam))
+        >>> native.coordinates
+        ('c1', 'c2', 'phi', 'alpha1', 'alpha2')
+        >>> k = native.setup(EI=30)
+        >>> q, v = [0, 0, 0.5, 0.01, 0], [0, 0, 3, 0, 0]
+        >>> native.mass_pattern.dense(native.mass(q, k)).diagonal().round(4)
+        array([1.    , 1.    , 0.0834, 0.2   , 0.1429])
     """
 
     follows_functions = False
@@ -140,17 +167,32 @@ class Native:
         return ctypes.addressof(self._model)
 
     def function(self, name: str) -> Any:
-        """The C function of that name in the descriptor, for calls with addresses; the lookup is slow."""
+        """The C function of that name in the descriptor, for calls with addresses; the lookup is slow.
+
+        Examples:
+            >>> native.function("mass") is not None
+            True
+        """
         return getattr(self._model, name)
 
     def setup(self, p: ArrayLike | Mapping[str, float] | None = None, /, **named: float) -> Vector:
         """The constants k (nk,) that all other functions take, from the parameters.
 
-        p: all parameters (np,) in SI units, in the order of `parameters`; or some of them by name, in a mapping or as
-        keyword arguments: `setup(EI=30)`, `setup({"EI": 30})`. Those that are not given have their defaults.
+        Arguments:
+            p: all parameters (np,) in SI units, in the order of `parameters`; or a mapping of some of them by name, as
+                {"EI": 30}. Those that are not given have their defaults.
+            named: parameters by name, such as EI=30.
 
-        Raises UnknownNameError for a name that is not in `parameters`, ValueError on a wrong length, ModelError
-        with the names of the parameters that the model refuses.
+        Raises:
+            UnknownNameError: for a name that is not in `parameters`.
+            ValueError: on a wrong length.
+            ModelError: with the names of the parameters that the model refuses.
+
+        Examples:
+            >>> native.parameters, native.defaults
+            (('m', 'l', 'EI'), array([1., 1., 1.]))
+            >>> bool((native.setup(EI=60) == native.setup({"EI": 60})).all())
+            True
         """
         values = self.parameter_values(p, named)
         try:
@@ -171,7 +213,16 @@ class Native:
         return result
 
     def parameter_values(self, p: ArrayLike | Mapping[str, float] | None, named: Mapping[str, float]) -> Vector:
-        """All parameters (np,): `p` as `setup` takes it, or the defaults, and those that are `named` instead."""
+        """All parameters (np,): `p` as `setup` takes it, or the defaults, and those that are `named` instead.
+
+        Raises:
+            UnknownNameError: for a name that is not in `parameters`.
+            ValueError: for a value that is not a number.
+
+        Examples:
+            >>> native.parameter_values(None, {"EI": 30})
+            array([ 1.,  1., 30.])
+        """
         if isinstance(p, Mapping):
             named = {**p, **named}
             p = None
@@ -184,56 +235,128 @@ class Native:
         return values
 
     def mass(self, q: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """Values of M(q), the lower triangle in the order of `mass_pattern`."""
+        """Values (nnz,) of M(q), the lower triangle in the order of `mass_pattern`.
+
+        The unit of an entry is that of a force of its row over an acceleration of its column: kg, kg m or kg m^2.
+
+        Examples:
+            >>> native.mass_pattern.dense(native.mass(q, k)).diagonal().round(4)
+            array([1.    , 1.    , 0.0834, 0.2   , 0.1429])
+        """
         return self._compiled["mass"]((q, k), out=out)
 
     def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The vector h(t, q, v) (nv,) of M vdot + h = 0."""
+        """The vector h(t, q, v) (nv,) of M vdot + h = 0, N and N m.
+
+        Examples:
+            >>> native.force(0.0, q, v, k).round(2) + 0.0  # stiffness less the centrifugal force of the first shape
+            array([ 0.  ,  0.  ,  0.  , 43.18,  0.  ])
+        """
         return self._compiled["force"].at(t, q, v, self.own_at(t, k), out)
 
     def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """Values of M as those of `mass`, and h (nv,)."""
+        """Values (nnz,) of M as those of `mass`, and h (nv,) as that of `force`, for little more than the time of one.
+
+        Examples:
+            >>> M, h = native.mass_force(0.0, q, v, k)
+            >>> len(M), len(h)
+            (5, 5)
+        """
         values, h = self._compiled["mass_force"].results((q, v, self.own_at(t, k)), t)
         return values, h
 
     def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The accelerations vdot (nv,) of M vdot + h = 0; those of a scene include its constraint reactions."""
+        """The accelerations vdot (nv,) of M vdot + h = 0, SI units; those of a scene include its constraint reactions.
+
+        Examples:
+            >>> native.accel(0.0, q, v, k).round(2) + 0.0
+            array([   0.  ,    0.  ,    0.  , -215.91,    0.  ])
+        """
         return self._compiled["accel"].at(t, q, v, self.own_at(t, k), out)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """Kinetic and strain energy, and the potential of gravity where there is gravity."""
+        """Kinetic and strain energy, and the potential of gravity where there is gravity, J.
+
+        Examples:
+            >>> native.energy(q, v, k).round(4)  # 1/2 J phidot^2 and 1/2 K alpha1^2
+            array([0.3751, 0.216 ])
+        """
         return self._compiled["energy"]((q, v, k))
 
     def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """Linear and angular momentum in the inertial frame."""
+        """Linear momentum (kg m/s) and angular momentum (kg m^2/s) about the origin, in the inertial frame.
+
+        They have 2 + 1 elements in the plane and 3 + 3 in space.
+
+        Examples:
+            >>> native.momentum(q, v, k).round(4)
+            array([0.    , 0.    , 0.2501])
+        """
         return self._compiled["momentum"]((q, v, k))
 
     def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The rates qdot (nq,) of the coordinates, from the generalised velocities v."""
+        """The rates qdot (nq,) of the coordinates, from the generalised velocities v; both differ in space.
+
+        Examples:
+            >>> native.rates(q, v, k)
+            array([0., 0., 3., 0., 0.])
+        """
         return self._compiled["rates"]((q, v, k), out=out)
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The residual F(t, y, ydot); for a scene, that of the form of index 3."""
+        """The residual F(t, y, ydot) of the equations as a differential-algebraic equation, of the length of y.
+
+        For a body y = [q; v]; for a scene y = [q; v; lambda], in the form of index 3.
+
+        Examples:
+            >>> y, ydot = [*q, *v], [*native.rates(q, v, k), *native.accel(0.0, q, v, k)]
+            >>> bool(abs(native.residual(0.0, y, ydot, k)).max() < 1e-12)
+            True
+        """
         return self._compiled["residual"]((y, ydot, self.own_at(t, k)), t, out=out)
 
     def jacobian(
         self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike, out: Vector | None = None
     ) -> Vector:
-        """Values of dF/dy + cj dF/dydot."""
+        """Values of dF/dy + cj dF/dydot in the order of `jacobian_pattern`.
+
+        Implicit methods choose the factor cj (1/s), which is that of a step.
+
+        Examples:
+            >>> y, ydot = [*q, *v], [*native.rates(q, v, k), *native.accel(0.0, q, v, k)]
+            >>> native.jacobian_pattern.sparse(native.jacobian(0.0, y, ydot, 100.0, k)).shape
+            (10, 10)
+        """
         return self._compiled["jacobian"]((y, ydot, self.own_at(t, k)), t, cj, out=out)
 
     def parameter_jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """Values of the derivatives with respect to parameters and inputs [p; u], in the order of `parameter_pattern`.
 
         The rows are those of M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs; for a body, those
-        of M vdot + h. t, y and ydot are fixed. Raises CompilerError if the model was generated without sensitivities.
+        of M vdot + h. t, y and ydot are fixed.
+
+        Raises:
+            CompilerError: if the model was generated without sensitivities.
+
+        Examples:
+            >>> y, ydot = [*q, *v], [*native.rates(q, v, k), *native.accel(0.0, q, v, k)]
+            >>> derivatives = native.parameter_pattern.dense(native.parameter_jacobian(0.0, y, ydot, k))
+            >>> derivatives[:, native.parameters.index("EI")].round(4)
+            array([0.  , 0.  , 0.  , 1.44, 0.  ])
         """
         return self._of_sensitivities("parameter_jacobian")((y, ydot, self.own_at(t, k)), t)
 
     def solve_kkt(self, t: float, q: ArrayLike, k: ArrayLike, a: ArrayLike, b: ArrayLike = ()) -> tuple[Vector, Vector]:
         """The solution x (nv,), lambda (nlambda,) of M x - G^T lambda = a (nv,), G x = b (nlambda,).
 
-        Raises ModelError if a pivot vanishes, CompilerError if the model was generated without sensitivities.
+        Raises:
+            ModelError: if a pivot vanishes.
+            CompilerError: if the model was generated without sensitivities.
+
+        Examples:
+            >>> x, multipliers = native.solve_kkt(0.0, q, k, [1, 0, 0, 0, 0])
+            >>> x  # a force of 1 N on 1 kg
+            array([1., 0., 0., 0., 0.])
         """
         x, lam = self._of_sensitivities("solve_kkt").results((q, self.own_at(t, k), a, b), t)
         return x, lam
@@ -244,68 +367,108 @@ class Native:
         return self._compiled[name]
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed.
+        """Values of M (n, nnz) for each row of q. The C takes structures of arrays: both are transposed.
 
-        States that fail have NaN; `check`: ModelError.
+        Examples:
+            >>> native.mass_batch([q, q, q], k).shape
+            (3, 5)
         """
         (values,) = self._batch("mass", [], [(self.nq, q)], k, [len(self.mass_pattern.rowidx)], check)
         return values
 
     def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The vector h (n, nv) for each row of q (n, nq), v (n, nv). States that fail have NaN; `check`: ModelError."""
+        """The vector h (n, nv) for each row of q and v.
+
+        Examples:
+            >>> native.force_batch(0.0, [q, q], [v, v], k).shape
+            (2, 5)
+        """
         (h,) = self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
         return h
 
     def mass_force_batch(
         self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True
     ) -> tuple[Matrix, Matrix]:
-        """Values of M (n, nnz), and h (n, nv), for each row of q (n, nq) and v (n, nv).
+        """Values of M (n, nnz), and h (n, nv), for each row of q and v.
 
-        States that fail have NaN; `check`: ModelError.
+        Examples:
+            >>> M, h = native.mass_force_batch(0.0, [q, q], [v, v], k)
+            >>> M.shape, h.shape
+            ((2, 5), (2, 5))
         """
         sizes = [len(self.mass_pattern.rowidx), self.nv]
         values, h = self._batch("mass_force", [t], [(self.nq, q), (self.nv, v)], k, sizes, check)
         return values, h
 
     def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """vdot (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
+        """The accelerations vdot (n, nv) for each row of q and v.
+
+        Examples:
+            >>> native.accel_batch(0.0, [q, q], [[0, 0, 3, 0, 0], [0, 0, 6, 0, 0]], k).round(2) + 0.0
+            array([[   0.  ,    0.  ,    0.  , -215.91,    0.  ],
+                   [   0.  ,    0.  ,    0.  , -215.64,    0.  ]])
+        """
         (vdot,) = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
         return vdot
 
     def energy_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The energies of `energy` (n, nenergy) for each row of q (n, nq) and v (n, nv).
+        """The energies of `energy` (n, energies), J, for each row of q and v.
 
-        States that fail have NaN; `check`: ModelError.
+        Examples:
+            >>> native.energy_batch([q, q], [[0, 0, 3, 0, 0], [0, 0, 6, 0, 0]], k).round(4)
+            array([[0.3751, 0.216 ],
+                   [1.5004, 0.216 ]])
         """
         (energies,) = self._batch("energy", [], [(self.nq, q), (self.nv, v)], k, [self._model.nenergy], check)
         return energies
 
     def momentum_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The momenta of `momentum` (n, nmomentum) for each row of q (n, nq) and v (n, nv).
+        """The momenta of `momentum` (n, momenta) for each row of q and v.
 
-        States that fail have NaN; `check`: ModelError.
+        Examples:
+            >>> native.momentum_batch([q], [v], k).round(4)
+            array([[0.    , 0.    , 0.2501]])
         """
         (momenta,) = self._batch("momentum", [], [(self.nq, q), (self.nv, v)], k, [self._model.nmomentum], check)
         return momenta
 
     def rates_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """qdot (n, nq) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
+        """The rates qdot (n, nq) for each row of q and v.
+
+        Examples:
+            >>> native.rates_batch([q], [v], k)
+            array([[0., 0., 3., 0., 0.]])
+        """
         (qdot,) = self._batch("rates", [], [(self.nq, q), (self.nv, v)], k, [self.nq], check)
         return qdot
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
-        """Position (m), velocity (m/s) in the inertial frame, and values of the Jacobian of a marker.
+        """Position (m) and velocity (m/s) in the inertial frame, and values of the Jacobian, of the marker `name`.
 
-        Raises UnknownNameError.
+        Raises:
+            UnknownNameError: for a name that is not in `markers`.
+
+        Examples:
+            >>> x, xdot, jacobian = native.marker("tip", q, v, k)
+            >>> x.round(4), xdot.round(4)
+            (array([0.434 , 0.2485]), array([-0.7455,  1.302 ]))
+            >>> native.marker_pattern("tip").dense(jacobian).shape
+            (2, 5)
         """
         self._check_marker(name)
         x, xdot, jacobian = self._compiled[f"marker_{name}"].results((q, v, k))
         return x, xdot, jacobian
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
-        """Positions (n, dimension), m, of a marker for each row of q (n, nq) and v (n, nv): those of `marker`.
+        """Positions (n, 2) or (n, 3) in space, m, of the marker `name` for each row of q and v: those of `marker`.
 
-        Raises UnknownNameError, ModelError.
+        Raises:
+            UnknownNameError: for a name that is not in `markers`.
+
+        Examples:
+            >>> native.marker_positions("tip", [q, q], [v, v], k).round(4)
+            array([[0.434 , 0.2485],
+                   [0.434 , 0.2485]])
         """
         function, marker = f"marker_{name}", self._marker(name)
         # A copy, since a contiguous array of one row, such as q[None], may have a stride of 0.
@@ -326,12 +489,31 @@ class Native:
         return result
 
     def load(self, name: str, q: ArrayLike, force: ArrayLike, k: ArrayLike) -> Vector:
-        """Generalised forces f (nv,) of a force (N) at a marker, given in the inertial frame: M vdot + h = f."""
+        """Generalised forces f (nv,) of a `force` (2,) or (3,), N, at the marker `name`: M vdot + h = f.
+
+        The force is given in the inertial frame.
+
+        Raises:
+            UnknownNameError: for a name that is not in `markers`.
+
+        Examples:
+            >>> native.load("tip", q, [0, -10], k).round(3) + 0.0
+            array([  0.   , -10.   ,  -4.34 ,  -8.776,  -8.776])
+        """
         self._check_marker(name)
         return self._compiled[f"load_{name}"]((q, force, k))
 
     def marker_pattern(self, name: str) -> Pattern:
-        """The pattern of the Jacobian of a marker."""
+        """The pattern of the Jacobian of the marker `name`.
+
+        Raises:
+            UnknownNameError: for a name that is not in `markers`.
+
+        Examples:
+            >>> pattern = native.marker_pattern("tip")
+            >>> pattern.rows, pattern.cols
+            (2, 5)
+        """
         return self._marker(name).pattern(self.nv)
 
     def _check_marker(self, name: str) -> None:
@@ -343,11 +525,21 @@ class Native:
         return self._marker_of[name]
 
     def own(self, k: ArrayLike) -> ArrayLike:
-        """The constants as they are given. Raises ValueError if they come from the setup of another model."""
+        """The constants as they are given. Raises ValueError if they come from the setup of another model.
+
+        Examples:
+            >>> native.own(k) is k
+            True
+        """
         return checked_origin(self.hash, self.name, k)
 
     def own_at(self, t: float, k: ArrayLike) -> ArrayLike:
-        """The constants for functions that depend on t (s): with the inputs at t, where these follow functions."""
+        """The constants for functions that depend on t (s): with the inputs at t, where these follow functions.
+
+        Examples:
+            >>> native.own_at(0.0, k) is k
+            True
+        """
         return k
 
     def _batch(

@@ -47,7 +47,20 @@ VECTORS = {
 
 
 class CompilerError(TisserandError):
-    """No compiler was found, or it refused the code; the text says which and why."""
+    """No compiler was found, or it refused the code; the text says which and why.
+
+    A function that a library does not have, such as one of sensitivities, raises it as well.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> native = derive.load(derive.model_files(derive.lower(derive.derive(beam)), beam))
+        >>> try:
+        ...     native.solve_kkt(0.0, [0] * 5, native.setup(), [0] * 5)
+        ... except derive.CompilerError as error:
+        ...     print(error)
+        beam has no solve_kkt; generate it with sensitivities
+    """
 
 
 def compiler() -> list[str]:
@@ -71,10 +84,19 @@ def compiler() -> list[str]:
 
 
 def vector_flags(features: Collection[str] | None = None) -> tuple[str, ...]:
-    """Compiler options for the vectors of this processor that keep the bits of FLAGS, for `derive.load(files, flags)`.
+    """Compiler options for the vectors of this processor that keep the bits of FLAGS.
 
-    features: those of another processor, by their names in /proc/cpuinfo of Linux. Other processors than those of x86,
-    and systems without that file, have FLAGS.
+    Arguments:
+        features: those of another processor, by their names in /proc/cpuinfo of Linux; by default those of this one.
+            Other processors than those of x86, and systems without that file, have FLAGS.
+
+    Returns:
+        The options, for `derive.load(files, flags)`.
+
+    Examples:
+        >>> import derive
+        >>> derive.vector_flags([])
+        ('-std=c99', '-O2', '-ffp-contract=off', '-fno-tree-slp-vectorize')
     """
     available = _features() if features is None else features
     for needed, options in VECTORS.items():

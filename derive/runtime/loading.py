@@ -17,10 +17,27 @@ from derive.runtime.native_scene import NativeScene
 
 
 def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
-    """Compile the C of one model in a temporary folder and load it.
+    """Compile the C of one model in a temporary folder and load it; the cache keeps compiled libraries.
 
-    files: those of `model_files`. flags: of the compiler. Raises CompilerError, ValueError if there is no C file, and
-    TypeError for anything but files.
+    Arguments:
+        files: those of `model_files`.
+        flags: of the compiler, such as those of `vector_flags`.
+
+    Returns:
+        The compiled model; that of a body has no joints, inputs and outputs.
+
+    Raises:
+        CompilerError: if there is no compiler, or if it refuses the code.
+        ValueError: if there is no C file among the files.
+        TypeError: for anything but files.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> native = derive.load(derive.model_files(derive.lower(derive.derive(beam)), beam))
+        >>> k = native.setup(EI=30)
+        >>> native.accel(0.0, [0, 0, 0.5, 0.01, 0], [0, 0, 3, 0, 0], k).round(2) + 0.0
+        array([   0.  ,    0.  ,    0.  , -215.91,    0.  ])
     """
     if isinstance(files, (str, os.PathLike)) or not isinstance(files, Iterable):
         raise TypeError(
@@ -92,7 +109,32 @@ def _key(sources: Sequence[Path], folder: Path, flags: Sequence[str]) -> str:
 
 
 def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
-    """Compile and load a scene, as `load` does. Raises ValueError if the model is that of a body."""
+    """Compile and load a scene, as `load` does, and refuse a body alone.
+
+    Arguments:
+        files: those of `model_files`.
+        flags: of the compiler, such as those of `vector_flags`.
+
+    Raises:
+        CompilerError: if there is no compiler, or if it refuses the code.
+        ValueError: if there is no C file among the files, or if the model is that of a body.
+        TypeError: for anything but files.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> native = derive.load_scene(derive.model_files(derive.lower(derive.derive(pendulum)), pendulum))
+        >>> native.coordinates
+        ('rod_phi',)
+        >>> native.accel(0.0, [0.1], [0.0], native.setup()).round(4)
+        array([-1.469])
+    """
     native = load(files, flags)
     if not native.is_scene:
         raise ValueError(f"{native.name} is a body, not a scene")

@@ -43,9 +43,20 @@ def checked_origin(build: str, name: str, given: ArrayLike) -> ArrayLike:
 
 
 class ModelError(TisserandError, ArithmeticError):
-    """A function of a compiled model returned a code other than 0; `code` is that of `ReturnCode`.
+    """A function of a compiled model returned a code other than 0.
 
-    refused: the arguments that are the reason, with their values, if they are known.
+    Attributes:
+        code: the return code, a value of `ReturnCode`.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam")
+        >>> native = derive.load(derive.model_files(derive.lower(derive.derive(beam)), beam))
+        >>> try:
+        ...     native.setup(m=-1)
+        ... except derive.ModelError as error:
+        ...     print(error.code, error)
+        2 beam_setup returned 2: a value is not finite or not positive; refused: m = -1
     """
 
     def __init__(self, function: str, code: int, refused: Sequence[str] = ()) -> None:

@@ -66,7 +66,45 @@ PLANAR_POSE, SPATIAL_POSE = 3, 12
 class NativeScene(Native):
     """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0, and qdot = rates(q, v).
 
-    A body that moves alone is a scene without constraints, inputs and outputs; `bodies` and `dae` are empty.
+    A body that moves alone is a scene without constraints, inputs and outputs; `bodies` and `dae` are empty. Besides
+    the names of `Native` it has those of `multipliers`, `bodies`, `inputs` and `outputs`, the patterns
+    `constraint_pattern` and `outputs_pattern`, and its forms of reduced index in `dae`. `proximal` is true where
+    constraints may be redundant, since the multipliers are then those of least norm; `in_space` where bodies are in
+    space.
+
+    Arguments:
+        t: the time, s.
+        q: the coordinates (nq,).
+        v: the generalised velocities (nv,).
+        vdot: the accelerations (nv,).
+        lam: the multipliers (nlambda,).
+        k: the constants (nk,) of `setup`.
+
+    Raises:
+        ModelError: when the model returns a code other than 0.
+        ValueError: on a wrong length, and for constants of another model.
+
+    Examples:
+        >>> import derive
+        >>> points = {"top": (0, 0.5), "tip": (0, -0.5)}
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": points, "keep_coordinates": True}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ...     inputs={"motor": {"value": 0}},
+        ...     torques={"drive": {"at": "rod.top", "value": {"input": "motor"}}},
+        ...     outputs={"tip": {"kind": "velocity", "marker": "rod.tip"}},
+        ... )
+        >>> native = derive.load_scene(derive.model_files(derive.lower(derive.derive(pendulum)), pendulum))
+        >>> native.coordinates, native.multipliers
+        (('rod_c1', 'rod_c2', 'rod_phi'), ('hinge_1', 'hinge_2'))
+        >>> k = native.setup()
+        >>> q, v = [0, -0.5, 0], [1, 0, 2]
+        >>> vdot, lam = native.solve(0.0, q, v, k)
+        >>> lam.round(3) + 0.0  # weight and centripetal force, N
+        array([ 0.  , 11.81])
     """
 
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
@@ -123,36 +161,68 @@ class NativeScene(Native):
             self._add(ports, "outputs_jacobian", full, (len(self.outputs_pattern.rowidx),))
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """The constraints g(t, q) (nlambda,)."""
+        """The constraints g(t, q) (nlambda,), m or rad.
+
+        Examples:
+            >>> native.constraints(0.0, q, k)
+            array([0., 0.])
+        """
         if not self.nlambda:
             return NONE
         return self._compiled["constraints"]((q, self.own_at(t, k)), t)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """The rates of the constraints, gdot = G v + dg/dt (nlambda,)."""
+        """The rates of the constraints, gdot = G v + dg/dt (nlambda,), m/s or rad/s.
+
+        Examples:
+            >>> native.constraint_rates(0.0, q, v, k)
+            array([0., 0.])
+        """
         if not self.nlambda:
             return NONE
         return self._compiled["constraint_rates"]((q, v, self.own_at(t, k)), t)
 
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of the constraint Jacobian G by columns."""
+        """Values of the constraint Jacobian G by columns, in the order of `constraint_pattern`.
+
+        Examples:
+            >>> native.constraint_pattern.dense(native.constraint_jacobian(0.0, q, k)) + 0.0
+            array([[ 1. ,  0. , -0.5],
+                   [ 0. ,  1. ,  0. ]])
+        """
         if not self.nlambda:
             return NONE
         return self._compiled["constraint_jacobian"]((q, self.own_at(t, k)), t)
 
     def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """The vector gamma (nlambda,) of G vdot = gamma."""
+        """The vector gamma (nlambda,) of G vdot = gamma, m/s^2 or rad/s^2.
+
+        Examples:
+            >>> native.constraint_bias(0.0, q, v, k) + 0.0
+            array([0., 2.])
+        """
         return self._compiled["constraint_bias"]((q, v, self.own_at(t, k)), t)
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """The accelerations vdot (nv,), and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
+        """The accelerations vdot (nv,), and the constraint reactions lambda (nlambda,) on body 2 of each joint.
+
+        Examples:
+            >>> vdot, lam = native.solve(0.0, q, v, k)
+            >>> vdot.round(6) + 0.0, lam.round(3) + 0.0
+            (array([0., 2., 0.]), array([ 0.  , 11.81]))
+        """
         if not self.is_scene:
             return self.accel(t, q, v, k), NONE
         vdot, multipliers = self._compiled["solve"].results((q, v, self.own_at(t, k)), t)
         return vdot, multipliers
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
-        """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
+        """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,).
+
+        Examples:
+            >>> native.project_velocity(0.0, q, k, [0.1, 0]).round(4) + 0.0
+            array([ 0.025,  0.   , -0.15 ])
+        """
         if not self.nlambda:
             return np.zeros(self.nv)
         return self._compiled["project_velocity"]((q, self.own_at(t, k), r), t)
@@ -161,15 +231,30 @@ class NativeScene(Native):
         """The poses of the frame of each body in `bodies`: c1, c2 (m) and phi (rad), (bodies, 3).
 
         In space c1, c2, c3 (m) and the rotation tensor by rows, (bodies, 12).
+
+        Examples:
+            >>> native.poses(0.0, q, k)
+            array([[ 0. , -0.5,  0. ]])
         """
         return self._compiled["poses"]((q, self.own_at(t, k)), t).reshape(-1, self.pose_size)
 
     def inputs_at(self, t: float) -> Vector:
-        """The inputs u (inputs,) at a time, where they follow functions; otherwise zeros."""
+        """The inputs u (inputs,) at a time t (s), where they follow functions; otherwise zeros.
+
+        Examples:
+            >>> native.inputs_at(0.0)
+            array([0.])
+        """
         return np.zeros(len(self.inputs))
 
     def with_inputs(self, k: ArrayLike, u: ArrayLike) -> Vector:
-        """The constants k (nk,) with the inputs u (inputs,) behind them, where all functions read them."""
+        """The constants k (nk,) with the inputs u (inputs,) behind them, where all functions read them.
+
+        Examples:
+            >>> vdot, lam = native.solve(0.0, q, [0, 0, 0], native.with_inputs(k, [2.0]))
+            >>> vdot.round(6) + 0.0  # a torque of 2 N m on 1/3 kg m^2
+            array([3., 0., 6.])
+        """
         result = np.array(checked_vector(self.nk, self.own(k), "k"))
         result[self.nk - len(self.inputs) :] = checked_vector(len(self.inputs), u, "u")
         return constants_of(self.hash, result)
@@ -177,13 +262,27 @@ class NativeScene(Native):
     def evaluate_outputs(
         self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
     ) -> Vector:
-        """The values of `outputs`, from a state with its accelerations and multipliers as `solve` computes them."""
+        """The values of `outputs` in their `output_units`, from a state with accelerations and multipliers of `solve`.
+
+        Examples:
+            >>> native.outputs, native.output_units
+            (('tip_1', 'tip_2'), ('m/s', 'm/s'))
+            >>> native.evaluate_outputs(0.0, q, v, vdot, lam, k).round(4)
+            array([2., 0.])
+        """
         return self._port("outputs", (q, v, vdot, lam, self.own_at(t, k)), t)
 
     def outputs_jacobian(
         self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
     ) -> Vector:
-        """Values of the derivatives of the outputs by [q; v; vdot; lambda; u], in the order of `outputs_pattern`."""
+        """Values of the derivatives of the outputs by [q; v; vdot; lambda; u], in the order of `outputs_pattern`.
+
+        Examples:
+            >>> values = native.outputs_jacobian(0.0, q, v, vdot, lam, k)
+            >>> derivatives = native.outputs_pattern.dense(values)
+            >>> derivatives[0, 3:6]  # of the velocity of the tip by that of the rod
+            array([1. , 0. , 0.5])
+        """
         return self._port("outputs_jacobian", (q, v, vdot, lam, self.own_at(t, k)), t)
 
     def _port(self, name: str, arrays: tuple[ArrayLike, ...], t: float) -> Vector:

@@ -7,13 +7,14 @@ from enum import Enum
 from typing import Protocol, assert_never
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import null_space, solve_triangular
 
 from derive.display import html
 from derive.enumerations import enumeration
 from derive.ir.patterns import Pattern
 from derive.roles import Role
-from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector, checked_vector
 from derive.short_text import summary, vector_text
 from derive.simulation.compiled_scene import (
     ConstrainedSystem,
@@ -58,13 +59,35 @@ class Stability(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A configuration at rest in which loads, elastic forces and constraint reactions balance at the time t (s).
+    """A configuration at rest in which loads, elastic forces and constraint reactions balance.
 
-    q (nq,), lam (nlambda,): coordinates and multipliers in SI units. residual: the largest |h - G^T lambda| (N or N m).
-    load: the largest |h| in it and in the first guess. eigenvalues: of the stiffness
-    d(h - G^T lambda)/dq in the motions that the constraints allow, in the metric of the mass matrix, rad^2/s^2,
-    ascending by their real parts; squares of the natural frequencies where they are real and positive. softest: the
-    coordinates that take part in the motion of the first eigenvalue. iterations, load_steps: the effort.
+    Attributes:
+        t: the time, s, at which drives and loads have their values.
+        q: coordinates (nq,) in SI units.
+        lam: multipliers (nlambda,) in SI units.
+        residual: the largest element of h - G^T lambda, N or N m.
+        load: the largest element of h in it and in the first guess.
+        eigenvalues: of the stiffness d(h - G^T lambda)/dq in the motions that the constraints allow, in the metric of
+            the mass matrix, rad^2/s^2, ascending by their real parts; squares of the natural frequencies where they are
+            real and positive.
+        softest: the coordinates that take part in the motion of the first eigenvalue.
+        iterations: those of Newton's method.
+        load_steps: the steps in which the loads were applied.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> equilibrium = derive.modes(pendulum).equilibrium
+        >>> equilibrium.stability.name
+        'STABLE'
+        >>> equilibrium.eigenvalues.round(3)  # 3 g / (2 l)
+        array([14.715])
     """
 
     t: float
@@ -115,16 +138,40 @@ class Equilibrium:
     _repr_html_ = html
 
 
-def equilibrium(native: StaticSystem, k: Vector, guess: Vector, t: float = 0.0) -> Equilibrium:
-    """The static equilibrium that Newton's method reaches from the configuration `guess` (nq,), with t (s) constant.
+def equilibrium(native: StaticSystem, k: Vector, guess: ArrayLike, t: float = 0.0) -> Equilibrium:
+    """The static equilibrium that Newton's method reaches from a first guess.
 
     Each iteration solves with the stiffness of the generated Jacobian in the motions that the constraints allow. Along
     motions of negative stiffness it steps down the potential, so that a mechanism that is not in an unstable
     equilibrium already comes to a stable one. If the iteration does not converge, the loads that the guess does not
     balance are applied in several steps. Velocities are zero; drives keep what they prescribe at t.
 
-    Raises NoEquilibrium with the coordinates that loads keep moving, ModelError where the model returns an error.
+    Arguments:
+        native: the compiled scene.
+        k: the constants (nk,) of `native.setup`.
+        guess: the coordinates (nq,) to begin with.
+        t: the time (s), which stays constant.
+
+    Raises:
+        NoEquilibrium: a SimulationError with the coordinates that loads keep moving.
+        ModelError: where the model returns an error.
+        ValueError: if `guess` has another length.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> native = derive.load_scene(derive.model_files(derive.lower(derive.derive(pendulum)), pendulum))
+        >>> result = derive.equilibrium(native, native.setup(), [1.0])
+        >>> abs(result.q.round(6))
+        array([0.])
     """
+    guess = checked_vector(native.nq, guess, "guess")
     norms = typical_row_norms(native, k, t, guess, mass_factor(mass_matrix(native, guess, k)))
     first = closest_state(native, k, t, guess, np.ones(native.nv, dtype=bool), norms).q
     unbalanced = native.force(t, first, np.zeros(native.nv), k)

@@ -15,7 +15,17 @@ AT_DEAD_CENTRE = (
 
 
 class SimulationError(TisserandError):
-    """A simulation cannot start or continue."""
+    """A simulation cannot start or continue; the text says why, and what to do.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> try:
+        ...     derive.simulate(ball, duration=1, output=0.5, integrator="adaptive", step=0.1)
+        ... except derive.SimulationError as error:
+        ...     print(error)
+        adaptive chooses its own steps, so that a step of 0.1 s means nothing to it; leave it out ...
+    """
 
 
 class InconsistentInitialState(SimulationError):

@@ -40,16 +40,38 @@ def simulate(
 
     A single beam is simulated as a scene in which it is the body "beam".
 
-    duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
-    the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes adaptive, dop853, rk45 and
-    rk4. step: that of integrators with fixed steps, s; the others refuse it. until: a condition on columns that ends
-    the motion, such as "rod_phi > pi/2". earlier: a run that is continued, see `read_run`; its rows come first.
-    inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of the
-    run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
-    progress: called with the time (s) that the integration has reached; True shows a line with the remaining time once
-    the run takes longer than 2 s, False shows none. By default notebooks show one.
+    Arguments:
+        spec: a scene, a beam or a finite-element body.
+        duration: the time that is simulated, s; by default that of the `simulation` of the specification.
+        output: the interval between rows, s; by default likewise.
+        tolerance: the error of a step, relative and absolute (SI); by default likewise.
+        integrator: a name in `INTEGRATORS`; a body takes adaptive, dop853, rk45 and rk4.
+        step: that of integrators with fixed steps, s; the others refuse it.
+        until: a condition on columns that ends the motion, such as "rod_phi > pi/2".
+        earlier: a run that is continued, see `derive.simulation.earlier_run.read_run`; its rows come first.
+        inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of
+            the run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
+        progress: called with the time (s) that the integration has reached; True shows a line with the
+            remaining time once the run takes longer than 2 s, False shows none; by default notebooks show one.
 
-    Raises TypeError for anything else, SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
+    Raises:
+        SpecError: if the specification is not valid, or has no duration and output.
+        UnknownNameError: for an integrator that is not registered, or an input that the scene does not have.
+        SimulationError: if there is no consistent initial state, or if the integration stops.
+        CompilerError: if there is no compiler.
+        ModelError: if the model refuses a parameter or a state.
+        TypeError: for anything but a scene or a body that can be simulated.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene(
+        ...     "flight", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (3, 4)}}}
+        ... )
+        >>> trajectory = derive.simulate(ball, duration=0.8, output=0.4)
+        >>> trajectory["t"]
+        array([0. , 0.4, 0.8])
+        >>> trajectory["ball_c2"].round(6) + 0.0
+        array([0. , 0.8, 0. ])
     """
     whole = with_simulation(simulated(spec), duration, output, tolerance, until)
     end = whole.simulation.duration if whole.simulation else 0.0

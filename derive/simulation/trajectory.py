@@ -95,11 +95,30 @@ class Trajectory(Mapping[str, Vector]):
 
     The columns are the time "t", the prescribed motions of drives, coordinates, their rates, multipliers, inputs that
     follow functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv)
-    and lam (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial
-    state, `motion` the basis of observables, `model` the kernels, `settings` those of the run, `validity` the monitors
-    of each beam, `warnings` the beams that pass a limit. An unknown name raises UnknownNameError.
+    and lam (n, nlambda) are the same as matrices. An unknown name raises UnknownNameError.
 
-    Of a body in space alone (`body`) the scene is empty; the last columns are its energies, J.
+    Attributes:
+        scene: the scene that is simulated; empty for a body in space alone, whose last columns are its energies, J.
+        model: the kernels.
+        initial: the consistent initial state.
+        motion: the basis of observables.
+        solution: the result of the integration, with its drift and cost.
+        settings: those of the run.
+        validity: the monitors of each beam; `warnings` has the beams that pass a limit.
+        body: the body in space, if it is simulated alone.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene(
+        ...     "flight", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (3, 4)}}}
+        ... )
+        >>> trajectory = derive.simulate(ball, duration=0.8, output=0.4)
+        >>> trajectory.columns
+        ('t', 'ball_c1', 'ball_c2', 'ball_phi', 'ball_c1dot', 'ball_c2dot', 'ball_phidot')
+        >>> trajectory["ball_c2"].round(6) + 0.0
+        array([0. , 0.8, 0. ])
+        >>> trajectory.units["ball_phidot"], trajectory.q.shape
+        ('rad/s', (3, 3))
     """
 
     scene: AnyScene
@@ -175,13 +194,28 @@ class Trajectory(Mapping[str, Vector]):
         return np.column_stack([self[name] for name in names]) if names else np.zeros((len(self.t), 0))
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame with the columns, indexed by time (s). Raises PandasMissing."""
+        """A pandas.DataFrame with the columns, indexed by time (s).
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> trajectory.to_pandas()["ball_c1"].round(3).tolist()
+            [0.0, 1.2, 2.4]
+        """
         return data_frame(self.table)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with the columns over the dimension `time` (s), with their units and descriptions.
 
-        The attributes of a column are `units` and `long_name`. Raises XarrayMissing.
+        The attributes of a column are `units` and `long_name`.
+
+        Raises:
+            XarrayMissing: if xarray is not installed.
+
+        Examples:
+            >>> trajectory.to_xarray()["ball_c1"].units
+            'm'
         """
         return data_set(
             self.name, self.table, dict(zip(self.columns, column_docs(self.scene, self.model), strict=True))

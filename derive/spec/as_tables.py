@@ -59,7 +59,12 @@ def scene_tables(scene: AnyScene) -> Data:
     return tables
 
 
-_OTHERS = {"ground": ("ground.markers", "marker"), "masses": ("beam.masses", "attached mass")}
+_OTHERS = {
+    "ground": ("ground.markers", "marker"),
+    "masses": ("beam.masses", "attached mass"),
+    "markers": ("markers", "marker of the body"),
+    "loads": ("loads", "load of the body"),
+}
 """The tables with named elements besides those of a scene, with the noun for one element."""
 
 
@@ -113,8 +118,8 @@ def _written(key: Key, of: Any, default: object) -> Any:
     value = getattr(of, key.field)
     if key.type is KeyType.MARKER_PAIR:
         return [*as_table(value if isinstance(value, tuple) else (of.first, of.second))]
-    if isinstance(value, tuple) and key.has_names:
-        return {element.name: as_table(element) for element in value}
+    if key.has_names and isinstance(value, (list, tuple)):
+        return named(key.name, value)
     if value == default and (not value or key.type is KeyType.DIRECTION):
         return None
     table = as_table(value)

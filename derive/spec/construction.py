@@ -8,9 +8,11 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
-from textwrap import fill
 from typing import Any, TypeVar
+
+import numpy as np
 
 from derive.spec.as_tables import as_table, named, specification_tables, without_none
 from derive.spec.model.beam import PlanarBeam
@@ -27,6 +29,7 @@ from derive.spec.model.beam_parts import (
     ShapeFamily,
 )
 from derive.spec.model.body import BodyFrame, Damping, Lowering, NodalBody, NodeData, SymbolicBody, SymbolicFrame
+from derive.spec.model.documentation import key_entries, with_entries
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier
 from derive.spec.model.keys import declared_keys
@@ -63,13 +66,12 @@ Function = TypeVar("Function", bound=Callable[..., Specification])
 
 
 def _documented(of: type) -> Callable[[Function], Function]:
-    """A decorator that adds to the docstring of a function the descriptions of the keys that a type declares."""
+    """A decorator that adds to the arguments in the docstring of a function the keys that a type declares."""
 
     def documented(function: Function) -> Function:
         parameters = inspect.signature(function).parameters
         keys = (key for key in declared_keys(of) if key.name in parameters and key.description)
-        lines = (fill(f"{key.name}: {key.description}", 100, subsequent_indent="    ") for key in keys)
-        function.__doc__ = "\n".join((f"{inspect.getdoc(function)}\n", *lines))
+        function.__doc__ = with_entries(inspect.getdoc(function) or "", "Arguments", key_entries(keys))
         return function
 
     return documented
@@ -99,6 +101,21 @@ def planar_beam(
     The beam of a body such as link[3] may have the name of the body; alone it is a model called link_3. Numbers may be
     texts, such as "1/3"; a float is the decimal that it is printed as. Polynomials are texts, such as "xi^2 - 1/3", or
     tuples of coefficients.
+
+    Arguments:
+        name: the name of the model, which is the prefix of its C.
+
+    Raises:
+        SpecError: with all faults of the arguments.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", frame="point", mass=2, length="3/2", markers={"tip": 1})
+        >>> beam.length, beam.frame.kind
+        (Fraction(3, 2), 'point')
+        >>> stiff = derive.planar_beam("stiff", mass=1, length=1, bending_stiffness=100)
+        >>> derive.modes(stiff).frequencies[3:].round(1)  # Hz, of its two shapes
+        array([ 42.7, 145.9])
     """
     return _single(PlanarBeam, planar_beam, locals())
 
@@ -120,12 +137,30 @@ def nodal_body(
 ) -> NodalBody:
     """A deformable body in space made of the nodes of a finite-element program.
 
-    The nodes may also be a table of arrays with the names that they have in a .npz file, or NodeData, which are in SI
-    units.
+    The nodes may also be a table of arrays or lists with the names that they have in a .npz file, or NodeData, which
+    are in SI units.
+
+    Arguments:
+        name: the name of the model, which is the prefix of its C.
+
+    Raises:
+        SpecError: with all faults of the arguments and of the arrays.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> square = derive.nodal_body("square", nodes, units="SI")
+        >>> derive.modes(square).frequencies[-1:].round(3)  # 10 rad/s in Hz
+        array([1.592])
     """
     given = locals()
     if units is None and isinstance(nodes, NodeData):
         given["units"] = "SI"
+    if isinstance(nodes, Mapping):
+        given["nodes"] = {key: _array(rows) for key, rows in nodes.items()}
     return _single(NodalBody, nodal_body, given)
 
 
@@ -139,8 +174,31 @@ def symbolic_body(
     gravity: Sequence[Constant] | None = None,
     lowering: Lowering = "auto",
 ) -> SymbolicBody:
-    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
+    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters.
+
+    `parameters` gives the values of these with which the model represents a particular body.
+
+    Arguments:
+        name: the name of the model, which is the prefix of its C.
+
+    Raises:
+        SpecError: with all faults of the arguments.
+
+    Examples:
+        >>> import derive
+        >>> model = derive.lower(derive.derive(derive.symbolic_body("any_body", modes=1)))
+        >>> [parameter.name for parameter in model.parameters][:4]
+        ['m', 'C3_11_', 'C3_12_', 'C3_13_']
+    """
     return _single(SymbolicBody, symbolic_body, {**locals(), "integrals": "symbolic"})
+
+
+def _array(rows: Any) -> Any:
+    """Nested lists of numbers as an array; anything else, such as the name of a file or ragged rows, as it is."""
+    if isinstance(rows, (list, tuple)):
+        with suppress(ValueError, TypeError):
+            return np.array(rows, dtype=np.float64)
+    return rows
 
 
 def _single(of: type[Body], function: Callable[..., Body], given: Mapping[str, Any]) -> Body:
@@ -182,12 +240,44 @@ def scene(
 ) -> Scene:
     """A mechanism: planar bodies with joints, drives, forces and gravity.
 
-    name: the name of the model; or, alone, the tables of a whole TOML file as one mapping. ground: the markers of the
-    inertial frame. bodies and the others: mappings from names to the tables of a TOML file or to typed values such as
-    RigidBody and Joint, or sequences of typed values. gravity: two components, m/s^2. start: "equilibrium", or None for
-    the initial values of bodies and joints. lowering: "flat", "instances" or, by default, "auto". redundant: "auto",
-    "resolve" or "error", see the key. parameters, tables: what functions of time call by name. Files are relative to
-    the working directory.
+    Bodies and other parts with names are mappings from names to the tables of a TOML file or to typed values such as
+    RigidBody and Joint, or sequences of typed values. Files are relative to the working directory.
+
+    Arguments:
+        name: the name of the model; or, alone, the tables of a whole TOML file as one mapping.
+        ground: the markers of the inertial frame, two coordinates each, m.
+        gravity: two components, m/s^2.
+        start: "equilibrium", "steady", or None for the initial values of bodies and joints.
+        lowering: "flat", "instances" or, by default, "auto".
+        redundant: "auto", "resolve" or "error", the treatment of redundant joints.
+        bodies: rigid bodies and beams, such as {"rod": {"length": 1, "frame": "mean"}}.
+        joints: such as {"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.left"]}}.
+        drives: prescribed motions of joints.
+        forces: forces at markers.
+        torques: torques at markers.
+        springs: springs, dampers and bushings between markers.
+        inputs: run-time inputs, which forces, torques and drives refer to.
+        outputs: quantities that are computed from the state.
+        parameters: run-time parameters that functions of time call by name.
+        tables: tables of values that functions of time call by name.
+        simulation: duration, output and tolerance of a simulation.
+        plots: plots of a simulation.
+
+    Raises:
+        SpecError: with all faults of the arguments.
+        TypeError: if the tables specify a single body, or a scene in space.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> pendulum.bodies[0].inertia, pendulum.joints[0].kind
+        (Fraction(1, 12), 'revolute')
     """
     return _scene(Scene, locals())
 
@@ -237,9 +327,42 @@ def spatial_scene(
 ) -> SpatialScene:
     """A mechanism in space: rigid and finite-element bodies with joints, gears, drives, forces and gravity.
 
-    The arguments are those of `scene` with three components in place of two: markers are frames, which are coordinates,
-    or tables with the keys `at` and `rotation`; gears are ratios of the motions of two joints. That a scene is in space
-    is seen from its vectors and its finite-element bodies; TypeError is raised where they are in the plane.
+    Bodies and other parts with names are mappings as those of `scene`, with three components in place of two. That a
+    scene is in space is seen from its vectors and its finite-element bodies.
+
+    Arguments:
+        name: the name of the model; or, alone, the tables of a whole TOML file as one mapping.
+        ground: the markers of the inertial frame: three coordinates, m, or tables with the keys `at` and `rotation`.
+        gravity: three components, m/s^2.
+        start: "equilibrium", "steady", or None for the initial values of bodies and joints.
+        lowering: "flat", "instances" or, by default, "auto".
+        redundant: "auto", "resolve" or "error", the treatment of redundant joints.
+        bodies: rigid bodies with their tensors of inertia, and finite-element bodies.
+        joints: such as {"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.left"]}}, about z of the first.
+        drives: prescribed motions of joints.
+        gears: ratios of the motions of two joints.
+        forces: forces at markers or in joints.
+        torques: torques at markers or in joints.
+        springs: springs, dampers and bushings between markers.
+        inputs: run-time inputs, which forces, torques and drives refer to.
+        outputs: quantities that are computed from the state.
+        parameters: run-time parameters that functions of time call by name.
+        tables: tables of values that functions of time call by name.
+        simulation: duration, output and tolerance of a simulation.
+        plots: plots of a simulation.
+
+    Raises:
+        SpecError: with all faults of the arguments.
+        TypeError: if the tables specify a single body, or a scene in the plane.
+
+    Examples:
+        >>> import derive
+        >>> top = {"mass": 1, "inertia": [1, 1, 2, 0, 0, 0], "start": {"angular_velocity": [0, 0, 5]}}
+        >>> scene = derive.spatial_scene("spinner", gravity=(0, 0, -10), bodies={"top": top})
+        >>> scene.bodies[0].start.angular_velocity
+        (0.0, 0.0, 5.0)
+        >>> derive.simulate(scene, duration=1, output=0.5)["top_c3"].round(6) + 0.0
+        array([ 0.  , -1.25, -5.  ])
     """
     return _scene(SpatialScene, locals())
 
@@ -248,6 +371,23 @@ def validated(spec: S) -> S:
     """A specification built of dataclasses, checked as a TOML file is; numbers and texts become exact values.
 
     The dataclasses themselves check nothing, so that `Scene(...)` built by hand goes through this function first.
+
+    Arguments:
+        spec: a scene or a body.
+
+    Returns:
+        A specification of the same type.
+
+    Raises:
+        SpecError: with all faults.
+        TypeError: for anything but a specification.
+
+    Examples:
+        >>> import derive
+        >>> import dataclasses
+        >>> beam = derive.planar_beam("beam", mass=2)
+        >>> derive.validated(dataclasses.replace(beam, mass="1/3")).mass
+        Fraction(1, 3)
     """
     return validated_tables(spec, specification_tables(spec))
 

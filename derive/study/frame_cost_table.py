@@ -34,10 +34,10 @@ COLUMNS = tuple(
     )
 )
 ELIMINATIONS = {
-    EliminationRule.SAFE: "elimination: each multiplier after all of its coordinates, safe in every state with "
-    "independent constraints: the order of generated code",
-    EliminationRule.MATCHED: "elimination: each multiplier after one of its coordinates, with the least work that was "
-    "found: not safe in every state, since a pivot vanishes where the entry that pairs the two does; it is checked",
+    EliminationRule.SAFE: "elimination: each multiplier after all of its coordinates, as in generated code; safe in "
+    "every state with independent constraints",
+    EliminationRule.MATCHED: "elimination: each multiplier after one of its coordinates, in the order with the least "
+    "work found; not safe in every state, since a pivot vanishes with the entry that pairs the two, which is checked",
 }
 """The notes on each elimination order."""
 
@@ -136,25 +136,26 @@ def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination
     corrections = (f"{beam_count(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
     first, second = frames
     notes = [
-        "non-zeros: structural, of both triangles; fill-in: of one",
+        "non-zeros: structural ones in both triangles; fill-in: in one triangle",
         ELIMINATIONS[elimination],
-        "LDL^T: operations of the factorisation, if no entry is known before run time; in code: those of the generated "
-        "code, which computes what depends on parameters alone in setup",
+        "LDL^T: operations of the factorisation if no entry is known before run time; in code: operations of the "
+        "generated code, whose setup has already computed all that depends only on parameters",
         "force, accel: all operations of these functions; a sine counts as one",
-        "conditions: in the initial state, in SI units, not scaled",
-        f"times: CPU, median of {runs} interleaved runs ({first}, {second}, ...); spread: of the ratios of pairs",
-        f"step: of the same RK4 loop in C with the same step, {STABLE:g} of the longest stable one; drift is kept "
-        f"below {DRIFT:g}; {'; '.join(steps)}; corrections in {first} and {second}: {'; '.join(corrections)}",
+        "cond: condition number in the initial state, in SI units, not scaled",
+        f"times: CPU, median of {runs} interleaved runs ({first}, {second}, ...); spread: the ratios of pairs",
+        f"step: one step of the same RK4 loop in C; both frames take the same step, {STABLE:g} of the longest stable "
+        f"one; projection keeps the drift below {DRIFT:g}; steps: {'; '.join(steps)}; corrections in {first} and "
+        f"{second}: {'; '.join(corrections)}",
         f"compiled by {machine['compiler']}, {machine['flags']}; {machine['machine']}",
     ]
     if any(row.redundant for row in rows):
         notes.append(
-            "joints are redundant: pivots of multipliers have a proximal term, which gives reactions of least norm, "
-            "and coordinates are eliminated first; KKT matrices without the term are singular"
+            "joints are redundant, and the KKT matrices are singular: pivots of multipliers have a proximal term, "
+            "which gives reactions of least norm, and coordinates are eliminated first"
         )
     if any(_paper(frames, row.pieces) for row in rows):
         notes.append(
-            "paper: CPU time of DADS, 1988: the whole program, with another integrator and a general sparse solver. It "
-            "is not the same measurement"
+            "paper: CPU time of the whole program DADS in 1988, with another integrator and a general sparse solver, "
+            "which is not the same measurement"
         )
     return wrapped(notes, "  ")

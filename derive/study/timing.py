@@ -203,9 +203,9 @@ class RepeatedCalls:
         return taken / calls
 
 
-def machine_description() -> dict[str, str]:
+def machine_description(flags: Sequence[str] = FLAGS) -> dict[str, str]:
     """The compiler, flags and processor, on which times depend, without names of machines and paths."""
-    return {"compiler": _compiler(), "flags": " ".join(FLAGS), "machine": _machine()}
+    return {"compiler": _compiler(), "flags": " ".join(flags), "machine": _machine()}
 
 
 def _compiler() -> str:

@@ -89,8 +89,18 @@ def figure_svg(figure: Figure, title: str) -> str:
     FigureCanvasSVG(figure)
     metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
     figure.savefig(stream, format="svg", metadata=metadata, bbox_inches=_whole(figure))
+    return in_page_style(stream.getvalue(), title)
+
+
+def in_page_style(svg: str, title: str) -> str:
+    """A picture that matplotlib has written with SETTINGS in the style of pages, with a `title` for screen readers.
+
+    It carries our mark, uses the fonts of the page and follows the dark colour scheme; what matplotlib says about the
+    time and itself is left out.
+    """
+    svg = re.sub(r" *<metadata>.*?</metadata>\n", "", svg, flags=re.DOTALL)
     svg_tag = re.compile(r"<\?xml.*?<svg ([^>]*)>\n", re.DOTALL)
-    text = svg_tag.sub(lambda m: f'<svg role="img" {m[1]}>\n{head(title)}\n', stream.getvalue())
+    text = svg_tag.sub(lambda m: f'<svg role="img" {m[1]}>\n{head(title)}\n', svg)
     text = re.sub(r'(?<= d=")[^"]*', lambda m: _shorter(m[0]), text)
     text = text.replace(f"font-family: '{FONT}'", f"font-family: system-ui, '{FONT}', sans-serif")
     return "".join(line.rstrip() + "\n" for line in text.splitlines())

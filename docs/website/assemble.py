@@ -12,8 +12,9 @@ import sys
 from pathlib import Path, PurePosixPath
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).parent.parent))
+    sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent.parent.parent)]
 
+from website.api_pages import pages as api_pages
 from website.links import with_links
 from website.navigation import toctrees
 from website.pages import ROOT, SHOWN, is_shown, pages, place
@@ -60,6 +61,7 @@ def site_files() -> dict[str, bytes]:
         if is_shown(ROOT / path):
             result[target] = source_page(path).encode()
         result[target.removesuffix(".md")] = content
+    result |= {page: text.encode() for page, text in api_pages().items()}
     if GENERATED.exists():
         for file in GENERATED.rglob("*"):
             if file.is_file():

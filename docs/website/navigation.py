@@ -10,7 +10,7 @@ SECTIONS = {
     "Gallery": ("gallery/index", "examples"),
     "How-to": ("how_to/*", "hosts"),
     "Reference": ("commands", "reference_toml", "api/index", "generated_code"),
-    "Theory": ("theory", "second_order"),
+    "Theory": ("theory", "monitors", "second_order"),
     "Results": ("where_methods_fail", "benchmarks"),
     "Development": ("contributing", "changelog", "code_of_conduct", "security"),
 }

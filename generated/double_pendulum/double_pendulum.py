@@ -49,8 +49,8 @@ Multipliers lambda, the constraint reactions on body 2 of each joint:
   2  elbow_1  [N]  upper.right and lower.left coincide along e1
   3  elbow_2  [N]  upper.right and lower.left coincide along e2
 
-Not modelled, with the reasons:
-  ground: it does not move: no coordinates
+Eliminated coordinates and constraints, with the reasons:
+  ground: it does not move and has no coordinates
 
 Parameters p:
   none: every number of the specification is folded into the code
@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "44d19361ac1df6a6"
+HASH = "ee4f267e193bd3ce"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_b5c68b34215c4c94
+#ifndef FREE_BEAM_MEAN_HASH_56d0e90937e93fd6
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -62,13 +62,28 @@
    where compilers may reorder sums or compute with more digits than doubles have. */
 #ifndef TISSERAND_SINE
 #define TISSERAND_SINE
-/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
-TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
-{
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
     || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
-    *s = *c = x;
+#  define TISSERAND_LIBRARY_SINES
+#endif
+/* The first bit of the result is set where the C library computes the sine of x: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_is_far(double x)
+{
+#ifdef TISSERAND_LIBRARY_SINES
+    (void) x;
     return ~0ull;
+#else
+    unsigned long long of_x;
+    memcpy(&of_x, &x, sizeof of_x);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#ifdef TISSERAND_LIBRARY_SINES
+    *s = *c = x;
 #else
     const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
     const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
@@ -85,8 +100,7 @@ TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, dou
     const double half = 0.5 * z, most = 1.0 - half;
     const double sine = r - (d - z * r * f);
     const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
-    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
-    memcpy(&of_x, &x, sizeof of_x);
+    unsigned long long of_s, of_c, quadrant, exchanged;
     memcpy(&quadrant, &shifted, sizeof quadrant);
     memcpy(&of_s, &sine, sizeof of_s);
     memcpy(&of_c, &cosine, sizeof of_c);
@@ -95,8 +109,8 @@ TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, dou
     of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
     memcpy(s, &of_s, sizeof of_s);
     memcpy(c, &of_c, sizeof of_c);
-    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
 #endif
+    return tisserand_is_far(x);
 }
 
 TISSERAND_INLINE double tisserand_sin(double x)
@@ -111,13 +125,14 @@ TISSERAND_INLINE double tisserand_cos(double x)
     return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
 }
 
-/* Sines s and cosines c where some angle is far from 0: apart, since the text of it would be wherever there are sines. */
+/* Those of the sines s and cosines c whose angle is far from 0: apart, since the text would be wherever there are sines. */
 TISSERAND_APART void tisserand_far_sines(
     int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
 {
     for (int b = 0; b < count; b++) {
-        s[b] = tisserand_sin(x[b]);
-        c[b] = tisserand_cos(x[b]);
+        if (!(tisserand_is_far(x[b]) >> 63)) continue;
+        s[b] = sin(x[b]);
+        c[b] = cos(x[b]);
     }
 }
 

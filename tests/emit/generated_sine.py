@@ -26,6 +26,10 @@ void singles(int n, const double *x, double *s, double *c)
         c[i] = tisserand_cos(x[i]);
     }
 }
+void ones(int n, const double *x, double *s, double *c)
+{
+    for (int i = 0; i < n; i++) tisserand_sines_of_one(x + i, s + i, c + i);
+}
 void blocks(int n, const double *x, double *s, double *c)
 {
     for (; n >= 8; n -= 8, x += 8, s += 8, c += 8) tisserand_sines(8, x, s, c);

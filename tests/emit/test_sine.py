@@ -73,7 +73,8 @@ def test_blocks_have_the_bits_of_single_angles(count: int) -> None:
     for place in range(count):
         for angle in (-0.0, 2e5, -1e300):
             given = np.where(np.arange(count) == place, angle, x)
-            assert [a.tobytes() for a in sines(given, "blocks")] == [a.tobytes() for a in sines(given)]
+            for function in ("ones", "blocks"):
+                assert [a.tobytes() for a in sines(given, function)] == [a.tobytes() for a in sines(given)]
 
 
 @pytest.mark.parametrize("flags", [(*FLAGS,), (*FLAGS, "-mavx"), (*FLAGS, "-DTISSERAND_NO_VECTORS")], ids=str)
@@ -98,7 +99,7 @@ VARIANTS = {
 def test_bits_do_not_depend_on_the_vectors(variant: str) -> None:
     x = np.concatenate([*ANGLES.values()])
     expected = [a.tobytes() for a in sines(x)]
-    for function in ("singles", "blocks"):
+    for function in ("singles", "ones", "blocks"):
         assert [a.tobytes() for a in sines(x, function, VARIANTS[variant])] == expected
 
 

@@ -50,7 +50,7 @@ def test_an_interface_from_outside_is_one_more_kind(
     out = capsys.readouterr().out
     folder = tmp_path / "out/pushed-toy"
     assert f"next: look at {folder}" in out
-    assert "1 inputs: push (N)" in out and "1 parameters: EI (N m^2)" in out
+    assert "1 input: push (N)" in out and "1 parameter: EI (N m^2)" in out
     assert sorted(path.name for path in folder.iterdir()) == ["export.json", "names.txt", "start.bin"]
     assert len((folder / "names.txt").read_text().splitlines()) == 10
     assert main(command) == 0  # files without our mark are known by their record
@@ -80,7 +80,7 @@ def test_an_input_without_a_value_is_named(toy: object, tmp_path: Path, capsys: 
     path = tmp_path / "steered.toml"
     path.write_text(STEERED)
     assert main(["export", str(path), "--to", "toy", "--out", str(tmp_path)]) == 0
-    assert "inputs.side: there is no value; it is 0 in the initial state" in capsys.readouterr().out
+    assert "inputs.side: no value is given; it is 0 in the initial state" in capsys.readouterr().out
 
 
 REFUSED = {

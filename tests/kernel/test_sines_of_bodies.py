@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from derive.backends.c.source import CBackend
 from derive.ir.expressions import Element, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import constant, variable
 from derive.ir.interpreter import interpret
@@ -105,3 +106,23 @@ def test_bodies_of_one_vector_keep_their_sines() -> None:
     """One call for them would spare no text, and they would wait for it."""
     (item,) = sines_of(nodes_in_lanes(looped("chain_3").kernel("accel")))
     assert not item.stride
+
+
+def test_functions_of_one_instance_have_one_call_for_both() -> None:
+    """The number of the body is an argument, on which the place of its angle depends."""
+    kernel = looped("chain_5").kernel("marker_b0_left")
+    nodes = [*nodes_in_lanes(kernel)]
+    (item,) = sines_of(nodes)
+    assert (item.angle, item.count) == (Element("q", variable("instance", 5, 2)), 1)
+    assert not has_calls(nodes)
+    for number in (0, 3):
+        given = {**arguments(kernel), "number": number}
+        assert interpret(kernel, given, nodes=nodes) == interpret(kernel, given)
+
+
+def test_batches_call_one_function_of_sines() -> None:
+    """Compilers take long for sines, which several parts of a batch need for the states of a block."""
+    _, source = CBackend().files(looped("chain_5"), "test")
+    before, batches = source.text.split("void graph_block8_sines(")
+    assert before.endswith("TISSERAND_APART ") and batches.count("    tisserand_sines(") == 1
+    assert batches.count("graph_block8_sines(") > 1

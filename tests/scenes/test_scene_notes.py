@@ -36,7 +36,7 @@ def test_groups_of_bodies_without_the_ground(more: dict, notes: list[str]) -> No
 
 def test_they_fall_where_there_is_gravity() -> None:
     (note,) = scene_notes(derive.scene("falling", gravity=[0, -9.81], ground={"o": [0, 0]}, bodies={"one": BODY}))
-    assert note.endswith("so that it falls freely; if this is not meant, a joint is missing")
+    assert note.endswith("so it falls freely; add a joint if this is not intended")
     assert (
         note
         in derive.simulate(

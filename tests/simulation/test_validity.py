@@ -217,7 +217,7 @@ def test_a_struck_beam_that_bends_far_warns(rate: float, error: float) -> None:
 
 
 def test_the_error_of_a_vibration_grows_with_the_time() -> None:
-    """The figures of docs/theory.md: 0.8 % after two periods where it bends by 0.03, and twice as much after four."""
+    """The figures of docs/monitors.md: 0.8 % after two periods where it bends by 0.03, and twice as much after four."""
     after_two, after_four = (monitor(struck(0.466, duration), Cause.DEFLECTION) for duration in (0.6, 1.2))
     assert after_two.value == pytest.approx(0.03, rel=0.02)
     assert after_two.error == pytest.approx(0.0076, rel=0.03)
@@ -296,7 +296,7 @@ def test_small_deflections_of_a_struck_beam_are_silent() -> None:
     ],
 )
 def test_a_spin_up_is_silent_with_two_shapes_where_its_error_is_small(frame: str, model: str, error: float) -> None:
-    """The errors against the file of the scene are in `docs/theory.md`."""
+    """The errors against the file of the scene are in `docs/monitors.md`."""
     shapes = (r"ansatz = \[.*\]", 'ansatz = ["1", "xi", "xi^2", "xi^3"]')
     scene = changed(
         "spun_up_cantilever", shapes, ("frame = {.*}", f"frame = {frame}"), ("mass = 12", f"{model}\nmass = 12")

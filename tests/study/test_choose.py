@@ -315,7 +315,7 @@ def test_each_beam_has_a_model_of_its_own() -> None:
     shares = {(of.beam, of.model.shapes): of.share for of in choice.shares}
     assert shares["upper", Shapes.RIGID] < 0.02 < shares["lower", Shapes.RIGID]  # type: ignore[operator]
     text = choice_text(scene.name, ["deflection"], (), choice)
-    assert "Shares of the beams in the error" in text and "Chosen: upper: rigid; lower: " in text
+    assert "Share of each beam in the error" in text and "Chosen: upper: rigid; lower: " in text
 
 
 def test_stiffness_is_predicted_from_the_fastest_vibration() -> None:

@@ -15,7 +15,16 @@ from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
 from derive.study.accuracy import ladder_run
 from derive.study.accuracy.ladder_run import LadderRun
-from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, compiled, measured, retimed
+from derive.study.accuracy.measurement import (
+    CompiledLadderModel,
+    Line,
+    Point,
+    PreparedModel,
+    compiled,
+    measured,
+    opened,
+    retimed,
+)
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.reference import Reference
 
@@ -93,12 +102,12 @@ ASKED = [
 def test_an_interruption_leaves_what_there_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(scene: Scene, model: LadderModel, explicit: bool) -> CompiledLadderModel:
-        if model.shapes is not Shapes.RIGID:
+    def interrupted(of: PreparedModel) -> CompiledLadderModel:
+        if of.variant.model.shapes is not Shapes.RIGID:
             raise KeyboardInterrupt
-        return compiled(scene, model)
+        return opened(of)
 
-    monkeypatch.setattr(ladder_run, "compiled", interrupted)
+    monkeypatch.setattr(ladder_run, "opened", interrupted)
     assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 130
     text = capsys.readouterr()
     assert "interrupted: 2 models were not run" in text.out
@@ -110,19 +119,19 @@ def test_an_interruption_leaves_what_there_is(
     assert "interrupted: 2 models were not run" in (tmp_path / "accuracy.html").read_text()
 
 
-def test_what_there_is_is_written_meanwhile(scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Before the second model is derived, the files have the first."""
+def test_what_there_is_is_written_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before the second model runs, the files have the first."""
     seen: list[list[str]] = []
 
-    def watching(scene: Scene, model: LadderModel, explicit: bool) -> CompiledLadderModel:
+    def watching(of: PreparedModel) -> CompiledLadderModel:
         record = tmp_path / "accuracy.json"
         if record.exists():
             data = json.loads(record.read_text())
             seen.append([*(line["model"] for line in data["models"]), *data["notes"]])
-        return compiled(scene, LadderModel(Shapes.RIGID))
+        return opened(of)
 
     monkeypatch.setattr("derive.cli.accuracy.BETWEEN", 0.0)
-    monkeypatch.setattr(ladder_run, "compiled", watching)
+    monkeypatch.setattr(ladder_run, "opened", watching)
     assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 0
     assert seen[0] == ["rigid", "unfinished: more models are being run"]
     assert "unfinished" not in (tmp_path / "accuracy.json").read_text()

@@ -53,7 +53,7 @@ def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[st
     assert "set bodies.rod.bending_stiffness: 12 N m^2 -> 3 values, 8 ... 12, the parameter EI" in output.out
     assert "set drives.motor.offset: not given -> 1.5" in output.out
     assert "6 samples, a grid of 3 x 2 x 1" in output.out and "1 compiled model, 2 initial states" in output.out
-    assert "warning: 3 samples failed, without values (nan):" in output.out
+    assert "warning: 3 samples failed and have no values (nan):" in output.out
     assert "3 samples, the first at EI = 8, radius = 0.31: no positions near the initial guess" in output.out
     folder = spec.parent / "slider"
     assert sorted(path.name for path in folder.iterdir()) == ["sweep.csv", "sweep.json", "sweep.npz", "sweep.svg"]
@@ -118,7 +118,7 @@ def test_a_finished_sweep_is_not_computed_again(
         (folder / "sweep.svg").unlink()
         assert run(spec, *given, "--resume") == 0
     again, extremes = capsys.readouterr(), [line for line in first.splitlines() if line.startswith("  peak_")]
-    assert "; all 3 samples were finished already, and nothing is computed again" in again.out and not again.err
+    assert "; all 3 samples are finished already, so nothing is computed again" in again.out and not again.err
     assert len(extremes) == 1 and extremes[0] in again.out
     assert {path: path.read_bytes() for path in folder.iterdir()} == contents
     assert run(spec, *given, "--resume", "--json") == 0
@@ -128,7 +128,7 @@ def test_a_finished_sweep_is_not_computed_again(
     for other in (given, ["--set", "EI=8:12:2", "--output", "peak"]):
         assert run(spec, *other, "--resume") == 0
         printed = capsys.readouterr()
-        assert "slider: no sweep of these samples is in" in printed.err and "already" not in printed.out
+        assert "holds no sweep of these samples" in printed.err and "already" not in printed.out
         assert (folder / "sweep.csv").exists()
 
 

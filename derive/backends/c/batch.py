@@ -153,8 +153,9 @@ def _copying(kernel: Kernel, count: int) -> StateCopies:
 
 
 def batch_helpers(model: Model, blocks: Mapping[str, StateBlock]) -> str:
-    """The static functions that the functions of the batches call: products with tables for each width, and codes."""
+    """The static functions that the functions of the batches call: sines and products for each width, and codes."""
     widths = sorted({block.width for block in blocks.values() if block.multiplies})
     checked = any(block.checked for block in blocks.values())
-    values = {"name": model.name, "widths": widths, "checked": checked, "lanes": range(LANES)}
+    sines = sorted({block.width for block in blocks.values() if block.calls_sines})
+    values = {"name": model.name, "widths": widths, "sines": sines, "checked": checked, "lanes": range(LANES)}
     return render("c/block.c.jinja", values)

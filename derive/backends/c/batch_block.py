@@ -15,7 +15,7 @@ from derive.backends.wrapping import prefixed
 from derive.ir.analysis import codes_in_order
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.kernel import Kernel
-from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
+from derive.ir.loop_nests import BlockProduct, For, LoopKind, Sines, every
 
 Lines = list[str]
 
@@ -32,6 +32,7 @@ class StateBlock:
         self.checked = kernel.checked
         self.repeats = kernel.repeats
         self.multiplies = any(isinstance(node, BlockProduct) for node in every(self.batch.nodes))
+        self.calls_sines = self.repeats and any(isinstance(node, Sines) for node in every(self.batch.nodes))
 
     def of_width(self, width: int) -> StateBlock:
         """The function for a block of another number of states."""

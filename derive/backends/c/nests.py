@@ -138,12 +138,17 @@ class CNests:
                 assert_never(node)
 
     def _sines(self, node: Sines) -> Lines:
+        if node.stride and node.count == 1:
+            angle = address_text(node.angle.array, node.angle.index)
+            return plain(f"    tisserand_sines_of_one({angle}, {node.sine}, {node.cosine});")
         if node.stride:
             self._filled |= {node.sine, node.cosine}
             angles = f"{node.count}, {address_text(node.angle.array, node.angle.index)}, {node.stride}"
             return plain(f"    tisserand_spaced_sines({angles}, {node.sine}, {node.cosine});")
         rows = [f"[{index_text(index)}]" for index in node.rows] if node.rows else ["", ""]
         results = f"{node.sine}{rows[0]}, {node.cosine}{rows[1]}"
+        if self.has_codes and node.count is None:
+            return plain(f"    {self.helpers}_sines({self._row(node.angle)}, {results});")
         number = "count" if node.count is None else str(node.count)
         number = f"TISSERAND_FILLED({number})" if node.count and node.count % LANES else number
         return plain(f"    tisserand_sines({number}, {self._row(node.angle)}, {results});")

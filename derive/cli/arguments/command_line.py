@@ -8,18 +8,21 @@ import math
 from pathlib import Path
 from typing import Any
 
+from derive.cli.arguments.first_steps import add_completion, add_new, add_run
+from derive.cli.arguments.simulation import add_simulation
 from derive.cli.arguments.study import add_study
 from derive.cli.arguments.sweep import add_sweep
 from derive.cli.arguments.types import (
     SPEC,
     add_command,
+    add_folder,
     add_no_cache,
     add_set,
     count,
     error_fraction,
+    export_kind,
     number,
-    seconds,
-    tolerance,
+    spec_file,
 )
 from derive.version import VERSION
 
@@ -29,6 +32,8 @@ of flexible bodies and of mechanisms, in the plane and in space, and generates C
 """
 EPILOG = """\
 examples:
+  tisserand new arm --kind mechanism
+  tisserand run arm.toml --open
   tisserand build scenes/free_beam_mean.toml
   tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
@@ -74,6 +79,8 @@ def parser() -> argparse.ArgumentParser:
     )
     main.add_argument("--version", action="version", version=f"tisserand {VERSION}")
     commands = main.add_subparsers(dest="command", metavar="COMMAND", title="commands")
+    add_new(commands)
+    add_run(commands)
     _add_build(commands)
     _add_compare(commands)
     _add_simulate(commands)
@@ -86,13 +93,14 @@ def parser() -> argparse.ArgumentParser:
     _add_check(commands)
     _add_sid(commands)
     _add_schema(commands)
+    add_completion(commands)
     return main
 
 
 def _add_build(commands: Any) -> None:
     build = add_command(commands, "build", "generate C, Python and a manifest from specifications")
-    build.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
-    _add_folder(build, "generated")
+    build.add_argument("specs", nargs="+", type=spec_file, metavar="SPEC", help=SPEC)
+    add_folder(build, "generated")
     build.add_argument(
         "--sensitivities", action="store_true", help="with the derivatives of the equations by parameters and inputs"
     )
@@ -101,7 +109,7 @@ def _add_build(commands: Any) -> None:
 
 def _add_compare(commands: Any) -> None:
     compare = add_command(commands, "compare", "compile models and print their mass matrices and forces in one state")
-    compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
+    compare.add_argument("specs", nargs="+", type=spec_file, metavar="SPEC", help=SPEC)
     add_no_cache(compare)
     compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
     compare.add_argument("--picture", type=Path, metavar="FILE", help="write a drawing of the sparsity patterns (SVG)")
@@ -111,37 +119,13 @@ def _add_simulate(commands: Any) -> None:
     simulate = add_command(
         commands, "simulate", "simulate a scene: trajectory (CSV), plots (SVG) and an animation (HTML)"
     )
-    simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
-    _add_folder(simulate, "results")
-    add_set(simulate)
-    simulate.add_argument("--duration", type=seconds, metavar="S", help="duration, s, in place of the specified one")
-    simulate.add_argument("--output", type=seconds, metavar="S", help="time between rows of the CSV file, s")
-    simulate.add_argument(
-        "--tolerance", type=tolerance, metavar="X", help="tolerance of the error of a step, relative and absolute"
-    )
-    simulate.add_argument(
-        "--integrator",
-        default="adaptive",
-        metavar="NAME",
-        help="in C: adaptive (default), rk4, generalised-alpha, c_ida; in Python: dop853 (or scipy), rk45, ida",
-    )
-    simulate.add_argument(
-        "--step", type=seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"
-    )
-    simulate.add_argument(
-        "--resume", action="store_true", help="continue the run in the output folder from its last state"
-    )
-    simulate.add_argument(
-        "--until", metavar="CONDITION", help='ends the simulation, such as "rod_phi > pi/2" or "slider_s = 0.2"'
-    )
-    add_no_cache(simulate)
-    simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
+    add_simulation(simulate)
 
 
 def _add_modes(commands: Any) -> None:
     modes = add_command(commands, "modes", "natural frequencies, damping ratios and mode shapes about the equilibrium")
-    modes.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
-    _add_folder(modes, "results")
+    modes.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a body or a scene")
+    add_folder(modes, "results")
     add_set(modes)
     modes.add_argument(
         "--at", type=_instant, metavar="S", help="time in seconds of a state of the motion, in place of the equilibrium"
@@ -162,7 +146,7 @@ def _add_report(commands: Any) -> None:
         commands, "report", "write a page with every equation of a model, its terms, zeros and code (HTML)"
     )
     subject = report.add_mutually_exclusive_group(required=True)
-    subject.add_argument("spec", nargs="?", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
+    subject.add_argument("spec", nargs="?", type=spec_file, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     subject.add_argument("--paper", action="store_true", help="write the audit of the paper instead")
     report.add_argument("--out", type=Path, metavar="FILE", help="the page (default: results/NAME/NAME.report.html)")
     add_no_cache(report)
@@ -176,10 +160,10 @@ def _add_choose(commands: Any) -> None:
     choose = add_command(
         commands, "choose", "select, explain and write the cheapest model of a scene that is accurate enough"
     )
-    choose.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
+    choose.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
     choose.add_argument(
         "--error", "--tolerance", type=error_fraction, default=0.01, metavar="X",
-        help="error that is asked for, rms over the peak of a curve (default: 0.01)",
+        help="largest error (rms) that is allowed, relative to the peak of a curve (default: 0.01)",
     )  # fmt: skip
     choose.add_argument(
         "--plot",
@@ -198,9 +182,10 @@ def _add_export(commands: Any) -> None:
     export = add_command(
         commands, "export", "write a model as another program takes it, with inputs and outputs as ports"
     )
-    export.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
+    export.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     export.add_argument(
         "--to",
+        type=export_kind,
         required=True,
         metavar="KIND",
         help="the interface: cmake (C and C++ by CMake and pkg-config), fortran (a module by iso_c_binding), "
@@ -211,7 +196,7 @@ def _add_export(commands: Any) -> None:
         "exudyn (an object of Exudyn with user functions in C), exudyn-ffrf (integrals for its floating-frame body), "
         "petsc (TS of PETSc in C)",
     )
-    _add_folder(export, "exported")
+    add_folder(export, "exported")
     add_set(export)
     add_no_cache(export)
     export.add_argument("--json", action="store_true", help="print ports, start values and files as JSON")
@@ -222,16 +207,16 @@ def _add_check(commands: Any) -> None:
     check.add_argument(
         "scenes",
         nargs="?",
-        type=Path,
+        type=spec_file,
         default=Path("scenes"),
         help="folder of specifications, or one specification (default: scenes)",
     )
-    _add_folder(check, "generated")
+    add_folder(check, "generated")
 
 
 def _add_sid(commands: Any) -> None:
     sid = add_command(commands, "sid", "print a finite-element body as standard input data (SID)")
-    sid.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [body] given by nodes")
+    sid.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} with a [body] given by nodes")
 
 
 def _add_schema(commands: Any) -> None:
@@ -239,12 +224,6 @@ def _add_schema(commands: Any) -> None:
         commands, "schema", "print the JSON schema of specifications, with which editors check TOML files"
     )
     schema.add_argument("--markdown", action="store_true", help="print docs/reference_toml.md instead")
-
-
-def _add_folder(command: argparse.ArgumentParser, default: str) -> None:
-    command.add_argument(
-        "--out", type=Path, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
-    )
 
 
 def _instant(text: str) -> float:

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import Any
 
 from derive.cli.arguments.ladder import add_ladder
-from derive.cli.arguments.types import SPEC, add_command, add_no_cache, add_set, number
+from derive.cli.arguments.types import (
+    SPEC,
+    add_command,
+    add_no_cache,
+    add_set,
+    folder,
+    number,
+    spec_file,
+)
 
 MAX_VALUES = 10_000
 """The largest number of values of a parameter."""
@@ -21,7 +28,7 @@ def add_stability(studies: Any) -> None:
     stability = add_command(
         studies, "stability", "find where each model of a ladder loses its stability as a parameter grows"
     )
-    stability.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+    stability.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
     stability.add_argument(
         "--parameter",
         type=parameter,
@@ -37,7 +44,7 @@ def add_stability(studies: Any) -> None:
     )
     add_ladder(stability, many_shapes=(2, 4), many_sines=(1,))
     stability.add_argument(
-        "--out", type=Path, metavar="FOLDER", help="folder of the chart and the tables (default: results/NAME)"
+        "--out", type=folder, metavar="FOLDER", help="folder of the chart and the tables (default: results/NAME)"
     )
     add_set(stability)
     add_no_cache(stability)

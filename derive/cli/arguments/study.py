@@ -9,7 +9,17 @@ from typing import Any
 
 from derive.cli.arguments.ladder import add_ladder, among
 from derive.cli.arguments.stability import add_stability
-from derive.cli.arguments.types import SPEC, add_command, add_no_cache, count, error_fraction, pieces, tolerance
+from derive.cli.arguments.types import (
+    SPEC,
+    add_command,
+    add_no_cache,
+    count,
+    error_fraction,
+    folder,
+    pieces,
+    spec_file,
+    tolerance,
+)
 
 
 def add_study(commands: Any) -> None:
@@ -21,7 +31,7 @@ def add_study(commands: Any) -> None:
     frames = add_command(studies, "frames", "compare non-zeros, operations and CPU time in two frames")
     pivots = add_command(studies, "pivots", "compare vanishing pivots, pivot growth and backward errors in two frames")
     for command in (frames, pivots):
-        command.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+        command.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
         command.add_argument(
             "--frames",
             type=two_frames,
@@ -63,7 +73,7 @@ def add_study(commands: Any) -> None:
 
 def _add_methods(studies: Any) -> None:
     methods = add_command(studies, "methods", "limits of steps, drift, ringing, conditioning: by theory and experiment")
-    methods.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene, which may be rigid")
+    methods.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene, which may be rigid")
     methods.add_argument(
         "--steps", type=count, default=100_000, metavar="N", help="steps of the runs that show drift (default: 100000)"
     )
@@ -78,7 +88,7 @@ def _add_methods(studies: Any) -> None:
     )
     methods.add_argument(
         "--out",
-        type=Path,
+        type=folder,
         metavar="FOLDER",
         help="folder of the picture, the page and the table (default: results/NAME)",
     )
@@ -101,9 +111,12 @@ def states(text: str) -> int:
 
 def _add_accuracy(studies: Any) -> None:
     accuracy = add_command(studies, "accuracy", "chart the error of a ladder of models against what they cost")
-    accuracy.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
+    accuracy.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
     accuracy.add_argument(
-        "--out", type=Path, metavar="FOLDER", help="folder of the chart, the page and the table (default: results/NAME)"
+        "--out",
+        type=folder,
+        metavar="FOLDER",
+        help="folder of the chart, the page and the table (default: results/NAME)",
     )
     accuracy.add_argument("--plot", metavar="NAME", help="the plot that is compared (default: the first one)")
     accuracy.add_argument(
@@ -111,13 +124,13 @@ def _add_accuracy(studies: Any) -> None:
         type=error_fraction,
         default=0.01,
         metavar="X",
-        help="error that is asked for, rms of the peak (default: 0.01)",
+        help="largest error (rms) that is allowed, relative to the peak (default: 0.01)",
     )
     accuracy.add_argument(
         "--reference-error",
         type=error_fraction,
         metavar="X",
-        help="error of the reference file itself, rms of the peak",
+        help="error (rms) of the reference file itself, relative to the peak",
     )
     accuracy.add_argument(
         "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"

@@ -5,7 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from derive.cli.arguments.types import SPEC, add_command, add_no_cache, assignment, count, seconds, tolerance
+from derive.cli.arguments.types import (
+    SPEC,
+    add_command,
+    add_no_cache,
+    assignment,
+    count,
+    folder,
+    seconds,
+    spec_file,
+    tolerance,
+)
 
 
 def add_sweep(commands: Any) -> None:
@@ -13,7 +23,9 @@ def add_sweep(commands: Any) -> None:
     sweep = add_command(
         commands, "sweep", "run a scene with many values of its parameters: a table (CSV, NPZ) and a picture (SVG)"
     )
-    sweep.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene or a beam with a [simulation] table")
+    sweep.add_argument(
+        "spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene or a beam with a [simulation] table"
+    )
     sweep.add_argument(
         "--set",
         action="append",
@@ -29,7 +41,7 @@ def add_sweep(commands: Any) -> None:
         action="append",
         required=True,
         metavar="KIND[:NAME]",
-        help="what a run comes to: peak, rms or final value of a column or a plot, such as peak:slider_s; without a "
+        help="the result of a run: peak, rms or final value of a column or a plot, such as peak:slider_s; without a "
         "name that of the first plot; may be repeated",
     )
     sweep.add_argument(
@@ -38,7 +50,7 @@ def add_sweep(commands: Any) -> None:
     sweep.add_argument("--samples", type=count, metavar="N", help="the number of random samples")
     sweep.add_argument("--seed", type=int, metavar="N", help="the seed of random samples (default: 0)")
     sweep.add_argument(
-        "--out", type=Path, default=Path("results"), metavar="FOLDER", help="output folder (default: results)"
+        "--out", type=folder, default=Path("results"), metavar="FOLDER", help="output folder (default: results)"
     )
     sweep.add_argument(
         "--picture", type=Path, metavar="FILE", help="the picture (default: sweep.svg in the folder of the tables)"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from pathlib import Path
 from typing import Any
 
 SPEC = "specification file (.toml)"
@@ -91,3 +92,30 @@ def seconds(text: str) -> float:
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
     return value
+
+
+def add_folder(command: argparse.ArgumentParser, default: str) -> None:
+    """Add the option `--out` with the folder of all files."""
+    command.add_argument(
+        "--out", type=folder, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
+    )
+
+
+def spec_file(text: str) -> Path:
+    """The path of a specification. Like the types below it tells completions what a value is."""
+    return Path(text)
+
+
+def folder(text: str) -> Path:
+    """The path of a folder."""
+    return Path(text)
+
+
+def export_kind(text: str) -> str:
+    """The name of an interface to other programs, which the command looks up in its registry."""
+    return text
+
+
+def integrator(text: str) -> str:
+    """The name of an integrator, which the command looks up in its registry."""
+    return text

@@ -17,8 +17,22 @@ from derive.runtime.loading import library_data
 def casadi_function(host: HostModel) -> ca.Function:
     """The function (t, x, u, p) -> (xdot, y) of a model with exact derivatives, as from `tisserand export --to casadi`.
 
-    host: `host_model(spec, sensitivities=True)`, which has the names, units and start values of x = [q; v], u, p and y.
-    The library is that of the cache, where it has been compiled before. Raises CompilerError.
+    The library is that of the cache, where it has been compiled before.
+
+    Arguments:
+        host: `host_model(spec, sensitivities=True)`, which has the names and start values of x = [q; v], u, p and y.
+
+    Raises:
+        CompilerError: if there is no compiler, or if the model was made without sensitivities.
+        TypeError: for anything but a host model.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> function = derive.casadi_function(derive.host_model(ball, sensitivities=True))
+        >>> xdot, y = function(0, [0, 0, 0, 3, 4, 0], [], [])
+        >>> xdot.full().ravel()
+        array([  3.,   4.,   0.,   0., -10.,   0.])
     """
     with tempfile.TemporaryDirectory(prefix="tisserand-") as name:
         folder = Path(name)

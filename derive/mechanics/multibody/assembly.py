@@ -79,7 +79,7 @@ class SceneAssembly:
         self.known: dict[str, Mapping[str, Any]] = {GROUND: self._ground()}
         self.kinds = BodyKinds()
         self.instances: dict[str, BodyInstance] = {}
-        self.eliminated = [Eliminated(GROUND, "it does not move: no coordinates")]
+        self.eliminated = [Eliminated(GROUND, "it does not move and has no coordinates")]
         self.eliminated_joints: dict[str, Any] = {}
 
     def mechanism(self) -> Any:

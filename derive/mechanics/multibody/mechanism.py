@@ -31,11 +31,40 @@ from derive.spec.model.scene import Scene
 
 @dataclass(frozen=True, repr=False)
 class Mechanism(InstancesOfKinds):
-    """The kinds, instances, joints and forces of a scene. `expanded()` returns the equations of the whole mechanism.
+    """The kinds, instances, joints and forces of a scene: the equations once for each kind of body.
 
-    ground: the markers of the inertial frame; joints: those that are constraints, with their drives; forces: what acts
-    on markers; dampings: what acts between the components of a body; eliminated_joints: those that reduce the
-    coordinates of bodies instead; outputs: what is computed from the state.
+    `expanded()` returns the equations of the whole mechanism.
+
+    Attributes:
+        scene: the scene that it describes.
+        kinds: the kinds of bodies, with their equations.
+        instances: the bodies, each of which refers to a kind by its number.
+        order: the names of the bodies in the order of the coordinates.
+        parameters: the symbols of run-time parameters with their defaults.
+        constants: what depends on parameters alone.
+        definitions: what bodies and joints share.
+        eliminated: coordinates and constraints that are eliminated.
+        ground: the markers of the inertial frame.
+        joints: those that are constraints, with their drives.
+        forces: what acts on markers.
+        dampings: what acts between the components of a body.
+        eliminated_joints: joints that reduce the coordinates of bodies instead.
+        outputs: what is computed from the state.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> mechanism = derive.derive(pendulum)
+        >>> mechanism.names, len(mechanism.joints), len(mechanism.eliminated_joints)
+        (('rod',), 0, 1)
+        >>> mechanism.expanded().row("rod_phi")
+        rod_phiddot/3 + 981*sin(rod_phi)/200
     """
 
     scene: Scene

@@ -67,14 +67,15 @@ def code_blocks(code: SourceMap, lead: Targets) -> tuple[Block, ...]:
         Heading("The generated C", "c"),
         Paragraph(
             marked_text(
-                f"From `{PurePosixPath(code.path).name}`, with the numbers of its lines. Behind a line stand the terms "
-                "of the equations of motion that it computes; `mass_force` gives both at once."
+                f"These functions are in `{PurePosixPath(code.path).name}`; the line numbers are those of the file. "
+                "Each line is followed by the terms of the equations of motion that it computes. The function "
+                "`mass_force` computes both the mass matrix and the forces."
             )
         ),
         _listing(code.functions["mass"], lead, "mass: the mass matrix, lower triangle by columns"),
         _listing(code.functions["force"], lead, "force: the forces h"),
         Details(
-            f"setup: what depends on parameters alone, once ({len(setup.lines)} lines)",
+            f"setup: the constants, which depend only on the parameters ({len(setup.lines)} lines)",
             (_listing(setup, Targets({}, {}), "setup"),),
         ),
     )
@@ -104,28 +105,28 @@ def _shortened(lines: Sequence[CodeLine], wanted: frozenset[int]) -> tuple[CodeL
 def operation_blocks(equations: Equations, model: Model) -> tuple[Block, ...]:
     """Operations by step, then by function."""
     text = (
-        "Operations of the mass matrix (lower triangle) and the forces together. Additions, products, divisions, "
-        "powers, sines and cosines count as one each; before the generated code the counts are SymPy's."
+        "The table counts the operations of the mass matrix (lower triangle) and the forces together. Each addition, "
+        "product, division, power, sine and cosine counts as one. SymPy counts all steps but the generated code."
     )
     return (
         Heading("Operations", "operations"),
         Paragraph((text,)),
-        table("Operations after each step", ("step", "what it does", "operations"), _steps(equations, model), "llr"),
-        table("Functions", ("function", "what it gives", "operations"), list(map(_function, model.kernels)), "llr"),
+        table("Operations after each step", ("step", "effect", "operations"), _steps(equations, model), "llr"),
+        table("Functions", ("function", "result", "operations"), list(map(_function, model.kernels)), "llr"),
     )
 
 
 def _steps(equations: Equations, model: Model) -> list[list[Content]]:
     rows: list[list[Content]] = []
     if not isinstance(equations, IndexedEquations) and len(equations.definitions) <= MOST_DEFINITIONS:
-        rows.append(["written out", "in coordinates, rates and parameters, term by term", written_out(equations)])
+        rows.append(["expanded", "all terms in coordinates, velocities and parameters", written_out(equations)])
         if any(not c.value.is_Atom for c in equations.coefficients):
-            text = "what depends on parameters alone is computed before"
+            text = "expressions of the parameters alone are computed beforehand"
             rows.append(["integrals named", text, written_out(equations, integrals=False)])
         rows.append(["moments named", "d1, D2, d3, J and the like are computed once", named(equations)])
     both, setup = model.kernel("mass_force").operations, model.kernel("setup").operations
-    rows.append(["generated code", "what the terms share is computed once: the function mass_force", both])
-    rows.append(["besides, once", "for a set of parameters: the function setup", setup])
+    rows.append(["generated code", "subexpressions that terms share are computed once: the function mass_force", both])
+    rows.append(["setup", "once for each set of parameters: the function setup", setup])
     return rows
 
 

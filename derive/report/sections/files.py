@@ -79,13 +79,14 @@ def calling_blocks(model: Model) -> tuple[Block, ...]:
     name = model.name
     return (
         Heading("How to call it", "calling"),
-        Paragraph(("Both programs print the accelerations of the body while it spins, parameters at their defaults.",)),
+        Paragraph(("Both programs print the accelerations of the spinning body with the default parameters.",)),
         listing("c", f"main.c: cc main.c {name}.c -lm", c_program(model)),
-        listing("python", f"beside {name}.py, which needs NumPy alone", python_program(model)),
+        listing("python", f"beside {name}.py, which needs only NumPy", python_program(model)),
         Paragraph(
             marked_text(
-                f"Matrices are values of compressed columns; `{name}_model()` in C is a descriptor of patterns, names, "
-                "units and functions. `derive.load` compiles the C and calls it from Python."
+                f"Matrices are stored as the values of compressed columns. In C, `{name}_model()` returns a descriptor "
+                "with the patterns, names, units and functions of the model. In Python, `derive.load` compiles the C "
+                "and calls it."
             )
         ),
     )

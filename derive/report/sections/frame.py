@@ -50,7 +50,7 @@ FRAMES = {
     "point": "The frame is that of a section: the deformation neither displaces it nor turns it.",
     "tangent": "The frame is that of an end: the deformation neither displaces it nor turns it.",
     "chord": "The frame follows the chord: the deformation displaces neither end across it.",
-    "given": "The shapes are used as they stand; no combination of them is a rigid motion.",
+    "given": "The shapes are used as they are given; no combination of them is a rigid motion.",
 }
 
 ENDS: dict[Ends | None, str] = {
@@ -178,7 +178,7 @@ def _conditions(spec: PlanarBeam) -> tuple[Block, ...]:
     lines = [line for item in on_ansatz(spec) for line in (condition_equation(item.condition), item.equation)]
     if numbers := paper_numbers(spec):
         lines[1::2] = (replace(line, number=n) for line, n in zip(lines[1::2], numbers.conditions, strict=True))
-    words = "Its conditions, each followed by what it asks of the ansatz:"
+    words = "These are its conditions, each followed by the equation that it imposes on the ansatz:"
     return (Paragraph((words,)), EquationBlock(tuple(lines))) if lines else ()
 
 
@@ -204,7 +204,7 @@ def _left(spec: PlanarBeam, shapes: int) -> tuple[Inline, ...]:
     gone = removed(spec)
     words: list[Inline] = []
     if gone:
-        words.append(f"Of the {len(polynomials(spec))} terms of the ansatz the conditions eliminate {len(gone)}: ")
+        words.append(f"The conditions eliminate {len(gone)} of the {len(polynomials(spec))} terms of the ansatz: ")
         for k, j in enumerate(gone):
             words += [" and "] if k else []
             words.append(Math(_a(j)))

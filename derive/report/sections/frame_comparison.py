@@ -72,7 +72,7 @@ def frames_blocks(result: Sequence[Variant], notation: Notation) -> tuple[Block,
     columns = tuple((_picture(v, m), *_equations(v, notation)) for v, m in zip(result, matrices, strict=True))
     return (
         Heading("In another frame", "frames"),
-        Paragraph((f"The same beam with the same ansatz. Entries of the mass matrix: {against}.",)),
+        Paragraph((f"This is the same beam with the same ansatz. Non-zeros of the mass matrix: {against}.",)),
         Columns(columns),
         _counts(result),
     )
@@ -85,7 +85,7 @@ def _picture(variant: Variant, matrix: MassPattern) -> Picture:
 
 def _counts(result: Sequence[Variant]) -> Block:
     rows: list[list[Content]] = [
-        ["terms of (15) that are there", *(len(v.equations.terms) for v in result)],
+        ["terms of (15) that remain", *(len(v.equations.terms) for v in result)],
         ["terms of (15) that vanish", *(len(v.equations.vanished) for v in result)],
         ["entries of the mass matrix", *(v.model.pattern("mass", "M").full_nnz for v in result)],
         ["entries of the iteration matrix", *(len(v.model.pattern("jacobian", "jac").rowidx) for v in result)],
@@ -97,7 +97,7 @@ def _counts(result: Sequence[Variant]) -> Block:
 
 
 OPERATIONS = {
-    "setup": "on parameters alone, once",
+    "setup": "setup, once for each set of parameters",
     "mass": "mass matrix",
     "force": "forces",
     "mass_force": "mass matrix and forces",
@@ -112,7 +112,7 @@ def _equations(variant: Variant, notation: Notation) -> tuple[Block, ...]:
     rows = [(row.name, written_row(variant.equations, row.name, written, notation)) for row in variant.equations.rows]
     total = sum(len(parts) for _, parts in rows)
     if total > MOST_SUMMANDS:
-        return (Paragraph((f"Written out in coordinates its equations of motion have {total} summands.",)),)
+        return (Paragraph((f"Expanded in the coordinates, its equations of motion have {total} summands.",)),)
     numbers = paper_numbers(variant.spec)
     number = numbers.motion if numbers else ""
     last = len(rows) - 1

@@ -6,10 +6,10 @@ from derive.report.document.page import Block, Cell, CodeSpan, Content, Heading,
 from derive.simulation.initial.contradictions import InitialValue
 from derive.simulation.initial.initial_state import InitialState
 
-KEPT = "The initial state meets the joints and drives and keeps the values that the specification gives"
+KEPT = "The initial state meets the joints and drives and keeps the values in the specification"
 ADAPTED = (
-    "positions that are not given are as near as possible to the first guesses, and velocities that are not given are "
-    "those of the least kinetic energy."
+    " Positions that are not specified are as near as possible to the first guesses. Velocities that are not specified "
+    "have the least kinetic energy."
 )
 
 
@@ -18,12 +18,12 @@ def initial_state_blocks(initial: InitialState | str) -> tuple[Block, ...]:
     heading = Heading("Initial state", "initial")
     if isinstance(initial, str):
         return heading, Paragraph((f"The initial state cannot be computed: {initial}",))
-    corrected = "; those that contradict each other by rounding are corrected" if initial.corrections else ""
-    blocks: list[Block] = [heading, Paragraph((f"{KEPT}{corrected}; {ADAPTED}",))]
+    corrected = ", and corrects values that contradict each other by rounding" if initial.corrections else ""
+    blocks: list[Block] = [heading, Paragraph((f"{KEPT}{corrected}.{ADAPTED}",))]
     if of := initial.equilibrium or initial.steady:
         text = str(of)
         blocks.append(
-            Paragraph((f"The scene begins in its {text}. Positions in the specification are its first guess.",))
+            Paragraph((f"The scene begins in its {text}. The positions in the specification are its first guess.",))
         )
     if initial.values:
         head = ("key", "specified", "initial state", "unit", "")

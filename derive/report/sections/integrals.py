@@ -28,7 +28,7 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
     many = len(equations.coefficients) > SHOWN
     rows = [_integral(c, notation, planar, equations.truncated, described=not many) for c in there]
     whole_table = table("", ("integral", *([] if many else ["definition"]), "value", "unit", "in the code"), rows)
-    rounded = "Values that do not end are shown to six digits; the code has all of them."
+    rounded = "Values with more digits are shown to six; the code has all of them."
     return (
         head,
         *((_families(equations.coefficients, planar, equations.truncated),) if many else ()),
@@ -75,10 +75,10 @@ def _families(coefficients: Iterable[ModelConstant], planar: bool, second_order:
         generic = Identity(family, (I, J)[: len(identity(some[0].symbol).shapes)])
         what = meaning(generic, "", planar, second_order) if family in INTEGRANDS else _kind(family)
         rows.append([name, what, len(some), sum(not c.zero for c in some), unit(some[0].unit)])
-    return table("Integrals, and how many of them do not vanish", HEAD, rows, "llrrl")
+    return table("Integrals and their non-zeros", HEAD, rows, "llrrl")
 
 
-HEAD = ("integral", "definition", "entries", "of which not zero", "unit")
+HEAD = ("integral", "definition", "entries", "non-zeros", "unit")
 
 
 def _kind(family: Family) -> str:

@@ -55,7 +55,7 @@ def virtual_displacement() -> Equation:
 
 def beam_kinematics_blocks(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
     """The kinematics of a planar beam."""
-    origin = Paragraph(marked_text("$c$ is where the centre of the undeformed beam lies."))
+    origin = Paragraph(marked_text("$c$ is the position of the centre of the undeformed beam."))
     return (*_kinematics(), *beam_second_order_blocks(spec), *_beam(spec, notation), origin)
 
 
@@ -72,9 +72,9 @@ def _kinematics() -> tuple[Block, ...]:
         Heading("Kinematics", "kinematics"),
         Paragraph(
             marked_text(
-                "A material point that lies at $X$ in the reference configuration is displaced by the deformation $u$, "
-                "then turned by $Q$ and moved by $c$. Two time derivatives give its acceleration, the variation its "
-                "virtual displacement."
+                "The deformation displaces a material point by $u$ from its position $X$ in the reference "
+                "configuration; the floating frame then rotates it by $Q$ and translates it by $c$. Two time "
+                "derivatives give its acceleration, and the variation gives its virtual displacement."
             )
         ),
         EquationBlock(
@@ -147,7 +147,7 @@ def _space(equations: Equations, notation: Notation) -> tuple[Block, ...]:
                 "The rotation is that of a unit quaternion, ",
                 Math(unit),
                 Math(FormulaRow((OperatorToken("="), NumberToken("1")))),
-                "; the angular velocity and the virtual rotation are resolved in the body base.",
+                "; the angular velocity and the virtual rotation are resolved in the floating frame.",
             )
         ),
         EquationBlock((Equation(formula("Q"), (Part("+", notation.matrix(rotation)),), anchor="def-Q"), *rates)),

@@ -220,8 +220,8 @@ def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
 def mass_blocks(equations: Equations, matrix: MassPattern, notation: Notation) -> tuple[Block, ...]:
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
     words = (
-        f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
-        "The other entries are zero in every state; the table below gives the reasons."
+        f"{matrix.count} entries are structural non-zeros. The other entries are zero in every state, for the reasons "
+        "in the table below. The matrix is symmetric, and the code stores its lower triangle."
     )
     shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
     expanded = not isinstance(equations, IndexedEquations)
@@ -249,7 +249,7 @@ def _zeros_of(matrix: MassPattern, notation: Notation) -> tuple[Block, ...]:
         [reason(why, notation), sum(1 + (i != j) for i, j in pairs), _pairs(matrix, pairs)]
         for why, pairs in gathered.items()
     ]
-    whole = table("Zeros of the mass matrix", ("reason", "zeros", "entries below the diagonal"), rows, "lrl")
+    whole = table("Zeros of the mass matrix", ("reason", "zeros", "entries in the lower triangle"), rows, "lrl")
     block = folded(whole, "Zeros of the mass matrix")
     summary = f"{len(matrix.reasons)} zeros of the mass matrix, by {len(gathered)} reasons"
     return (Details(summary, (whole,)) if len(gathered) > SHOWN and isinstance(block, TableBlock) else block,)

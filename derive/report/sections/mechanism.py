@@ -99,7 +99,9 @@ def body_blocks(spec: AnyScene, model: Model, equations: Equations) -> tuple[Blo
     others: list[list[Content]] = [[out.what, out.reason] for out in model.eliminated if out.what not in _names(spec)]
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),
-        Paragraph((f"A {model.doc}. Coordinates and constraints that the mechanism does not need are eliminated.",)),
+        Paragraph(
+            (f"A {model.doc}. Joints and drives eliminate coordinates where they determine the motion of a body.",)
+        ),
         folded(
             table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), _cells(rows), "lllrl"),
             "Bodies",
@@ -171,7 +173,7 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
     for joint in spec.joints:
         drive = next((d.name for d in spec.drives if d.joint == joint.name), "")
         names = [c.shown for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
-        exerted = ", ".join(names) or "none: it eliminates coordinates"
+        exerted = ", ".join(names) or "none, since it eliminates coordinates"
         rows.append([joint.name, joint.kind, str(joint.first), str(joint.second), drive, exerted])
     if isinstance(spec, SpatialScene):
         rows += [
@@ -188,8 +190,8 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
             (
                 "A multiplier is the constraint reaction on body 2: a force, in components of "
                 f"{'the frame of marker 1' if isinstance(spec, SpatialScene) else 'the inertial frame'}, or "
-                "a torque; on body 1 the joint exerts the opposite.",
-                " That of a gear acts in its second joint, and in its first one - ratio times as much."
+                "a torque. The joint exerts the opposite on body 1.",
+                " The multiplier of a gear acts in its second joint, and multiplied by - ratio in its first joint."
                 if of_gears
                 else "",
                 f" The welds between the beams of a rod have {cuts} further multipliers." if cuts else "",
@@ -259,28 +261,30 @@ def constraint_blocks(once: ConstraintsShownOnce, written: Notation, spatial: bo
         "its time derivative."
     )
     if once.alike:
-        text += " Of joints whose constraints differ in names and constants alone, the first is shown."
+        text += " Where the constraints of joints differ only in names and constants, those of the first are shown."
     blocks: list[Block] = [Heading("Constraints", "constraints"), Paragraph((text,)), EquationBlock(lines[:MANY])]
     rows: list[list[Content]] = [[name, enumeration_of_instances(others)] for name, others in once.alike.items()]
     if len(lines) > MANY:
         blocks.append(Details(f"The other {len(lines) - MANY} constraints", (EquationBlock(lines[MANY:]),)))
-    return (*blocks, *((table("Joints with the same constraints", ("shown", "alike"), rows),) if rows else ()))
+    return (*blocks, *((table("Joints with the same constraints", ("shown", "the same for"), rows),) if rows else ()))
 
 
 def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:
     """The matrix in its elimination order, its structure and the operations of the functions that use it."""
     names = (*(row.name for row in model.equations), *(m.name for m in model.multipliers))
     text = (
-        "Accelerations and multipliers come from [M, -Gᵀ; -G, 0] by a factorisation L D Lᵀ whose elimination order is "
-        "fixed at generation: minimum degree, with each multiplier eliminated after its coordinates, so that no pivot "
-        "vanishes while the constraints are independent. The picture shows the lower triangle in that order."
+        "The code computes accelerations and multipliers by the factorisation L D Lᵀ of [M, -Gᵀ; -G, 0]. The "
+        "elimination order is fixed at generation: it is a minimum degree order in which each multiplier is eliminated "
+        "after its coordinates. No pivot vanishes while the constraints are independent. The picture shows the lower "
+        "triangle in this order."
     )
     if kkt.relative:
         rows = ", ".join(names[m] for m in kkt.relative)
         text += (
-            " The code changes the system first, which the picture does not show: angular accelerations become "
-            f"inertial components relative to the body before, along the joints of {rows}; where a joint leaves "
-            "one rotation or none, its rows are eliminated with those that it removes."
+            " The code transforms the system first, which the picture does not show: along the joints of "
+            f"{rows}, angular accelerations become inertial components relative to the preceding body. Where a joint "
+            "leaves one rotation or none, the rows of that rotation are eliminated together with those that the joint "
+            "removes."
         )
     jacobian = model.pattern("constraint_jacobian", "G")
     structure: list[list[Content]] = [

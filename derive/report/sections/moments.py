@@ -56,9 +56,9 @@ def moment_blocks(
         Heading("Moments", "moments"),
         Paragraph(
             (
-                "What the terms of (15) are made of, as in the appendix of the paper; each is computed once, and leads "
-                "to the line that does it. The first index is the number of the moment, then come the shape and the "
-                "components.",
+                "The terms of (15) are made of these moments, as in the appendix of the paper. Each is computed once "
+                "and links to the line of C that computes it. The first index is the number of the moment; the indices "
+                "of the shape and of the components follow.",
             )
         ),
     ]

@@ -38,7 +38,7 @@ INTEGRALS: tuple[Entry, ...] = (
     ("D_2", "mixed moments of r and mode; S is the symmetric part", "(15)"),
     ("d_3", "antisymmetric part of these moments", "(15)"),
     ("J", "inertia tensor of the deformed body", "(15)"),
-    ("K", "stiffness matrix of the modes; B, their damping", "(13)"),
+    ("K", "stiffness matrix of the modes; B is their damping matrix", "(13)"),
 )
 SECOND_ORDER: tuple[Entry, ...] = (
     ("Psi_{i j}", "field of second order of the modes i and j, beyond the paper", "second order"),
@@ -54,7 +54,7 @@ FULL: tuple[Entry, ...] = (
     ("z_{p i j}", "part of this field in that of the modes i and j", "second order"),
     ("beta_p", "amplitude of this field", "second order"),
     ("beta_{p,i}", "its derivative by the amplitude i", "second order"),
-    ("beta''_p^0", "its second time derivative where no amplitude accelerates", "second order"),
+    ("beta''_p^0", "its second time derivative if no amplitude accelerates", "second order"),
 )
 SYSTEM: tuple[Entry, ...] = (
     ("M", "mass matrix", "(15)"),

@@ -20,14 +20,14 @@ from derive.report.notation.typeset_names import chosen
 from derive.roles import Role
 from derive.spec.model.instances import identifier, instance_name, instance_parts
 
-HEAD = ("", "in the code", "unit", "what it is")
+HEAD = ("", "in the code", "unit", "meaning")
 
 
 def state_blocks(model: Model, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """The numbers and the tables of the coordinates, generalised velocities, parameters and constants of a model."""
     text = f"{size(model.coordinates)} coordinates q, {size(model.velocities)} generalised velocities v"
     count = size(model.parameters)
-    end = f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
+    end = f", and {count} parameter{'' if count == 1 else 's'}." if count else ". Every number is folded into the code."
     coordinates = table(
         "Coordinates q", HEAD, _rows(model, model.coordinates, (c.q for c in equations.coordinates), amplitude(I))
     )
@@ -52,8 +52,8 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
         result.append(Paragraph((f"The functions are {model.choice}.",)))
     if model.constants:
         made: list[list[Content]] = [[CodeSpan(c.name), unit(c.unit), c.doc, c.size] for c in model.constants]
-        whole = table("", ("in the code", "unit", "what it is", "values"), made, "lllr")
-        summary = f"Constants k, made of the parameters by setup: {len(made)}"
+        whole = table("", ("in the code", "unit", "meaning", "values"), made, "lllr")
+        summary = f"The {len(made)} constants k that setup computes from the parameters"
         result.append(Details(summary, (folded(whole, "Constants"),)))
     return tuple(result)
 

@@ -43,12 +43,12 @@ def vanished_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
             [term.name, notation.delta(term.row), _would_be(term, notation), reason(why, notation)]
             for term, why in terms
         ]
-        result.append(Paragraph((f"{len(terms)} terms of (15) are no part of this model.",)))
+        result.append(Paragraph((f"{len(terms)} terms of (15) vanish in this model.",)))
         result.append(_by_reason(terms, notation))
-        whole = table("Terms that vanish", ("term", "row", "it would be", "because"), rows)
+        whole = table("Terms that vanish", ("term", "equation", "expression that vanishes", "reason"), rows)
         single = folded(whole, "Terms that vanish")
         result.append(
-            Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, TableBlock) else single
+            Details(f"The {len(terms)} terms one by one", (whole,)) if isinstance(single, TableBlock) else single
         )
     if len(result) == 1:
         result.append(Paragraph(("Nothing vanishes in this model.",)))
@@ -68,7 +68,7 @@ def _by_reason(terms: Sequence[tuple[Term, Reason]], notation: Notation) -> Tabl
         ]
         for why, by_name in gathered.items()
     ]
-    return table("Terms that vanish, by reason", ("reason", "terms", "which"), rows, "lrl")
+    return table("Terms that vanish, by reason", ("reason", "number", "terms"), rows, "lrl")
 
 
 def _rows(names: Sequence[str], notation: Notation) -> str:
@@ -97,7 +97,7 @@ def _integrals(equations: Equations, notation: Notation) -> list[Block]:
     rows: list[list[Content]] = [
         [reason(why, notation), len(names), _names(names, notation)] for why, names in gathered.items()
     ]
-    return [table("Shape integrals that vanish", ("reason", "integrals", "which"), rows, "lrl")]
+    return [table("Shape integrals that vanish", ("reason", "number", "integrals"), rows, "lrl")]
 
 
 def _names(symbols: Sequence[sp.Symbol], notation: Notation) -> tuple[Inline, ...]:

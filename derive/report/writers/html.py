@@ -28,6 +28,7 @@ from derive.report.document.page import (
     TableBlock,
     Text,
 )
+from derive.report.notation import spoken_math
 from derive.report.writers.equation_html import equations_html
 from derive.report.writers.listings import listing_html
 from derive.report.writers.mathml import math_in_text
@@ -125,14 +126,16 @@ def _table(table: TableBlock) -> str:
     rows = "\n".join(f"<tr>{_cells(row, align, listed)}</tr>" for row in table.rows)
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table")
-    kind = f'table wide" role="region" aria-label="{label}" tabindex="0' if table.wide else "table"
-    return (
-        f'<div class="{kind}"><table>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>'
-    )
+    kind, role = ("table wide", "region") if table.wide else ("table", "group")
+    scrolled = f'role="{role}" aria-label="{label}" tabindex="0"'  # by keys, where a window is narrow
+    content = f"{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>"
+    return f'<div class="{kind}" {scrolled}><table>{content}</table></div>'
 
 
 def _head(table: TableBlock, column: int, side: str) -> str:
-    """A head; that of a column of much text keeps room for it."""
+    """A head; that of a column of much text keeps room for it. A column without a title has a cell that is no head."""
+    if not table.head[column]:
+        return "<td></td>"
     longest = max((sum(map(_length, row[column].text)) for row in table.rows), default=0)
     names = [*([side[8:-1]] if side else []), *(["long"] if longest > LONG else ["some"] if longest > SOME else [])]
     kind = f' class="{" ".join(names)}"' if names else ""
@@ -151,5 +154,8 @@ def _cells(row: Sequence[Cell], align: Sequence[str], listed: bool) -> str:
         names = [name for name in (cell.mark, side[8:-1]) if name]
         kind = f' class="{" ".join(names)}"' if names else ""
         title = f' title="{escape(cell.title)}"' + (' tabindex="0"' if listed else "") if cell.title else ""
+        if not k and cell.text and all(isinstance(part, Math) for part in cell.text):
+            spoken = " ".join(spoken_math.words(part.formula) for part in cell.text if isinstance(part, Math))
+            title += f' aria-label="{escape(spoken)}"'  # some programs do not read formulas in heads
         out.append(f"<{tag}{kind}{title}>{text(cell.text)}</{tag[:2]}>")
     return "".join(out)

@@ -53,7 +53,28 @@ each constraint."""
 
 
 class IntegratorError(TisserandError):
-    """An integration stopped with a return code other than 0; `partial` has the rows it has reached, then NaN."""
+    """An integration in C stopped with a return code other than 0.
+
+    Attributes:
+        code: the return code.
+        partial: the rows it has reached, then NaN.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": 1, "markers": {"top": (0, 0.5)}, "keep_coordinates": True}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> rk4 = derive.FixedStep(derive.model_files(derive.lower(derive.derive(pendulum)), pendulum))
+        >>> try:
+        ...     rk4.run([0, -0.5, 0], [1, 0, 2], step=1000, steps=10)
+        ... except derive.IntegratorError as error:
+        ...     print(error)
+        pendulum: code 3 after t = 0: the constraints could not be met
+    """
 
     def __init__(self, name: str, code: int, partial: Integration, meanings: Mapping[int, str] = CODES) -> None:
         self.code, self.partial = code, partial
@@ -64,11 +85,30 @@ class IntegratorError(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class Integration:
-    """The result of an integration in SI units: t (rows,), q (rows, nq), v (rows, nv), multipliers lam (rows, nlambda).
+    """The result of an integration in C, in SI units.
 
-    For many initial states q, v and lam have a first axis with one element for each. counts: evaluations by name.
-    seconds: CPU time of the C function. An observer that ends the integration leaves the rows up to the one that it has
-    seen last.
+    For many initial states q, v and lam have a first axis with one element for each. An observer that ends the
+    integration leaves the rows up to the one that it has seen last.
+
+    Attributes:
+        t: the times (rows,), s.
+        q: coordinates (rows, nq).
+        v: generalised velocities (rows, nv).
+        lam: multipliers (rows, nlambda).
+        counts: evaluations by name.
+        seconds: CPU time of the C function.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> rk4 = derive.FixedStep(derive.model_files(derive.lower(derive.derive(ball)), ball))
+        >>> result = rk4.run([0, 0, 0], [3, 4, 0], step=0.1, steps=8, every=4)
+        >>> result.t
+        array([0. , 0.4, 0.8])
+        >>> result.q[:, 1].round(6) + 0.0
+        array([0. , 0.8, 0. ])
+        >>> result.counts["steps"]
+        8
     """
 
     t: Vector

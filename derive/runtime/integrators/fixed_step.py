@@ -31,7 +31,24 @@ class _FixedCounts(ctypes.Structure):
 
 
 class FixedStep(CIntegrator):
-    """The Runge-Kutta method of order 4, `templates/host/fixed_step.h`."""
+    """The Runge-Kutta method of order 4 with fixed steps and projection, `templates/host/fixed_step.h`, and a model.
+
+    Arguments:
+        files: those of `model_files`.
+        flags: further ones of the compiler.
+
+    Raises:
+        CompilerError: if there is no compiler.
+        ValueError: unless there is one C file among the files.
+        TypeError: for anything but files.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> rk4 = derive.FixedStep(derive.model_files(derive.lower(derive.derive(ball)), ball))
+        >>> rk4.native.coordinates
+        ('ball_c1', 'ball_c2', 'ball_phi')
+    """
 
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         super().__init__(files, ["fixed_step"], flags)
@@ -52,10 +69,29 @@ class FixedStep(CIntegrator):
         tolerance: float = CONSISTENT,
         observe: Observe | None = None,
     ) -> Integration:
-        """Integrate from the state q0 (nq,), v0 (nv,), or each row of these; rows at t0 and after every `every` steps.
+        """Integrate from a state, or from each row of several states.
 
-        `project` keeps constraints and their rates below `tolerance`, from the first state on. `observe` follows the
-        rows of a single state. Raises IntegratorError.
+        Arguments:
+            q0: the coordinates (nq,) at t0, or (n, nq).
+            v0: the generalised velocities (nv,) at t0, or (n, nv).
+            step: the step, s.
+            steps: the number of steps.
+            every: the number of steps between rows, the first of which is at t0.
+            k: the constants (nk,) of `setup`; by default those of the default parameters.
+            t0: the time of the first row, s.
+            project: whether constraints and their rates are kept below `tolerance`, from the first state on.
+            tolerance: m, rad and m/s, rad/s.
+            observe: a function of the time and the row [q; v; lambda] of a single state, called after each row; if it
+                returns true, the integration ends.
+
+        Raises:
+            IntegratorError: if the integration stops.
+            ValueError: on wrong lengths, and for many states with an observer.
+
+        Examples:
+            >>> result = rk4.run([0, 0, 0], [3, 4, 0], step=0.1, steps=8)
+            >>> result.q[-1].round(6) + 0.0
+            array([2.4, 0. , 0. ])
         """
         check_steps(steps, every)
         check_numbers(t0=t0, step=step, tolerance=tolerance)

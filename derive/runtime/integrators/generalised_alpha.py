@@ -51,7 +51,25 @@ class _AlphaCounts(ctypes.Structure):
 
 
 class GeneralisedAlpha(CIntegrator):
-    """The generalised-alpha method, `templates/host/generalised_alpha.h`. Raises LibraryMissing."""
+    """The generalised-alpha method with fixed steps, `templates/host/generalised_alpha.h`, and a model.
+
+    Arguments:
+        files: those of `model_files`.
+        flags: further ones of the compiler.
+
+    Raises:
+        LibraryMissing: if SuiteSparse with KLU is not installed.
+        CompilerError: if there is no compiler.
+        ValueError: unless there is one C file among the files.
+        TypeError: for anything but files.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> alpha = derive.GeneralisedAlpha(derive.model_files(derive.lower(derive.derive(ball)), ball))
+        >>> alpha.native.coordinates
+        ('ball_c1', 'ball_c2', 'ball_phi')
+    """
 
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         include, link = klu()
@@ -73,11 +91,29 @@ class GeneralisedAlpha(CIntegrator):
         consistent: float = CONSISTENT,
         observe: Observe | None = None,
     ) -> Integration:
-        """Integrate from the state q0 (nq,), v0 (nv,), with rows at t0 and after every `every` steps.
+        """Integrate from a state.
 
-        Raises IntegratorError. `rho`, 0 to 1, is the spectral radius at infinite frequency, by which a step multiplies
-        vibrations that are too fast for it. `tolerance` is that of Newton's method, for q and `step` * v. The first
-        state is brought to constraints and rates below `consistent`, unless that is 0. `observe` follows the rows.
+        Arguments:
+            q0: the coordinates (nq,) at t0.
+            v0: the generalised velocities (nv,) at t0.
+            step: the step, s.
+            steps: the number of steps.
+            every: the number of steps between rows, the first of which is at t0.
+            rho: the spectral radius at infinite frequency, 0 to 1, by which a step multiplies fast vibrations.
+            k: the constants (nk,) of `setup`; by default those of the default parameters.
+            t0: the time of the first row, s.
+            tolerance: that of Newton's method, for q and `step` * v.
+            consistent: the limit of constraints and rates to which the first state is brought, unless that is 0.
+            observe: a function of the time and the row [q; v; lambda], called after each row; if it returns true, the
+                integration ends.
+
+        Raises:
+            IntegratorError: if the integration stops.
+            ValueError: on wrong lengths.
+
+        Examples:
+            >>> alpha.run([0, 0, 0], [3, 4, 0], step=0.01, steps=80).q[-1].round(3) + 0.0
+            array([2.4, 0. , 0. ])
         """
         check_steps(steps, every)
         check_numbers(t0=t0, step=step, rho=rho, tolerance=tolerance, consistent=consistent)

@@ -50,7 +50,25 @@ class _IdaCounts(ctypes.Structure):
 
 
 class Ida(CIntegrator):
-    """IDA of SUNDIALS, `templates/host/ida.h`. Raises LibraryMissing."""
+    """IDA of SUNDIALS, a method of variable order and step, `templates/host/ida.h`, and a model.
+
+    Arguments:
+        files: those of `model_files`.
+        flags: further ones of the compiler.
+
+    Raises:
+        LibraryMissing: if SUNDIALS with KLU is not installed.
+        CompilerError: if there is no compiler.
+        ValueError: unless there is one C file among the files.
+        TypeError: for anything but files.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> ida = derive.Ida(derive.model_files(derive.lower(derive.derive(ball)), ball))
+        >>> ida.native.coordinates
+        ('ball_c1', 'ball_c2', 'ball_phi')
+    """
 
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         include, link = sundials()
@@ -76,12 +94,33 @@ class Ida(CIntegrator):
         steps_max: int = 1_000_000,
         observe: Observe | None = None,
     ) -> Integration:
-        """Integrate from the state q0 (nq,), v0 (nv,), with rows at t0 + i `interval`. Raises IntegratorError.
+        """Integrate from a state, with rows at t0 + i `interval`.
 
-        `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given; `weights`
-        (nq + nv,) are factors of it for the elements of q and v. `order` 2 damps
-        vibrations that higher orders follow with short steps. The first state is brought to constraints and rates below
-        `consistent`, unless that is 0. `steps_max`: between two rows. `observe` follows the rows.
+        Arguments:
+            q0: the coordinates (nq,) at t0.
+            v0: the generalised velocities (nv,) at t0.
+            interval: the time between rows, s.
+            rows: the number of rows, the first of which is at t0.
+            form: "ggl" or "index1" of a scene, None for a body.
+            rtol: the relative tolerance.
+            atol: the absolute tolerance, `rtol` if it is not given.
+            weights: (nq + nv,) factors of `atol` for the elements of q and v.
+            order: the largest order; 2 damps vibrations that higher orders follow with short steps.
+            k: the constants (nk,) of `setup`; by default those of the default parameters.
+            t0: the time of the first row, s.
+            consistent: the limit of constraints and rates to which the first state is brought, unless that is 0.
+            step_max: the longest step, s; 0 for no limit.
+            steps_max: the largest number of steps between two rows.
+            observe: a function of the time and the row [q; v; lambda], called after each row; if it returns true, the
+                integration ends.
+
+        Raises:
+            IntegratorError: if the integration stops.
+            ValueError: on wrong lengths.
+
+        Examples:
+            >>> ida.run([0, 0, 0], [3, 4, 0], interval=0.4, rows=3).q[-1].round(6) + 0.0
+            array([2.4, 0. , 0. ])
         """
         check_numbers(
             t0=t0,

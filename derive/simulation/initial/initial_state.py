@@ -42,13 +42,29 @@ ROUNDING = 1e-15
 
 @dataclass(frozen=True, eq=False)
 class InitialState:
-    """A consistent state: q (nq,) and v (nv,) at t (s), in SI units.
+    """A consistent state in SI units, which meets joints and drives.
 
-    position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
-    deformations, or their rates, had to change from those of the guess. values: the initial values of the
-    specification, and those of the state. equilibrium, steady: the static equilibrium or the steady motion that the
-    state is, if it is one.
-    remainders: a line on each deflection that shapes do not have, and approximate.
+    Attributes:
+        t: the time, s.
+        q: coordinates (nq,).
+        v: generalised velocities (nv,).
+        position_error: the largest violation of a constraint, m or rad.
+        velocity_error: that of the rate of a constraint, m/s or rad/s.
+        deformed: whether deformations had to change from those of the guess.
+        deforming: whether their rates had to.
+        values: the initial values of the specification, and those of the state.
+        equilibrium: the static equilibrium that the state is, if it is one.
+        remainders: a line on each deflection that shapes do not have, and approximate.
+        steady: the steady motion that the state is, if it is one.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("flight", bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (3, 4)}}})
+        >>> initial = derive.simulate(ball, duration=1, output=1).initial
+        >>> initial.v
+        array([3., 4., 0.])
+        >>> initial.corrections
+        ()
     """
 
     t: float
@@ -101,11 +117,27 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     equilibrium that Newton's method reaches from there, with `start = "steady"` the state is a steady motion. The state
     does not depend on which coordinates the scene keeps.
 
-    native: the compiled scene. k: the constants (nk,) of `native.setup`, those of the default parameters if None.
+    Arguments:
+        scene: the scene.
+        native: the compiled scene.
+        k: the constants (nk,) of `native.setup`; by default those of the default parameters.
 
-    Raises SpecError with given values that contradict each other, and with drives whose speed jumps at t = 0;
-    SimulationError with the constraints that cannot be met; ExcessiveDeformation where they can be met only by beams
-    that bend beyond what linear displacements describe.
+    Raises:
+        SpecError: with given values that contradict each other, and with drives whose speed jumps at t = 0.
+        SimulationError: with the constraints that cannot be met.
+        ExcessiveDeformation: where they can be met only by beams that bend beyond what linear displacements describe.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": 1, "markers": {"top": (0, 0.5)}, "start": {"velocity": (2, 0)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> native = derive.load_scene(derive.model_files(derive.lower(derive.derive(pendulum)), pendulum))
+        >>> derive.initial_state(pendulum, native).v.round(9)  # 2 m/s at 0.5 m from the hinge
+        array([4.])
     """
     check_start(scene)
     constants = native.setup() if k is None else k

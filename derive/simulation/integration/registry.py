@@ -87,11 +87,25 @@ INTEGRATORS: Registry[Compile] = Registry(
         "generalised-alpha": c_methods.generalised_alpha,
         "c_ida": c_methods.ida,
     },
+    doc="""Integrators by name, which `simulate` and `tisserand simulate --integrator` choose from.
+
+    adaptive is the method of Dormand and Prince of order 8 in C, with adaptive steps; dop853 (also called scipy) is the
+    same method of SciPy, and rk45 that of order 5, which call Python at each step; ida is IDA of SUNDIALS through
+    scikit-sundae; rk4, generalised-alpha and c_ida are the C integrators of `templates/host` that are compiled with the
+    model: the classical Runge-Kutta method, the generalised-alpha method, and IDA without Python between its steps.
+
+    `derive.INTEGRATORS.register(name, member)` adds one of your own: a function from the files of a model to an
+    `Integrator`, like those in `derive.simulation.integration`.
+
+    Examples:
+        >>> import derive
+        >>> list(derive.INTEGRATORS)
+        ['adaptive', 'dop853', 'scipy', 'rk45', 'ida', 'rk4', 'generalised-alpha', 'c_ida']
+        >>> ball = derive.scene("ball", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> derive.simulate(ball, duration=1, output=1, integrator="rk4", step=0.1)["ball_c2"].round(6)
+        array([ 0., -5.])
+    """,
 )
-"""Integrators by name: the method of Dormand and Prince of order 8 in C, with adaptive steps; the same method and RK45
-of SciPy, which call Python at each step ("scipy" is another name of dop853); IDA of SUNDIALS through scikit-sundae; the
-C integrators of `templates/host` that are compiled with the model: the classical Runge-Kutta method, the
-generalised-alpha method, and IDA without Python between its steps."""
 
 EXPLICIT = frozenset(("adaptive", "dop853", "scipy", "rk45", "rk4"))
 """The integrators that call accelerations alone, and no function of implicit methods."""

@@ -42,15 +42,36 @@ def integrate(
 ) -> Solution:
     """The motion of a compiled scene from a consistent state.
 
-    native: the compiled scene. k: the constants (nk,) of `native.setup`. q, v: the consistent state (nq,), (nv,) at
-    times[0], in SI units. times: those of the rows (n,), s, increasing. tolerance: the error of a step, relative and
-    absolute (SI). size: that of the scene, m, see `absolute_tolerances`. drift: the limit of |g| (m, rad) and of |gdot|
-    (m/s, rad/s) in every row, and after every projected step. projected: whether the state is projected onto the
-    constraints after each step, and rows within a step as well. max_step: in s. breaks: times, s, at which the
-    right-hand side may jump, where the method stops and starts anew. until: ends the integration, with a row at its
-    time. progress: called with the time reached after each step.
+    Arguments:
+        native: the compiled scene.
+        k: the constants (nk,) of `native.setup`.
+        q: the consistent coordinates (nq,) at times[0], SI units.
+        v: the consistent generalised velocities (nv,) at times[0], SI units.
+        times: those of the rows (n,), s, increasing.
+        method: "DOP853" or "RK45", those of SciPy.
+        tolerance: the error of a step, relative and absolute (SI).
+        size: that of the scene, m, see `absolute_tolerances`.
+        drift: the limit of constraints (m, rad) and their rates (m/s, rad/s) in every row and after projected steps.
+        projected: whether the state is projected onto the constraints after each step, and rows within a step as well.
+        max_step: the longest step, s.
+        breaks: times, s, at which the right-hand side may jump, where the method stops and starts anew.
+        until: ends the integration, with a row at its time.
+        progress: called with the time reached after each step.
 
-    Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
+    Raises:
+        SingularConfiguration: at a dead centre.
+        DriveCannotBeFollowed: where a drive moves a joint beyond one.
+        DriftTooLarge: if constraints are violated by more than `drift`.
+        IntegrationStopped: if the method fails.
+        ValueError: if arrays have other lengths.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("fall", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> native = derive.load_scene(derive.model_files(derive.lower(derive.derive(ball)), ball))
+        >>> solution = derive.integrate(native, native.setup(), [0, 0, 0], [3, 4, 0], [0, 0.4, 0.8])
+        >>> solution.q[:, 1].round(6) + 0.0
+        array([0. , 0.8, 0. ])
     """
     began = time.process_time()
     solver_type = _solver_type(method)

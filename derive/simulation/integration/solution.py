@@ -34,13 +34,29 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The result of an integration in SI units: t (n,), q (n, nq), v (n, nv) and the multipliers lam (n, nlambda).
+    """The result of an integration in SI units.
 
-    drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
-    same before the projection of the row, which is the drift of one step and the error of interpolation within it.
-    notes: for the user, the deviations of the integrator from its settings, and where a stop condition is met.
-    outputs (n, nout): the outputs of the model; watched: the values of watched quantities; None if the integrator does
-    not compute them.
+    Attributes:
+        t: the times (n,), s.
+        q: coordinates (n, nq).
+        v: generalised velocities (n, nv).
+        lam: multipliers (n, nlambda).
+        drift: the largest violation of a constraint (m, rad) and of its rate (m/s, rad/s) in each row (n, 2).
+        drift_before: the same before the projection of the row (n, 2), which is the drift of one step and the error of
+            interpolation within it.
+        cost: the evaluations and the time of the integration.
+        notes: for the user, the deviations of the integrator from its settings, and where a stop condition is met.
+        outputs: the outputs of the model (n, nout); None if the integrator does not compute them.
+        watched: the values of watched quantities; None if the integrator does not compute them.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("fall", gravity=(0, -10), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> solution = derive.simulate(ball, duration=1, output=0.5).solution
+        >>> solution.q[:, 1].round(6) + 0.0
+        array([ 0.  , -1.25, -5.  ])
+        >>> solution.lam.shape  # there are no joints
+        (3, 0)
     """
 
     t: Vector

@@ -29,8 +29,15 @@ SAME_SHAPE = 1e-4
 class Mode:
     """A mode: dq(t) = Re(shape exp(eigenvalue t)).
 
-    eigenvalue: in 1/s, that with the imaginary part >= 0 of a conjugate pair. shape: dq (nq,), whose largest element is
-    1; in space the elements of a quaternion are those of its change.
+    Attributes:
+        eigenvalue: in 1/s, that with the imaginary part >= 0 of a conjugate pair.
+        shape: dq (nq,), whose largest element is 1; in space the elements of a quaternion are those of its change.
+
+    Examples:
+        >>> import derive
+        >>> mode = derive.modes(derive.planar_beam("beam", bending_stiffness=100)).modes[-1]
+        >>> round(mode.frequency, 2), round(mode.damping_ratio, 6)
+        (145.87, 0.0)
     """
 
     eigenvalue: complex

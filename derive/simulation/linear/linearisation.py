@@ -38,11 +38,39 @@ WELL_CONDITIONED = 0.05
 class Linearisation:
     """The state space xdot = A x + B u, y = C x + D u about a state of a model, in SI units.
 
-    t, q (nq,), v (nv,), vdot (nv,), lam (nlambda,): the state, with its accelerations and multipliers. states: the
-    names of x = [z; w] (2 n,). inputs, outputs: the names of u and y: the run-time inputs and the outputs of a
-    scene. Without outputs y are the positions of the markers, and without inputs as well u are forces at the markers,
-    in the inertial frame; with outputs alone there is no u. All are small changes from the state. displacements
-    (nq, n): dq = displacements z if u = 0.
+    All of x, u and y are small changes from the state. Without outputs y are the positions of the markers, and without
+    inputs as well u are forces at the markers, in the inertial frame; with outputs alone there is no u.
+
+    Attributes:
+        t: the time of the state, s.
+        q: its coordinates (nq,).
+        v: its generalised velocities (nv,).
+        vdot: its accelerations (nv,).
+        lam: its multipliers (nlambda,).
+        states: the names of x = [z; w] (2 n,).
+        inputs: the names of u, the run-time inputs of a scene.
+        outputs: the names of y, the outputs of a scene.
+        A: the state matrix (2 n, 2 n).
+        B: the input matrix (2 n, inputs).
+        C: the output matrix (outputs, 2 n).
+        D: the feedthrough matrix (outputs, inputs).
+        displacements: the matrix (nq, n) of dq = displacements z if u = 0.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> linear = derive.modes(pendulum).linear
+        >>> linear.states
+        ('rod_phi', 'rod_phidot')
+        >>> linear.A.round(3) + 0.0
+        array([[  0.   ,   1.   ],
+               [-14.715,   0.   ]])
     """
 
     t: float

@@ -61,9 +61,23 @@ class _State:
 class Modes:
     """The modes of a model about a state.
 
-    linear: the state and the state-space matrices. modes: see `eigenmodes`. native, k: the compiled model and its
-    constants (nk,). equilibrium, steady: the equilibrium or the steady motion of a scene if the state is one, about
-    which the modes are those in axes that rotate with it; None for other states and for a body.
+    Attributes:
+        spec: the scene or the body.
+        native: the compiled model.
+        k: its constants (nk,).
+        linear: the state and the state-space matrices.
+        modes: the modes by their natural frequencies, those of zero eigenvalues first.
+        equilibrium: the equilibrium of a scene if the state is one; None otherwise and for a body.
+        steady: the steady motion of a scene if the state is one, about which the modes are those in axes that rotate
+            with it; None otherwise.
+
+    Examples:
+        >>> import derive
+        >>> modes = derive.modes(derive.planar_beam("beam", bending_stiffness=100))
+        >>> modes.frequencies.round(2)  # rigid-body motions, then those of both shapes, Hz
+        array([  0.  ,   0.  ,   0.  ,  42.71, 145.87])
+        >>> modes.zero_eigenvalues
+        6
     """
 
     spec: Specification
@@ -99,7 +113,15 @@ class Modes:
         return tuple(dict.fromkeys(".".join(path) for path in changing))
 
     def first(self, count: int) -> tuple[Mode, ...]:
-        """The modes of zero eigenvalues, and the first `count` of the others."""
+        """The modes of zero eigenvalues, and the first modes of the others.
+
+        Arguments:
+            count: the number of those others.
+
+        Examples:
+            >>> len(modes.first(1))
+            4
+        """
         return self.modes[: count + sum(not mode.eigenvalue for mode in self.modes)]
 
     @property
@@ -128,10 +150,29 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
 
     About the steady motion of a scene that starts in one they are those in axes that rotate with it.
 
-    at: the time (s) of the motion of a scene from its initial state, whose state is taken in place of the equilibrium;
-    the coefficients are those of that instant. progress: called with the time (s) that this motion has reached.
+    Arguments:
+        spec: a scene or a body.
+        at: the time (s) of the motion of a scene from its initial state, whose state is taken in place of the
+            equilibrium; the coefficients are those of that instant.
+        progress: called with the time (s) that this motion has reached.
 
-    Raises SpecError, CompilerError, ModelError, SimulationError.
+    Raises:
+        SpecError: if the specification is not valid.
+        SimulationError: if there is no equilibrium or no initial state.
+        CompilerError: if there is no compiler.
+        ModelError: if the model refuses a parameter or a state.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"pivot": (0, 0)},
+        ...     bodies={"rod": {"mass": 1, "inertia": "1/12", "markers": {"top": (0, 0.5)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.top"]}},
+        ... )
+        >>> derive.modes(pendulum).frequencies.round(4)  # sqrt(3 g / (2 l)) / (2 pi)
+        array([0.6105])
     """
     if isinstance(spec, (Scene, SpatialScene)):
         state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))

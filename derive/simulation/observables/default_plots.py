@@ -55,10 +55,8 @@ def plots_note(scene: AnyScene, model: Model) -> tuple[str, ...]:
     if scene.outputs or scene.plots:
         return ()
     every = {name: columns for name, columns in _quantities(scene, model).items() if len(columns) > MANY_CURVES}
-    shown = ", ".join(f"{name} {len(_selected(columns))} of {len(columns)}" for name, columns in every.items())
-    return (
-        (f"plots: shown are, of the curves of {shown}; the CSV has all, and [plots] chooses others",) if shown else ()
-    )
+    shown = ", ".join(f"{len(_selected(columns))} of {len(columns)} of {name}" for name, columns in every.items())
+    return (f"plots show some curves only: {shown}; the CSV has all, and [plots] selects others",) if shown else ()
 
 
 def _selected(columns: Sequence[str]) -> list[str]:

@@ -1,6 +1,6 @@
 """The monitors of a beam in a run: a quantity, the error that it implies, and one limit of it.
 
-`docs/theory.md` derives the errors and has their measurements.
+`docs/monitors.md` derives the errors and has their measurements.
 """
 
 from __future__ import annotations
@@ -84,8 +84,8 @@ class Monitor:
         of_others = enumeration([f"{other._error} in {other.beam}" for other in others], MOST_NAMED)
         return (
             f"{name}: {_WHAT[self.cause].format(percent(self.value))} at t = {self.t:.6g} s; this implies an error of "
-            f"{self._error} in its deflection (rms over the run, of the peak), where {percent(ERROR_LIMIT)} is the "
-            f"limit{', and likewise ' * bool(others)}{of_others}; {self.remedy}"
+            f"{self._error} in its deflection (rms over the run, relative to the peak; the limit is "
+            f"{percent(ERROR_LIMIT)}){', and of ' * bool(others)}{of_others}; {self.remedy}"
         )
 
     @property
@@ -113,9 +113,9 @@ class Monitor:
 
 _WHAT = {
     Cause.DEFLECTION: "it bends by {} of its length",
-    Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which first order leaves out,",
+    Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which a model of first order leaves out,",
     Cause.BENDING_MOMENT: "its shapes miss the bending moment by {} of the largest one",
-    Cause.MASS_MATRIX: "deflections take away {} of the kinetic energy of a velocity",
+    Cause.MASS_MATRIX: "its deflection reduces the kinetic energy of some velocity by {}",
 }
 
 

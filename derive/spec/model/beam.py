@@ -24,6 +24,7 @@ from derive.spec.model.beam_parts import (
     ShapeFamily,
 )
 from derive.spec.model.body import GRAVITY, DisplacementOrder
+from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Parameter, Quantity
@@ -31,9 +32,22 @@ from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
 from derive.spec.model.spec_text import beam_text
 
 
+@documented
 @dataclass(frozen=True)
 class PlanarBeam:
-    """A uniform slender beam that moves freely in a plane."""
+    """A uniform slender beam that moves freely in a plane.
+
+    Attributes:
+        name: the name of the model.
+        simulation: duration, output and tolerance of a simulation of the beam alone.
+        plots: plots of a simulation of the beam alone.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", length=2)
+        >>> beam.length, beam.mass.symbol
+        (Fraction(2, 1), 'm')
+    """
 
     name: str
     ansatz: Annotated[

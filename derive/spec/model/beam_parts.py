@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Annotated, Literal
 
 from derive.short_text import record_text
+from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.quantity import Parameter, Quantity
 
@@ -27,14 +28,24 @@ DEFAULT_BENDING_STIFFNESS = Parameter("EI", "N m^2", 1.0)
 INERTIA_UNIT = "kg m^2"
 
 
+@documented
 @dataclass(frozen=True)
 class Frame:
     """The conditions that remove rigid motion from the displacements due to deformation: (16) or (17), (19).
 
-    `mean`: no mean displacement and no mean rotation; `point`: no displacement and no slope at `at`;
-    `chord`: no displacement at either end; `tangent`: no displacement and no slope at the end `at`;
-    `given`: the ansatz is used as it stands, and refused if it holds a rigid motion. In every frame X = xi l/2 e1, so
-    that c is where the centre of the undeformed beam lies in the floating frame, not the point `at`.
+    In every frame X = xi l/2 e1, so that c is where the centre of the undeformed beam lies in the floating frame, not
+    the point `at`.
+
+    Attributes:
+        kind: "mean": no mean displacement and no mean rotation; "point": no displacement and no slope at `at`; "chord":
+            no displacement at either end; "tangent": no displacement and no slope at the end `at`; "given": the ansatz
+            is used as it stands, and refused if it holds a rigid motion.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", frame=derive.Frame("tangent", at=-1))
+        >>> beam.frame.kind, beam.frame.at
+        ('tangent', Fraction(-1, 1))
     """
 
     kind: Annotated[FrameKind, key(KeyType.CHOICE, "", choice_of="the frame", example='"point"')]
@@ -127,16 +138,38 @@ class AxialDeformation:
 
 @dataclass(frozen=True)
 class Marker:
-    """A named material point of a beam, at the dimensionless distance `at` in [-1, 1] of (21)."""
+    """A named material point of a beam.
+
+    Attributes:
+        name: the name of the marker.
+        at: the dimensionless position xi of (21), from -1 (left end) to 1 (right end).
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", markers={"middle": 0, "tip": 1})
+        >>> [(marker.name, float(marker.at)) for marker in beam.markers]
+        [('middle', 0.0), ('tip', 1.0)]
+    """
 
     name: str
     at: Fraction
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class AttachedMass:
-    """A small rigid body that is fixed to the section of a beam, with its centre of mass on the axis."""
+    """A small rigid body that is fixed to the section of a beam, with its centre of mass on the axis.
+
+    Attributes:
+        name: the name of the mass.
+
+    Examples:
+        >>> import derive
+        >>> tip = derive.AttachedMass("tip", at=1, mass="1/2")
+        >>> derive.planar_beam("beam", masses=[tip]).masses[0].mass
+        Fraction(1, 2)
+    """
 
     name: str
     at: Annotated[Fraction, key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")]
@@ -148,12 +181,19 @@ class AttachedMass:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class BeamDamping:
     """Damping of the deformation of a beam: a fraction of critical damping, or proportional to mass and stiffness.
 
     It is that of the whole beam without attached masses, the same in every frame and in any number of pieces; rigid
     motion is not damped.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", damping=derive.BeamDamping(ratio=0.01))
+        >>> round(derive.modes(beam).modes[-1].damping_ratio, 6)
+        0.01
     """
 
     ratio: Annotated[

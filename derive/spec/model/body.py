@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from derive.display import html
 from derive.short_text import record_text
+from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Quantity
@@ -56,13 +57,32 @@ LOWERING = key(
 class NodeData:
     """A discretised body in SI units, as a finite-element program gives it.
 
-    positions (nodes, 3); mass (nodes, nodes), the symmetric matrix m of M = m (x) I3, diagonal if lumped;
-    stiffness (3 nodes, 3 nodes) with the three displacements of a node together; modes (N, nodes, 3);
-    modal_stiffness (N, N), of U = 1/2 alpha K alpha. `sha256` is that of the files the numbers came from,
-    which does not change where `dataclasses.replace` puts other numbers in.
+    K0t, K0r, K0omega and K0F are the geometric stiffness matrices of the modes under unit loads, see
+    `derive.reduction.second_order`.
 
-    K0t (3, N, N), K0r (3, N, N), K0omega (6, N, N) and K0F (K, 3, N, N) are the geometric stiffness matrices of the
-    modes under unit loads, K0F under forces at the nodes `K0F_nodes` (K,), see `derive.reduction.second_order`.
+    Attributes:
+        positions: (nodes, 3), m.
+        mass: the symmetric matrix m (nodes, nodes) of M = m (x) I3, kg, diagonal if lumped.
+        stiffness: (3 nodes, 3 nodes), N/m, with the three displacements of a node together; None if there is none.
+        modes: (N, nodes, 3); None if they are computed.
+        modal_stiffness: (N, N), of U = 1/2 alpha K alpha; None if there is none.
+        sha256: that of the files the numbers came from, which does not change where `dataclasses.replace` puts other
+            numbers in.
+        K0t: (3, N, N), for unit accelerations; None if there is none.
+        K0r: (3, N, N), for unit angular accelerations.
+        K0omega: (6, N, N), for unit products of angular velocities.
+        K0F: (K, 3, N, N), for unit forces at nodes.
+        K0F_nodes: (K,), the nodes of K0F.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> import scipy.sparse
+        >>> corners = np.array([[1.0, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])
+        >>> mass = scipy.sparse.csr_array(np.eye(4))
+        >>> data = derive.NodeData(corners, mass, None, np.array([corners]) / 8**0.5, np.array([[100.0]]), sha256="")
+        >>> derive.modal(derive.nodal_body("square", data)).mass
+        4.0
     """
 
     positions: NDArray[np.float64]
@@ -84,12 +104,19 @@ class NodeData:
         return any(k is not None for k in (self.K0t, self.K0r, self.K0omega, self.K0F))
 
 
+@documented
 @dataclass(frozen=True)
 class BodyFrame:
     """The conditions that remove rigid motion from the modes of a body in space.
 
-    `mean`: conditions (17) and (19); `point`: no displacement of node `node`, and no mean rotation of it and its
-    nearest neighbours `around`; `given`: modes as they stand, refused if they hold a rigid motion.
+    Attributes:
+        kind: "mean": conditions (17) and (19); "point": no displacement of node `node`, and no mean rotation of it and
+            its neighbours `around`; "given": modes as they stand, refused if they hold a rigid motion.
+
+    Examples:
+        >>> import derive
+        >>> derive.BodyFrame("point", node=3).around
+        ()
     """
 
     kind: Annotated[BodyFrameKind, key(KeyType.CHOICE, "", choice_of="the frame", example='"point"')]
@@ -104,9 +131,21 @@ class BodyFrame:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class Damping:
-    """Viscous damping: a fraction of critical damping, or proportional to mass and stiffness."""
+    """Viscous damping of a body in space: a fraction of critical damping, or proportional to mass and stiffness.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> body = derive.modal(derive.nodal_body("square", nodes, units="SI", damping=derive.Damping(ratio=0.01)))
+        >>> body.damping  # 2 ratio sqrt(K c8)
+        array([[0.2]])
+    """
 
     ratio: Annotated[
         Fraction,
@@ -121,18 +160,44 @@ class Damping:
 
 @dataclass(frozen=True)
 class NodeMarker:
-    """A named node, numbered from 0."""
+    """A named node of a body in space.
+
+    Attributes:
+        name: the name of the marker.
+        node: the number of the node, counted from 0.
+
+    Examples:
+        >>> import derive
+        >>> derive.NodeMarker("corner", 3).node
+        3
+    """
 
     name: str
     node: int
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class NodalBody:
     """A flexible body in space given by nodes, as a finite-element program exports it.
 
-    rigid_sets: sets of nodes that move as rigid bodies in all computed modes.
+    Attributes:
+        name: the name of the model.
+        data: positions, mass, stiffness and modes of the nodes in SI units.
+        simulation: duration, output and tolerance of a simulation of the body alone.
+        plots: plots of a simulation of the body alone.
+        rigid_sets: sets of nodes that move as rigid bodies in all computed modes.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> square = derive.nodal_body("square", nodes, units="SI", markers={"corner": 0})
+        >>> square.frame.kind, square.markers[0].node
+        ('mean', 0)
     """
 
     name: str
@@ -211,9 +276,19 @@ class NodalBody:
         return self.order is not DisplacementOrder.FIRST_ORDER
 
 
+@documented
 @dataclass(frozen=True)
 class SymbolicBody:
-    """A flexible body in space whose mass, shape integrals and stiffness are run-time parameters."""
+    """A flexible body in space whose mass, shape integrals and stiffness are run-time parameters.
+
+    Attributes:
+        name: the name of the model.
+
+    Examples:
+        >>> import derive
+        >>> derive.symbolic_body("any_body", modes=4).frame
+        'mean'
+    """
 
     # In the frame mean c1, c2 and c6 vanish, c8 is the unit matrix, and the stiffness is diagonal.
     name: str

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
 from derive.short_text import record_text
+from derive.spec.model.documentation import documented
 from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
@@ -44,9 +45,22 @@ class AtMarker:
         return (self.at,)
 
 
+@documented
 @dataclass(frozen=True)
 class Force(AtMarker):
-    """A force at a marker."""
+    """A force at a marker.
+
+    Attributes:
+        name: the name of the force.
+
+    Examples:
+        >>> import derive
+        >>> push = derive.Force("push", derive.MarkerRef("block", "o"), ("10*t", 0))
+        >>> block = derive.RigidBody("block", mass=1, inertia=1, markers=[derive.PointMarker("o", 0, 0)])
+        >>> scene = derive.scene("pushed", bodies=[block], forces=[push])
+        >>> derive.simulate(scene, duration=1, output=1)["block_c1dot"].round(6)  # 10 t^2 / 2
+        array([0., 5.])
+    """
 
     name: str
     at: Annotated[MarkerRef, at_marker('"rod.right"')]
@@ -71,9 +85,22 @@ class Force(AtMarker):
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class Torque:
-    """A torque at a marker."""
+    """A torque at a marker.
+
+    Attributes:
+        name: the name of the torque.
+
+    Examples:
+        >>> import derive
+        >>> motor = derive.Torque("motor", derive.MarkerRef("wheel", "o"), 3)
+        >>> wheel = derive.RigidBody("wheel", mass=1, inertia=2, markers=[derive.PointMarker("o", 0, 0)])
+        >>> scene = derive.scene("run_up", bodies=[wheel], torques=[motor])
+        >>> derive.simulate(scene, duration=1, output=1)["wheel_phidot"].round(6)  # rad/s
+        array([0. , 1.5])
+    """
 
     name: str
     at: Annotated[MarkerRef, at_marker('"crank.hub"')]
@@ -109,9 +136,27 @@ def _coefficient(power: int) -> Key:
     return key(KeyType.QUANTITY, text, f"{{force}}/{{length}}^{power}")
 
 
+@documented
 @dataclass(frozen=True)
 class Spring(BetweenMarkers):
-    """A spring with a damper between two markers."""
+    """A spring with a damper between two markers.
+
+    Attributes:
+        name: the name of the spring.
+        kind: "linear" or "rotational".
+        second: the second marker.
+
+    Examples:
+        >>> import derive
+        >>> spring = derive.Spring(
+        ...     "spring", "rotational", derive.MarkerRef("ground", "o"), derive.MarkerRef("wheel", "o"), stiffness=4
+        ... )
+        >>> wheel = derive.RigidBody("wheel", mass=1, inertia=1, markers=[derive.PointMarker("o", 0, 0)])
+        >>> hinge = derive.Joint("hinge", "revolute", derive.MarkerRef("ground", "o"), derive.MarkerRef("wheel", "o"))
+        >>> scene = derive.scene("balance", ground={"o": (0, 0)}, bodies=[wheel], joints=[hinge], springs=[spring])
+        >>> derive.modes(scene).frequencies.round(4)  # 2 rad/s in Hz
+        array([0.3183])
+    """
 
     # The units depend on the kind, a name of the registry of forces. With the extension x = length - rest its force is
     # stiffness * x + quadratic * x^2 + ... + quintic * x^5 + damping * (rate of the length); for rotational ones the
@@ -157,12 +202,32 @@ def _of_bushing(of: KeyType, text: str, unit: str) -> Key:
     return key(of, f"{text} of the frame of the first marker, {unit}.", unit)
 
 
+@documented
 @dataclass(frozen=True)
 class Bushing(BetweenMarkers):
     """Linear springs with dampers between two markers: along both axes of the section at the first, and about e3.
 
     The forces are stiffness * (displacement - rest) + damping * (rate), where displacement and rate are those of the
     second marker relative to the first, in the frame of the section there; the torque likewise with the rotation.
+
+    Attributes:
+        name: the name of the bushing.
+        second: the second marker.
+
+    Examples:
+        >>> import derive
+        >>> mount = derive.Bushing(
+        ...     "mount",
+        ...     first=derive.MarkerRef("ground", "o"),
+        ...     second=derive.MarkerRef("block", "o"),
+        ...     stiffness_x=400,
+        ...     stiffness_y=900,
+        ...     stiffness_rotation=1600,
+        ... )
+        >>> block = derive.RigidBody("block", mass=1, inertia=1, markers=[derive.PointMarker("o", 0, 0)])
+        >>> scene = derive.scene("mounted", ground={"o": (0, 0)}, bodies=[block], springs=[mount])
+        >>> (derive.modes(scene).frequencies * 2 * 3.14159265).round(3)  # 20, 30 and 40 rad/s
+        array([20., 30., 40.])
     """
 
     name: str
@@ -185,7 +250,17 @@ class Bushing(BetweenMarkers):
 class CustomForce:
     """A force, torque or spring of a kind that is registered from outside the package.
 
-    `markers` are the markers at which it acts; `values` are the values of the keys of the kind.
+    Attributes:
+        name: the name of the element.
+        kind: its name in `FORCES`.
+        markers: the markers at which it acts.
+        values: the values of the keys of the kind.
+
+    Examples:
+        >>> import derive
+        >>> brush = derive.CustomForce("brush", "brush", (derive.MarkerRef("rod", "tip"),), {"coefficient": 0.3})
+        >>> str(brush.markers[0]), brush.values["coefficient"]
+        ('rod.tip', 0.3)
     """
 
     name: str

@@ -13,7 +13,19 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class PointMarker:
-    """A named material point of a rigid body or of the ground, with its coordinates in the frame of that body."""
+    """A named material point of a rigid body or of the ground, with its coordinates in the frame of that body.
+
+    Attributes:
+        name: the name of the marker.
+        x: m, a number or a parameter.
+        y: m, a number or a parameter.
+
+    Examples:
+        >>> import derive
+        >>> points = [derive.PointMarker("o", 0, 0), derive.PointMarker("wall", 2, "1/2")]
+        >>> derive.scene("room", ground=points, bodies={"ball": {"mass": 1, "inertia": 1}}).ground[1].y
+        Fraction(1, 2)
+    """
 
     name: str
     x: Quantity
@@ -23,7 +35,17 @@ class PointMarker:
 
 @dataclass(frozen=True)
 class MarkerRef:
-    """A marker of a body, or of the ground."""
+    """A marker of a body, or of the ground; in tables a text such as "rod.left".
+
+    Attributes:
+        body: the name of the body, or "ground".
+        marker: the name of the marker.
+
+    Examples:
+        >>> import derive
+        >>> str(derive.MarkerRef("rod", "left"))
+        'rod.left'
+    """
 
     body: str
     marker: str

@@ -6,13 +6,22 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from derive.short_text import record_text
+from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef
 
 
+@documented
 @dataclass(frozen=True)
 class Deflection:
-    """A plot of the distance of a marker from the chord between two others."""
+    """A plot of the distance of a marker from the chord between two others.
+
+    Examples:
+        >>> import derive
+        >>> ends = derive.MarkerRef("rod", "left"), derive.MarkerRef("rod", "right")
+        >>> derive.Deflection(derive.MarkerRef("rod", "middle"), ends).divided_by is None
+        True
+    """
 
     marker: Annotated[
         MarkerRef,
@@ -54,9 +63,19 @@ class ColumnCurves:
     x: Annotated[str, key(KeyType.TEXT, "Column of the horizontal axis; by default the time.")] = "t"
 
 
+@documented
 @dataclass(frozen=True)
 class ReferenceCurve:
-    """A reference curve: two columns of a CSV file."""
+    """A reference curve of a plot: two columns of a CSV file.
+
+    Attributes:
+        rows: the values of both columns, as they are read.
+
+    Examples:
+        >>> import derive
+        >>> derive.ReferenceCurve("measured.csv", x="t", y="deflection").rows
+        ()
+    """
 
     file: Annotated[str, key(KeyType.TEXT, "CSV file, relative to the specification.", example='"curve.csv"')]
     x: Annotated[str, key(KeyType.TEXT, "Name of the column of the horizontal axis.", example='"the name of a column"')]
@@ -65,11 +84,22 @@ class ReferenceCurve:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class Plot:
-    """A plot that `simulate` draws: a deflection over the time or over the motion of the drive `over`, or columns.
+    """A plot that `simulate` draws: a deflection or columns over the time or over the motion of a drive.
 
-    `pieces` repeats it with the beam body `cut` cut into so many pieces each.
+    Attributes:
+        name: the name of the plot.
+        quantity: a Deflection, or the columns.
+
+    Examples:
+        >>> import derive
+        >>> ends = derive.MarkerRef("rod", "left"), derive.MarkerRef("rod", "right")
+        >>> plot = derive.Plot("bending", derive.Deflection(derive.MarkerRef("rod", "middle"), ends))
+        >>> rod = {"length": 1, "frame": "mean", "markers": {"left": -1, "middle": 0, "right": 1}}
+        >>> derive.scene("bar", bodies={"rod": rod}, plots=[plot]).plots[0].name
+        'bending'
     """
 
     name: str

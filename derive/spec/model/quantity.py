@@ -12,7 +12,19 @@ UNIT = key(KeyType.UNIT, "Unit in comments and in the report; by default the SI 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A run-time parameter of the generated code: its symbol, unit and default value."""
+    """A run-time parameter of the generated code.
+
+    Attributes:
+        symbol: its symbol, which is its name in the generated code.
+        unit: its unit.
+        default: its default value.
+
+    Examples:
+        >>> import derive
+        >>> beam = derive.planar_beam("beam", mass=derive.Parameter("rho", "kg", 2.5), length=1, bending_stiffness=1)
+        >>> derive.lower(derive.derive(beam)).defaults
+        (2.5,)
+    """
 
     symbol: str
     unit: str

@@ -12,6 +12,7 @@ from derive.short_text import record_text
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Marker, Polynomial
 from derive.spec.model.body import GRAVITY
+from derive.spec.model.documentation import documented
 from derive.spec.model.forces import BETWEEN, Bushing, CustomForce, Force, ForceFrame, Spring, Torque
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef, PointMarker
@@ -61,9 +62,17 @@ Redundant = Literal["auto", "resolve", "error"]
 """The treatment of redundant joints."""
 
 
+@documented
 @dataclass(frozen=True)
 class JointInitialValues:
-    """Initial values of the relative motion of a joint, or of the joint of a drive: of body 2 relative to body 1."""
+    """Initial values of the relative motion of a joint, or of the joint of a drive: of body 2 relative to body 1.
+
+    Examples:
+        >>> import derive
+        >>> bent = derive.JointInitialValues(angle=0.5, speed=2)
+        >>> bent.coordinate
+        0.5
+    """
 
     angle: Annotated[float | None, key(KeyType.FLOAT, "Relative rotation of a revolute joint, rad.")] = None
     displacement: Annotated[
@@ -90,9 +99,20 @@ START = key(InitialValues, "Initial values; those that are not given adapt to th
 JOINT_START = key(JointInitialValues, "Initial values of the relative motion.")
 
 
+@documented
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body in the plane; it has none of the keys length, bending_stiffness, ansatz and frame."""
+    """A rigid body in the plane; it has none of the keys length, bending_stiffness, ansatz and frame.
+
+    Attributes:
+        name: the name of the body.
+
+    Examples:
+        >>> import derive
+        >>> rod = derive.RigidBody("rod", mass=2, inertia="1/6", markers=[derive.PointMarker("top", 0, 0.5)])
+        >>> derive.scene("free", bodies=[rod]).bodies[0].inertia
+        Fraction(1, 6)
+    """
 
     name: str
     mass: Annotated[Quantity | None, BODY_MASS] = None
@@ -122,9 +142,21 @@ class RigidBody:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class DistributedLoad:
-    """A force per length on a beam: polynomials in xi times a function of t."""
+    """A force per length on a beam: polynomials in xi times a function of t.
+
+    Attributes:
+        name: the name of the load.
+
+    Examples:
+        >>> import derive
+        >>> wind = {"force": [0, "-10*(1 - xi^2)"], "time": "sin(t)"}
+        >>> scene = derive.scene("bar", bodies={"rod": {"length": 1, "frame": "mean", "loads": {"wind": wind}}})
+        >>> scene.bodies[0].loads[0].force
+        ((), (Fraction(-10, 1), Fraction(0, 1), Fraction(10, 1)))
+    """
 
     name: str
     force: Annotated[
@@ -151,9 +183,22 @@ class DistributedLoad:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class BeamBody:
-    """A beam in a scene: it has one of the keys length, bending_stiffness, ansatz and frame."""
+    """A beam in a scene: it has one of the keys length, bending_stiffness, ansatz and frame.
+
+    Attributes:
+        name: the name of the body.
+        beam: the beam, as `planar_beam` makes it.
+
+    Examples:
+        >>> import derive
+        >>> rod = derive.BeamBody("rod", derive.planar_beam("rod", frame="mean", length=2), pieces=2)
+        >>> scene = derive.scene("bar", bodies=[rod])
+        >>> derive.derive(scene).names
+        ('rod_1', 'rod_2')
+    """
 
     # The whole rod, before it is cut into pieces that are welded together; its gravity is None.
     name: str
@@ -175,9 +220,21 @@ class BeamBody:
         return self.beam.markers
 
 
+@documented
 @dataclass(frozen=True)
 class CustomBody:
-    """A body of a type that is registered from outside the package; `values` are those of the keys of the type."""
+    """A body of a type that is registered from outside the package.
+
+    Attributes:
+        name: the name of the body.
+        kind: its name in `BODIES`.
+        values: those of the keys of the type.
+
+    Examples:
+        >>> import derive
+        >>> derive.CustomBody("drop", "drop", {"radius": 0.1}).values
+        {'radius': 0.1}
+    """
 
     name: str
     kind: str
@@ -190,9 +247,23 @@ class CustomBody:
 SceneBody = RigidBody | BeamBody | CustomBody
 
 
+@documented
 @dataclass(frozen=True)
 class Joint:
-    """A joint between two markers."""
+    """A joint between two markers.
+
+    Attributes:
+        name: the name of the joint.
+        kind: a name in `JOINTS`.
+        second: the second marker.
+
+    Examples:
+        >>> import derive
+        >>> hinge = derive.Joint("hinge", "revolute", derive.MarkerRef("ground", "o"), derive.MarkerRef("rod", "left"))
+        >>> rod = {"length": 1, "frame": "mean", "markers": {"left": -1}}
+        >>> derive.scene("swing", ground={"o": (0, 0)}, bodies={"rod": rod}, joints=[hinge]).joints[0].kind
+        'revolute'
+    """
 
     # Its kind and the keys angle and axis are those of the registry of joints. Its multipliers are the force and the
     # torque that it exerts on the second body.
@@ -221,17 +292,45 @@ class Joint:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class CustomJoint(Joint):
-    """A joint of a kind that is registered from outside the package; `values` are those of the keys of the kind."""
+    """A joint of a kind that is registered from outside the package; its kind is its name in `JOINTS`.
+
+    Attributes:
+        name: the name of the joint.
+        kind: the kind of joint.
+        second: the second marker.
+        values: those of the keys of the kind.
+
+    Examples:
+        >>> import derive
+        >>> first, second = derive.MarkerRef("ground", "o"), derive.MarkerRef("rod", "left")
+        >>> derive.CustomJoint("slot", "slot", first, second, values={"length": 0.2}).values
+        {'length': 0.2}
+    """
 
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class Drive:
-    """A joint whose motion is prescribed."""
+    """A joint whose motion is prescribed, by the motion itself or by its speed.
+
+    Attributes:
+        name: the name of the drive.
+
+    Examples:
+        >>> import derive
+        >>> motor = derive.Drive("motor", "hinge", motion=None, speed=5)
+        >>> wheel = {"mass": 1, "inertia": 1, "markers": {"o": (0, 0)}}
+        >>> hinge = {"kind": "revolute", "between": ["ground.o", "wheel.o"]}
+        >>> parts = {"bodies": {"wheel": wheel}, "joints": {"hinge": hinge}, "drives": [motor]}
+        >>> derive.scene("turning", ground={"o": (0, 0)}, **parts).drives[0].constant_speed
+        Fraction(5, 1)
+    """
 
     name: str
     joint: Annotated[str, key(KeyType.JOINT, "The name of a revolute or translational joint.", example='"bearing"')]
@@ -264,9 +363,22 @@ class Drive:
         return None if isinstance(self.speed, TimeFunction) else self.speed
 
 
+@documented
 @dataclass(frozen=True)
 class Scene:
-    """Planar bodies with joints, drives, forces and gravity."""
+    """Planar bodies with joints, drives, forces and gravity.
+
+    Attributes:
+        name: the name of the model.
+        bodies: rigid bodies, beams and bodies of registered types.
+        simulation: duration, output and tolerance of a simulation.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene("ball", gravity=(0, -9.81), bodies={"ball": {"mass": 1, "inertia": 1}})
+        >>> ball.gravity
+        (Fraction(0, 1), Fraction(-981, 100))
+    """
 
     name: str
     ground: Annotated[tuple[PointMarker, ...], POINTS]

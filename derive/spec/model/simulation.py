@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Annotated
 
 from derive.short_text import record_text
+from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
 
 GUESS = key(
@@ -16,9 +17,18 @@ GUESS = key(
 )
 
 
+@documented
 @dataclass(frozen=True)
 class Simulation:
-    """Duration, output and accuracy of a simulation."""
+    """Duration, output and accuracy of a simulation.
+
+    Examples:
+        >>> import derive
+        >>> short = derive.Simulation(duration=1, output=0.25)
+        >>> ball = derive.scene("ball", bodies={"ball": {"mass": 1, "inertia": 1}}, simulation=short)
+        >>> derive.simulate(ball).t
+        array([0.  , 0.25, 0.5 , 0.75, 1.  ])
+    """
 
     duration: Annotated[float, key(KeyType.POSITIVE_FLOAT, "Duration, s.", example="1.0")]
     output: Annotated[float, key(KeyType.POSITIVE_FLOAT, "Time between rows of the output, s.", example="1e-3")]
@@ -37,9 +47,17 @@ class Simulation:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class InitialValues:
-    """Initial values of a body. The initial state keeps what is given; values that are not given adapt to it."""
+    """Initial values of a body in the plane. The initial state keeps what is given; other values adapt to it.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.RigidBody("ball", mass=1, inertia=1, start=derive.InitialValues(velocity=(3, 4)))
+        >>> derive.simulate(derive.scene("flight", bodies=[ball]), duration=1, output=1).q[-1]
+        array([3., 4., 0.])
+    """
 
     position: Annotated[
         tuple[float, float] | None,
@@ -74,9 +92,16 @@ NOT_GIVEN = InitialValues()
 """The default of initial values: none are given."""
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialStart:
-    """The initial state of a body in space."""
+    """The initial state of a body in space that is simulated alone.
+
+    Examples:
+        >>> import derive
+        >>> derive.SpatialStart(angular_velocity=(0, 0, 5)).quaternion
+        (1.0, 0.0, 0.0, 0.0)
+    """
 
     position: Annotated[
         tuple[float, ...], key(KeyType.TRIPLE, "Position of the origin of the floating frame in the inertial frame, m.")

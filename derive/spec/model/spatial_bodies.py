@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Literal
 from derive.short_text import record_text
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT
 from derive.spec.model.body import NodalBody
+from derive.spec.model.documentation import documented
 from derive.spec.model.forces import ForceFrame
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.quantity import Quantity
@@ -27,9 +28,21 @@ ROTATION_FORMS = (
 """The notations of a rotation, for descriptions."""
 
 
+@documented
 @dataclass(frozen=True)
 class FrameMarker:
-    """A named marker of a rigid body or of the ground: a point, and the rotation of its frame, in those of the body."""
+    """A named marker of a rigid body or of the ground: a point, and the rotation of its frame, in those of the body.
+
+    Attributes:
+        name: the name of the marker.
+
+    Examples:
+        >>> import derive
+        >>> axle = derive.FrameMarker("axle", (0, 0, "1/2"), rotation=(0, 1, 0, 0))
+        >>> top = derive.SpatialRigidBody("top", mass=1, inertia=(1, 1, 2, 0, 0, 0), markers=[axle])
+        >>> derive.spatial_scene("spinner", bodies=[top]).bodies[0].markers[0].position[2]
+        Fraction(1, 2)
+    """
 
     name: str
     position: Annotated[
@@ -53,9 +66,18 @@ class FrameMarker:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialInitialValues:
-    """Initial values of a body in space. The initial state keeps what is given; values not given adapt to it."""
+    """Initial values of a body in space. The initial state keeps what is given; values not given adapt to it.
+
+    Examples:
+        >>> import derive
+        >>> spun = derive.SpatialInitialValues(angular_velocity=(0, 0, 5))
+        >>> top = derive.SpatialRigidBody("top", mass=1, inertia=(1, 1, 2, 0, 0, 0), start=spun)
+        >>> derive.simulate(derive.spatial_scene("spinner", bodies=[top]), duration=1, output=1).v[-1]
+        array([0., 0., 0., 0., 0., 5.])
+    """
 
     position: Annotated[
         Triple | None, key(KeyType.TRIPLE, "Position of the origin of the body frame in the inertial frame, m.")
@@ -92,9 +114,20 @@ FRAMES = key(
 )
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialRigidBody:
-    """A rigid body in space."""
+    """A rigid body in space.
+
+    Attributes:
+        name: the name of the body.
+
+    Examples:
+        >>> import derive
+        >>> top = derive.SpatialRigidBody("top", mass=1, inertia=(1, 1, 2, 0, 0, 0))
+        >>> derive.spatial_scene("spinner", bodies=[top]).bodies[0].inertia[2]
+        Fraction(2, 1)
+    """
 
     name: str
     mass: Annotated[Quantity | None, BODY_MASS] = None
@@ -133,9 +166,19 @@ class SpatialRigidBody:
 NodeMotion = Literal["mean", "rigid"]
 
 
+@documented
 @dataclass(frozen=True)
 class NodeFrame:
-    """A named marker of a finite-element body: a node, or a set of nodes."""
+    """A named marker of a finite-element body: a node, or a set of nodes.
+
+    Attributes:
+        name: the name of the marker.
+
+    Examples:
+        >>> import derive
+        >>> derive.NodeFrame("corner", nodes=(0,)).has_rotation, derive.NodeFrame("face", nodes=(0, 1, 2)).has_rotation
+        (False, True)
+    """
 
     name: str
     nodes: Annotated[
@@ -215,9 +258,25 @@ class NodalLoad:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class FlexibleBody:
-    """A finite-element body in a scene in space; `body` are its data, without gravity, markers and initial values."""
+    """A finite-element body in a scene in space.
+
+    Attributes:
+        name: the name of the body.
+        body: its data, without gravity, markers and initial values.
+
+    Examples:
+        >>> import derive
+        >>> import numpy as np
+        >>> corners = [[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]
+        >>> breathing = [np.array(corners) / 8**0.5]
+        >>> nodes = {"positions": corners, "mass": np.eye(4), "modes": breathing, "modal_stiffness": [[100]]}
+        >>> square = derive.FlexibleBody("square", derive.nodal_body("square", nodes, units="SI"))
+        >>> derive.spatial_scene("floating", bodies=[square]).bodies[0].body.data.positions.shape
+        (4, 3)
+    """
 
     name: str
     body: NodalBody

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 from derive.short_text import record_text
+from derive.spec.model.documentation import documented
 from derive.spec.model.forces import AGAINST, BETWEEN, AtMarker, BetweenMarkers, ForceFrame, at_marker
 from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.markers import MarkerRef
@@ -25,9 +26,22 @@ def _frame(noun: str) -> Key:
     return key(KeyType.CHOICE, text)
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialForce(AtMarker):
-    """A force at a marker in space."""
+    """A force at a marker in space.
+
+    Attributes:
+        name: the name of the force.
+
+    Examples:
+        >>> import derive
+        >>> push = derive.SpatialForce("push", derive.MarkerRef("ball", "o"), ("10*t", 0, 0))
+        >>> body = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "markers": {"o": (0, 0, 0)}}
+        >>> scene = derive.spatial_scene("pushed", bodies={"ball": body}, forces=[push])
+        >>> derive.simulate(scene, duration=1, output=1)["ball_c1dot"].round(6)  # 10 t^2 / 2
+        array([0., 5.])
+    """
 
     name: str
     at: Annotated[MarkerRef, at_marker('"rod.right"')]
@@ -37,9 +51,22 @@ class SpatialForce(AtMarker):
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialTorque:
-    """A torque at a marker in space, with a reaction at another one or without."""
+    """A torque at a marker in space, with a reaction at another one or without.
+
+    Attributes:
+        name: the name of the torque.
+
+    Examples:
+        >>> import derive
+        >>> motor = derive.SpatialTorque("motor", derive.MarkerRef("wheel", "o"), (0, 0, 3))
+        >>> wheel = {"mass": 1, "inertia": [1, 1, 2, 0, 0, 0], "markers": {"o": (0, 0, 0)}}
+        >>> scene = derive.spatial_scene("run_up", bodies={"wheel": wheel}, torques=[motor])
+        >>> derive.simulate(scene, duration=1, output=1).v[-1].round(6)
+        array([0. , 0. , 0. , 0. , 0. , 1.5])
+    """
 
     name: str
     on: Annotated[MarkerRef, at_marker('"crank.hub"')]
@@ -55,9 +82,26 @@ class SpatialTorque:
         return (self.on,) if self.against is None else (self.on, self.against)
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialSpring(BetweenMarkers):
-    """A spring or a bushing between two markers in space; `values` are those of the keys of its kind."""
+    """A spring or a bushing between two markers in space.
+
+    Attributes:
+        name: the name of the spring.
+        kind: a name in `SPATIAL_SPRINGS`.
+        second: the second marker.
+        values: those of the keys of its kind.
+
+    Examples:
+        >>> import derive
+        >>> ends = derive.MarkerRef("ground", "o"), derive.MarkerRef("ball", "o")
+        >>> spring = derive.SpatialSpring("spring", "linear", *ends, {"stiffness": 400, "rest": 1})
+        >>> body = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "markers": {"o": (0, 0, 0)}}
+        >>> scene = derive.spatial_scene("bound", ground={"o": (0, 0, 0)}, bodies={"ball": body}, springs=[spring])
+        >>> scene.springs[0].values["stiffness"]
+        Fraction(400, 1)
+    """
 
     name: str
     kind: str
@@ -76,9 +120,19 @@ def _on_second_body(noun: str, unit: str, example: str) -> Key:
     return key(KeyType.FUNCTION, text, unit, example=example)
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialJointForce:
-    """A force in a joint: along z of its first marker on the second body, and its reaction on the first one."""
+    """A force in a joint: along z of its first marker on the second body, and its reaction on the first one.
+
+    Attributes:
+        name: the name of the force.
+
+    Examples:
+        >>> import derive
+        >>> derive.SpatialJointForce("push", "guide", 10).joint
+        'guide'
+    """
 
     name: str
     joint: Annotated[str, _joint("move along", '"guide"')]
@@ -87,9 +141,27 @@ class SpatialJointForce:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialJointTorque:
-    """A torque in a joint: about z of its first marker on the second body, and its reaction on the first one."""
+    """A torque in a joint: about z of its first marker on the second body, and its reaction on the first one.
+
+    Attributes:
+        name: the name of the torque.
+
+    Examples:
+        >>> import derive
+        >>> wheel = {"mass": 1, "inertia": [1, 1, 2, 0, 0, 0], "markers": {"o": (0, 0, 0)}}
+        >>> scene = derive.spatial_scene(
+        ...     "run_up",
+        ...     ground={"o": (0, 0, 0)},
+        ...     bodies={"wheel": wheel},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.o", "wheel.o"]}},
+        ...     torques=[derive.SpatialJointTorque("motor", "hinge", 3)],
+        ... )
+        >>> derive.simulate(scene, duration=1, output=1).v[-1].round(6)  # rad/s
+        array([1.5])
+    """
 
     name: str
     joint: Annotated[str, _joint("turn about", '"hinge"')]

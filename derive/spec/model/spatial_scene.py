@@ -10,6 +10,7 @@ from derive.display import html
 from derive.short_text import record_text
 from derive.spec.model.beam_parts import DEFAULT_LENGTH
 from derive.spec.model.body import GRAVITY
+from derive.spec.model.documentation import documented
 from derive.spec.model.forces import BETWEEN
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.markers import MarkerRef
@@ -40,9 +41,16 @@ from derive.spec.model.spatial_forces import (
 from derive.spec.model.spec_text import scene_text
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialJointInitialValues(JointInitialValues):
-    """Initial values of the relative motion of a joint in space: of body 2 relative to body 1."""
+    """Initial values of the relative motion of a joint in space: of body 2 relative to body 1.
+
+    Examples:
+        >>> import derive
+        >>> derive.SpatialJointInitialValues(angle=0.5, angle_rate=2).angle
+        0.5
+    """
 
     angle: Annotated[
         float | None, key(KeyType.FLOAT, "Rotation about z of a joint whose bodies may turn about it, rad.")
@@ -69,9 +77,25 @@ class SpatialJointInitialValues(JointInitialValues):
 NO_JOINT_START = SpatialJointInitialValues()
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialJoint:
-    """A joint between two marker frames."""
+    """A joint between two marker frames.
+
+    Attributes:
+        name: the name of the joint.
+        kind: a name in `SPATIAL_JOINTS`.
+        second: the second marker.
+
+    Examples:
+        >>> import derive
+        >>> first, second = derive.MarkerRef("ground", "o"), derive.MarkerRef("wheel", "o")
+        >>> hinge = derive.SpatialJoint("hinge", "revolute", first, second)
+        >>> wheel = {"mass": 1, "inertia": [1, 1, 2, 0, 0, 0], "markers": {"o": (0, 0, 0)}}
+        >>> scene = derive.spatial_scene("hub", ground={"o": (0, 0, 0)}, bodies={"wheel": wheel}, joints=[hinge])
+        >>> derive.modes(scene).linear.states
+        ('wheel_phi', 'wheel_phidot')
+    """
 
     # Its kind and further keys are those of the registry of joints in space. Its multipliers are the forces along, and
     # the torques about, the axes of the frame of the first marker that it exerts on the second body.
@@ -108,9 +132,19 @@ class SpatialJoint:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class Gear:
-    """A constant ratio of the motions of two joints: motion of the second = ratio * motion of the first + offset."""
+    """A constant ratio of the motions of two joints: motion of the second = ratio * motion of the first + offset.
+
+    Attributes:
+        name: the name of the gear.
+
+    Examples:
+        >>> import derive
+        >>> derive.Gear("mesh", ("sun", "planet"), ratio="-20/37").joints
+        ('sun', 'planet')
+    """
 
     # The motion of a joint is that of its second marker against its first: the rotation about z (revolute, screw,
     # cylindrical and planar joints), or the displacement along z (prismatic joints). The multiplier is the torque, or
@@ -139,9 +173,28 @@ class Gear:
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 
 
+@documented
 @dataclass(frozen=True)
 class SpatialScene:
-    """Bodies in space with joints, drives, forces and gravity."""
+    """Bodies in space with joints, drives, forces and gravity.
+
+    Attributes:
+        name: the name of the model.
+        bodies: rigid and finite-element bodies.
+        simulation: duration, output and tolerance of a simulation.
+
+    Examples:
+        >>> import derive
+        >>> scene = derive.spatial_scene(
+        ...     "hub",
+        ...     ground={"o": (0, 0, 0)},
+        ...     bodies={"wheel": {"mass": 1, "inertia": [1, 1, 2, 0, 0, 0], "markers": {"o": (0, 0, 0)}}},
+        ...     joints={"hinge": {"kind": "revolute", "between": ["ground.o", "wheel.o"]}},
+        ...     torques={"motor": {"joint": "hinge", "value": 3}},
+        ... )
+        >>> [body.name for body in scene.bodies]
+        ['wheel']
+    """
 
     name: str
     ground: Annotated[tuple[FrameMarker, ...], FRAMES]
@@ -176,11 +229,21 @@ class SpatialScene:
     _repr_html_ = html
 
     def joint_between(self, first: MarkerRef, second: MarkerRef) -> SpatialJoint | None:
-        """The joint between two markers, in either order, if there is one."""
+        """The joint between the markers `first` and `second`, in either order; None if there is none.
+
+        Examples:
+            >>> scene.joint_between(derive.MarkerRef("wheel", "o"), derive.MarkerRef("ground", "o")).name
+            'hinge'
+        """
         return next((j for j in self.joints if (first, second) in ((j.first, j.second), (j.second, j.first))), None)
 
     def markers_of(self, action: SpatialAction) -> tuple[MarkerRef, ...]:
-        """The markers at which an action acts: its own, or those of its joint."""
+        """The markers at which an `action`, such as a force, acts: its own, or those of its joint.
+
+        Examples:
+            >>> [marker.body for marker in scene.markers_of(scene.torques[0])]
+            ['ground', 'wheel']
+        """
         if isinstance(action, SpatialJointLoad):
             (joint,) = (joint for joint in self.joints if joint.name == action.joint)
             return (joint.first, joint.second)

@@ -58,13 +58,24 @@ def _polynomial(c: tuple[float, ...], d: float, order: int) -> float:
 
 @dataclass(frozen=True)
 class TimeFunction:
-    """An expression of the time t; `args` are its operands.
+    """An expression of the time t, as `time_function` reads it.
 
-    `kind` is number, t, parameter, input or spline; add, sub, mul, div, pow, neg; sin, cos, sqrt, exp, log, tanh, abs;
-    min, max, atan2; step (x, x0, x1: from 0 at x0 to 1 at x1, with two continuous derivatives); less (a < b, only in a
-    piecewise function); or piecewise (condition, value, condition, value, ..., value: the value of the first condition
-    that holds, or else the last one). A number has its `value` (pi is the double next to it, exactly), a run-time input
-    its `name`, a parameter of the scene its `parameter`, and a spline its `spline`.
+    Attributes:
+        kind: number, t, parameter, input or spline; add, sub, mul, div, pow, neg; sin, cos, sqrt, exp, log, tanh, abs;
+            min, max, atan2; step (x, x0, x1: from 0 at x0 to 1 at x1, with two continuous derivatives); less (a < b,
+            only in a piecewise function); or piecewise (condition, value, condition, value, ..., value: the value of
+            the first condition that holds, or else the last one).
+        args: its operands.
+        value: that of a number (pi is the double next to it, exactly).
+        name: that of a run-time input.
+        parameter: that of the scene.
+        spline: that of a table.
+
+    Examples:
+        >>> import derive
+        >>> half = derive.TimeFunction("number", value=0.5)
+        >>> derive.TimeFunction("mul", (half, derive.TimeFunction("t"))) == derive.time_function("0.5*t")
+        True
     """
 
     kind: str

@@ -51,7 +51,23 @@ class Known:
 
 
 def time_function(text: str, known: Known | None = None, max_power: int = MAX_POWER) -> TimeFunction:
-    """The function of t that `text` denotes, such as "2*pi*t - sin(2*pi*t)"."""
+    """The function of t that a text denotes, such as "2*pi*t - sin(2*pi*t)".
+
+    Arguments:
+        text: numbers, t, pi, names, + - * / ^, parentheses, and the functions that `TimeFunction` lists.
+        known: the parameters and tables that the text may call by name.
+        max_power: the largest exponent.
+
+    Raises:
+        ExpressionError: with the column of the fault.
+        TypeError: for anything but a text.
+
+    Examples:
+        >>> import derive
+        >>> function = derive.time_function("2*t + sin(t)")
+        >>> function.kind, [part.kind for part in function.args]
+        ('add', ['mul', 'sin'])
+    """
     return _Functions(text, known or Known(), max_power).parse()
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, create_model
 
+from derive.spec.model.documentation import purpose
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys, has_name
 from derive.spec.tables.quantities import quantity
@@ -50,7 +51,7 @@ def declare(
     of a type is in TABLES. A value with a name gets it from the key under which its table stands, see `named`.
     """
     own = declared_keys(of) if keys is None else keys
-    model = keyed_model(title, doc or of.__doc__, own, base, tables)
+    model = keyed_model(title, doc or purpose(of), own, base, tables)
     unnamed = {"name": ""} if has_name(of) else {}
     names = {field.name for field in fields(of)}
     without_default = {field.name for field in fields(of) if field.default is MISSING}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from derive.artifacts import MARK
 from derive.spec.tables.shared import TomlTable
 from derive.spec.tables.spatial_scene import spatial_specification_table
 from derive.spec.tables.specification import specification_table
@@ -22,6 +23,7 @@ def json_schema() -> str:
     needs = {**planar["dependentRequired"], **{name: ["bodies"] for name in alone}}
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$comment": f"{MARK}: the keys of specifications, for editors.",
         **planar,
         "dependentRequired": dict(sorted(needs.items())),
         "$defs": dict(sorted(definitions.items())),

@@ -11,6 +11,7 @@ from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.joints import SpatialJointType
+from derive.spec.model.documentation import purpose
 from derive.spec.model.forces import Force, SceneForce, Spring, Torque
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
@@ -73,7 +74,7 @@ OF_KIND = ("angle", "axis")
 def joint_table() -> DeclaredTable:
     """The table of a joint, with the kinds and keys of all joints that are registered now."""
     keys = tuple(key for key in declared_keys(Joint) if key.field not in OF_KIND)
-    return registered_table("JointTable", Joint.__doc__, "joint", (*JOINTS.items(),), (*keys, COUNT), _joint)
+    return registered_table("JointTable", purpose(Joint), "joint", (*JOINTS.items(),), (*keys, COUNT), _joint)
 
 
 def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> Joint:
@@ -90,7 +91,7 @@ def force_table(section: str) -> DeclaredTable:
     keys = tuple(key for key in declared_keys(of) if key.type in (KeyType.MARKER, KeyType.MARKER_PAIR))
     types = (*kinds(section).items(),)
     return registered_table(
-        f"{of.__name__}Table", of.__doc__, NAMED[section], types, (*keys, COUNT), _force, DEFAULT_KINDS[section]
+        f"{of.__name__}Table", purpose(of), NAMED[section], types, (*keys, COUNT), _force, DEFAULT_KINDS[section]
     )
 
 
@@ -105,7 +106,7 @@ def _force(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneFor
 
 def output_table(title: str = "OutputTable", types: Mapping[str, Declares] = OUTPUTS) -> DeclaredTable:
     """The table of an output, with the kinds and keys of all outputs that are registered now."""
-    return registered_table(title, SceneOutput.__doc__ or "", "output", (*types.items(),), (COUNT,), _output)
+    return registered_table(title, purpose(SceneOutput), "output", (*types.items(),), (COUNT,), _output)
 
 
 def _output(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneOutput:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from derive.spec.model.documentation import purpose
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.simulation import Simulation
@@ -47,7 +48,7 @@ def _plot_table(title: str, quantity: type, shared: tuple[str, ...], further: tu
         return Plot(name, shown, **given)
 
     every = (*(keys[name] for name in shared), *of_quantity, *(keys[name] for name in further))
-    return declare(Plot, title, keys=every, make=made, check=_check_plot, doc=quantity.__doc__)
+    return declare(Plot, title, keys=every, make=made, check=_check_plot, doc=purpose(quantity))
 
 
 SHARED = ("cut", "pieces", "reference")

@@ -12,6 +12,7 @@ from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.body import NodeData
+from derive.spec.model.documentation import purpose
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.plots import Plot
@@ -43,7 +44,7 @@ def spatial_joint_table() -> DeclaredTable:
     """The table of a joint in space, with the kinds and keys of all joints that are registered now."""
     keys = tuple(key for key in declared_keys(SpatialJoint) if key.field not in OF_KIND)
     types = (*SPATIAL_JOINTS.items(),)
-    return registered_table("SpatialJointTable", SpatialJoint.__doc__ or "", "joint", types, (*keys, COUNT), _joint)
+    return registered_table("SpatialJointTable", purpose(SpatialJoint), "joint", types, (*keys, COUNT), _joint)
 
 
 def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJoint:
@@ -73,7 +74,7 @@ SPATIAL_TORQUE = _at_marker_or_in_joint(SpatialTorque, SpatialJointTorque)
 def spatial_spring_table() -> DeclaredTable:
     """The table of a spring in space, with the kinds that are registered now, or of a bushing."""
     keys = tuple(key for key in declared_keys(SpatialSpring) if key.type is KeyType.MARKER_PAIR)
-    doc = SpatialSpring.__doc__ or ""
+    doc = purpose(SpatialSpring)
     springs = (*SPATIAL_SPRINGS.items(),)
     own = registered_table("SpatialSpringTable", doc, "spring", springs, (*keys, COUNT), _spring, "linear")
     bushings = (*SPATIAL_BUSHINGS.items(),)

@@ -24,9 +24,30 @@ MAX_DOTS = 200
 
 
 def read(path: str | os.PathLike[str]) -> Specification:
-    """The body or the scene that a TOML file specifies.
+    r"""The body or the scene that a TOML file specifies.
 
-    Raises SpecError with all faults of the file, TypeError if `path` is not a path.
+    Arguments:
+        path: the file; the files that it names are relative to its folder.
+
+    Returns:
+        A PlanarBeam, a NodalBody, a SymbolicBody, a Scene or a SpatialScene, depending on its tables.
+
+    Raises:
+        SpecError: with all faults of the file and their lines.
+        TypeError: if `path` is not a path.
+
+    Examples:
+        >>> import derive
+        >>> from pathlib import Path
+        >>> _ = Path("beam.toml").write_text('name = "beam"\n[beam]\nmass = 2\n')
+        >>> derive.read("beam.toml").mass
+        Fraction(2, 1)
+        >>> _ = Path("beam.toml").write_text('name = "beam"\n[beam]\nmas = 2\n')
+        >>> try:
+        ...     derive.read("beam.toml")
+        ... except derive.SpecError as error:
+        ...     print(error)
+        beam.toml:3: beam.mas: unknown key; did you mean "mass"?
     """
     if not isinstance(path, (str, os.PathLike)):
         read_already = "; it is a specification already" if isinstance(path, Specification) else ""

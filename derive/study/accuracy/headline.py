@@ -82,7 +82,7 @@ def headline_texts(of: Headline, shown: Sequence[str]) -> list[tuple[str, str]]:
     """The sentences, each with its title; `shown` are the beams that the plot shows."""
     asked = percent(of.error)
     if of.undecided is not None:
-        text = f"which models have an error of at most {asked}; that of the reference itself is {percent(of.undecided)}"
+        text = f"the error of the reference itself is {percent(of.undecided)}, so an error of {asked} cannot be judged"
         return [("Undecided", text)]
     if of.recommended is None:
         best = f"; the most accurate one is {_run(of.best)}" if of.best else ""

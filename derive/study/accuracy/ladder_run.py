@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from itertools import islice
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.measurement import CompiledLadderModel, Line, Progress, compiled, measured
+from derive.study.accuracy.measurement import (
+    CompiledLadderModel,
+    Line,
+    ModelVariant,
+    Preparation,
+    Progress,
+    measured,
+    opened,
+    preparation,
+)
 from derive.study.accuracy.models import LadderModel, start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Reference
@@ -27,13 +37,21 @@ PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
 class LadderRun:
     """The lines of a ladder, added one by one, so that an interruption leaves the lines of the models so far.
 
-    explicit: whether models are run by the adaptive method alone, see `compiled`.
+    explicit: whether models are run by the adaptive method alone. ahead: prepares the models of the scene.
     lines: of the models that have run, or have failed. notes: a line on each model that was left out, and on starts
     that a model has only approximately. ready: the models that are compiled.
     """
 
-    def __init__(self, scene: Scene, known: Reference, tolerances: Sequence[float], explicit: bool = True) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        known: Reference,
+        tolerances: Sequence[float],
+        explicit: bool = True,
+        ahead: Preparation | None = None,
+    ) -> None:
         self._scene, self._known, self._tolerances, self._explicit = scene, known, tolerances, explicit
+        self._ahead = preparation(scene) if ahead is None else ahead
         self.cost = PredictedCost(scene)
         self.lines: list[Line] = []
         self._left_out: dict[str, list[LadderModel]] = {}
@@ -59,7 +77,7 @@ class LadderRun:
     ) -> None:
         """Run models. progress: takes a line on each task; report: a line on each result, with the remaining time;
         record: is called after each model."""
-        began, done = time.monotonic(), 0.0
+        began, done, left = time.monotonic(), 0.0, ""
         report(f"{len(models)} models, about {duration_text(sum(map(self.seconds, models)))}")
         for n, model in enumerate(models, 1):
             name = f"model {n} of {len(models)}: {model.label}"
@@ -67,21 +85,24 @@ class LadderRun:
                 self._left_out.setdefault(reason, []).append(model)
                 report(f"{name}: left out: {reason}")
                 continue
-            progress(f"{name} ...")
+            progress(f"{name}{left} ...")
+            self._expect(models[n - 1 :])
             predicted = self.seconds(model)
             line = self._line(model)
             self.lines.append(line)
             self.cost.add(line)
             done += predicted
             rest = [other for other in models[n:] if not self.dispensable(other)]
-            left = sum(map(self.seconds, rest)) * (time.monotonic() - began) / done
-            report(f"{name}: {line.outcome}" + (f"; about {duration_text(left)} left" if rest else ""))
+            remaining = sum(map(self.seconds, rest)) * (time.monotonic() - began) / done
+            left = f"; about {duration_text(remaining)} left" if rest else ""
+            report(f"{name}: {line.outcome}{left}")
             record()
 
     def seconds(self, model: LadderModel) -> float:
         """The approximate time (s) to derive and compile a model, and to run it twice with each tolerance."""
         operations = 2 * len(self._tolerances) * self.cost.operations(model)
-        return PER_COORDINATE * self.cost.coordinates(model) + PER_OPERATION * operations
+        preparation = PER_COORDINATE * self.cost.coordinates(model) / max(1, self._ahead.workers)
+        return preparation + PER_OPERATION * operations
 
     def dispensable(self, model: LadderModel) -> str:
         """The reason why a model cannot matter, as a cheaper one has a smaller error; empty if it may matter."""
@@ -106,9 +127,17 @@ class LadderRun:
 
     def _line(self, model: LadderModel) -> Line:
         try:
-            of = compiled(self._scene, model, explicit=self._explicit)
+            of = opened(self._ahead.result(self._variant(model)))
             self._starts += (f"{model.label}: {text}" for text in start_remainders(self._scene, model))
         except TisserandError as error:
             return Line(model, 0, (), failure=first_line(error))
         self.ready[model] = of
-        return measured(of, self._known.plots, self._tolerances)
+        return measured(of, self._known.plots, self._tolerances, self._ahead.wait)
+
+    def _variant(self, model: LadderModel) -> ModelVariant:
+        return ModelVariant(model, explicit=self._explicit)
+
+    def _expect(self, models: Sequence[LadderModel]) -> None:
+        """Prepare the first of these models ahead: as many as keep the processes at work, as others may be left out."""
+        likely = (model for model in models if not self.dispensable(model))
+        self._ahead.expect(map(self._variant, islice(likely, 1 + 2 * self._ahead.workers)))

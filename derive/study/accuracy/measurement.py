@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,10 +15,10 @@ from derive.errors import TisserandError, first_line
 from derive.generated_models import generated, generated_explicit
 from derive.ir.model import Model
 from derive.percentages import percent
-from derive.runtime.compiler import RUN_FLAGS
+from derive.runtime.compiler import QUICK_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
-from derive.runtime.loading import load_scene
+from derive.runtime.loading import load_data, model_library
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
@@ -38,6 +39,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
 from derive.study.accuracy.models import LadderModel, model_scene
+from derive.study.computed_ahead import ComputedAhead
 from derive.study.timing import interleaved
 
 CALLED = {
@@ -51,6 +53,8 @@ SAME = 0.01
 """Errors of runs with two tolerances that differ by less, relatively, are those of the model."""
 LONG = 0.5
 """CPU seconds from which on a run is timed only once, as disturbances are small against it."""
+NEARLY = 0.5
+"""The part of `LONG` from which on a run may take so long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,36 +85,78 @@ class CompiledLadderModel:
         return sum(times * known.get(name, 0) for times, name in called)
 
 
-def compiled(
-    scene: Scene,
-    model: LadderModel,
-    monitored: bool = True,
-    explicit: bool = True,
-    flags: Sequence[str] = RUN_FLAGS,
-) -> CompiledLadderModel:
-    """A model of a ladder, `monitored` with the outputs that watch its validity; `explicit` for `adaptive` alone.
+LADDER_FLAGS = QUICK_FLAGS
+"""Compiler options of models whose runs are timed: straight-line code runs as fast with -O1 as with -O2, within 1 %,
+and the compiler takes a third less. Charts state them."""
 
-    flags: of the compiler.
 
-    Raises SpecError, SimulationError, CompilerError.
+class ModelVariant(NamedTuple):
+    """A model of a ladder as it is compiled.
+
+    monitored: with the outputs that watch its validity. explicit: for `adaptive` alone. flags: of the compiler.
     """
-    return with_redundant_joints(
-        model_scene(scene, model), lambda changed: _compiled(changed, model, monitored, explicit, flags)
-    )
+
+    model: LadderModel
+    monitored: bool = True
+    explicit: bool = True
+    flags: tuple[str, ...] = LADDER_FLAGS
 
 
-def _compiled(
-    changed: Scene, model: LadderModel, monitored: bool, explicit: bool, flags: Sequence[str]
-) -> CompiledLadderModel:
+@dataclass(frozen=True, eq=False)
+class PreparedModel:
+    """A model of a ladder that is derived and compiled, with its consistent start; it can be sent to another process.
+
+    own: the number of outputs without those that monitor its validity. name, library: of the compiled code.
+    """
+
+    variant: ModelVariant
+    scene: Scene
+    code: Model
+    files: tuple[File, ...]
+    own: int
+    name: str
+    library: bytes
+    start: InitialState
+
+
+def prepared(scene: Scene, variant: ModelVariant) -> PreparedModel:
+    """A model of a scene, derived and compiled. Raises SpecError, SimulationError, CompilerError."""
+    changed = model_scene(scene, variant.model)
+    return with_redundant_joints(changed, lambda changed: _prepared(changed, variant))
+
+
+def _prepared(changed: Scene, variant: ModelVariant) -> PreparedModel:
     """The model of a scene that has been changed to it."""
-    complete = with_monitors(changed) if monitored else changed
-    code, files = generated_explicit(complete) if explicit else generated(complete)
-    native = load_scene(files, flags)
-    k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
-    columns = replace(code, outputs=code.outputs[:own])
-    return CompiledLadderModel(
-        model, changed, code, tuple(files), columns, native, k, initial_state(changed, native, k)
-    )
+    complete = with_monitors(changed) if variant.monitored else changed
+    code, files = generated_explicit(complete) if variant.explicit else generated(complete)
+    name, library = model_library(files, variant.flags)
+    native = NativeScene(load_data(library), name)
+    own = len(code.outputs) - len(complete.outputs) + len(changed.outputs)
+    start = initial_state(changed, native, native.setup())
+    return PreparedModel(variant, changed, code, tuple(files), own, name, library, start)
+
+
+def opened(of: PreparedModel) -> CompiledLadderModel:
+    """A prepared model, ready to run in this process."""
+    native = NativeScene(load_data(of.library), of.name)
+    columns = replace(of.code, outputs=of.code.outputs[: of.own])
+    return CompiledLadderModel(of.variant.model, of.scene, of.code, of.files, columns, native, native.setup(), of.start)
+
+
+Preparation = ComputedAhead[ModelVariant, PreparedModel]
+"""The models of one scene, which are prepared ahead."""
+
+
+def preparation(scene: Scene, workers: int = 0) -> Preparation:
+    """The models of a scene, prepared in that many processes before they are needed."""
+    return ComputedAhead(partial(prepared, scene), workers)
+
+
+def compiled(
+    scene: Scene, model: LadderModel, monitored: bool = True, flags: tuple[str, ...] = LADDER_FLAGS
+) -> CompiledLadderModel:
+    """A model of a scene that is ready to run. Raises SpecError, SimulationError, CompilerError."""
+    return opened(prepared(scene, ModelVariant(model, monitored, flags=flags)))
 
 
 def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -> Trajectory:
@@ -216,11 +262,17 @@ class Line:
 Progress = Callable[[str], None]
 
 
-def measured(of: CompiledLadderModel, plots: Sequence[Plot], tolerances: Sequence[float]) -> Line:
+def measured(
+    of: CompiledLadderModel,
+    plots: Sequence[Plot],
+    tolerances: Sequence[float],
+    alone: Callable[[], None] = lambda: None,
+) -> Line:
     """The line of a compiled model: its errors against the references of `plots`, and its cost, in one run each.
 
     tolerances: from coarse to fine. Those beyond two runs with about the same error are left out: they cost more, and
-    the error is that of the model.
+    the error is that of the model. alone: called before a run whose time is not measured again, see `retimed`, so that
+    nothing else runs beside it.
     """
     points: list[Point] = []
     warning, failure = None, ""
@@ -228,6 +280,8 @@ def measured(of: CompiledLadderModel, plots: Sequence[Plot], tolerances: Sequenc
         try:
             moved = motion(of, tolerance, monitored=True)
             rms, worst = plot_errors(plots, moved)
+            if moved.solution.cost.seconds > NEARLY * LONG:
+                alone()
             run = end_run(of, tolerance)
         except TisserandError as error:
             warning, failure = None, f"tolerance {tolerance:g}: {first_line(error)}"

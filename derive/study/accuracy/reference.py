@@ -18,7 +18,7 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing.faults import did_you_mean
-from derive.study.accuracy.measurement import Progress, compiled, motion
+from derive.study.accuracy.measurement import ModelVariant, Preparation, Progress, motion, opened, preparation
 from derive.study.accuracy.models import refinements
 
 Curves = tuple[PlotCurve, ...]
@@ -58,27 +58,36 @@ def compared_plot(scene: Scene, name: str | None) -> Plot:
 
 
 def reference(
-    scene: Scene, plot: Plot, error: float | None, own: bool, progress: Progress, report: Progress = lambda _: None
+    scene: Scene,
+    plot: Plot,
+    error: float | None,
+    own: bool,
+    progress: Progress,
+    report: Progress = lambda _: None,
+    ahead: Preparation | None = None,
 ) -> Reference:
     """The reference of a plot: its file, whose error may be given, or with `own` or without a file a finer model.
 
-    progress: takes a line on each task; report: takes a line on each model. Raises SpecError, SimulationError,
-    CompilerError.
+    progress: takes a line on each task; report: takes a line on each model. ahead: prepares the models of the scene
+    with this plot alone. Raises SpecError, SimulationError, CompilerError.
     """
     if plot.reference is not None and not own:
         return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
-    return _own(scene, plot, progress, report)
+    models = preparation(replace(scene, plots=(plot,))) if ahead is None else ahead
+    return _own(models, plot, progress, report)
 
 
-def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Reference:
+def _own(models: Preparation, plot: Plot, progress: Progress, report: Progress) -> Reference:
     """The reference from the finest of ever finer models; its error is its difference from the one before."""
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
-    made_for = replace(scene, plots=(plot,))
-    for model in refinements():
-        progress(f"reference: {model.label} ...")
-        moved = motion(compiled(made_for, model, monitored=False, flags=QUICK_FLAGS), TOLERANCE)
-        before, finest, label = finest, curves_of(bare, moved), model.label
+    variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in refinements()]
+    models.expect(variants)
+    for n, variant in enumerate(variants, 1):
+        label = variant.model.label
+        progress(f"reference: model {n} of {len(variants)}: {label} ...")
+        moved = motion(opened(models.result(variant)), TOLERANCE)
+        before, finest = finest, curves_of(bare, moved)
         report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
     difference = rms_difference(finest, before)
     if difference is None:

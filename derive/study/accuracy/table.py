@@ -22,14 +22,18 @@ LINE_COLUMNS = (*MODEL_COLUMNS, *columns("coordinates", "valid"))
 COST = columns("cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations")
 RUN_COLUMNS = (*columns("tolerance", "step_s", "rms_error", "largest_error"), *COST)
 """The columns of a run."""
+MODEL_DOC = (
+    "rigid beams, or the number of beams in the rod and their shapes: half sine waves or Legendre polynomials P2, P3, "
+    "...; first, truncated, full: the order of the displacements"
+)
 MODELS = (
-    StudyColumn("model"),
-    StudyColumn("rms", percent, doc="the measured error of the plot over its peak"),
-    StudyColumn("largest", percent),
+    StudyColumn("model", doc=MODEL_DOC),
+    StudyColumn("rms", percent, doc="the measured error of the plot, relative to its peak"),
+    StudyColumn("largest", percent, doc="the largest measured error"),
     StudyColumn("implied", percent, doc="the error that a monitor estimates for the beam that it doubts"),
-    StudyColumn("ms", milliseconds),
-    StudyColumn("evaluations", grouped),
-    StudyColumn("operations", grouped),
+    StudyColumn("ms", milliseconds, doc="CPU time of the integration"),
+    StudyColumn("evaluations", grouped, doc="of the accelerations"),
+    StudyColumn("operations", grouped, doc="arithmetic operations of all evaluations"),
     StudyColumn("coordinates"),
     StudyColumn("setting"),
     StudyColumn("valid", lambda valid: "" if valid else "not valid", head=""),
@@ -72,7 +76,7 @@ def accuracy_text(chart: LadderChart) -> str:
         lines = [line for text in texts for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
         rows += ["", *lines] if lines else []
     if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):
-        rows.append("errors below that of the reference say only that they are small")
+        rows.append("errors below that of the reference are known to be small, but not how small")
     return "\n".join(rows)
 
 

@@ -103,7 +103,8 @@ class BeamShares:
             return
         self._runs.progress(f"share of {beam}: {option.label} ...")
         try:
-            changed = replaced(self._runs.scene, self.base, {beam: option})
+            changed = self._changed(beam, option)
+            self._runs.expect([changed, *self._next(beam)], self._alone)
             share = rms_difference(self._fine, self._runs.curves(changed, TOLERANCE, self._alone))
         except TisserandError as failure:
             self.known.append(BeamShare(beam, option, None, first_line(failure)))
@@ -112,6 +113,14 @@ class BeamShares:
         assert share is not None, "the reference does not vanish"
         self._report(f"share of {beam}: {option.label}: {percent(share)}")
         self.known.append(BeamShare(beam, option, share))
+
+    def _changed(self, beam: str, option: LadderModel) -> LadderModel:
+        return replaced(self._runs.scene, self.base, {beam: option})
+
+    def _next(self, beam: str) -> list[LadderModel]:
+        """Models that may follow in the measurements of a beam, as many as keep the processes at work."""
+        smaller = [option for option in self._left[beam] if option.size < self.base.of(beam).size]
+        return [self._changed(beam, option) for option in smaller[: self._runs.spare]]
 
 
 def replaced(scene: Scene, base: LadderModel, models: dict[str, LadderModel]) -> LadderModel:

@@ -9,7 +9,7 @@ from typing import Any
 from derive.percentages import percent
 from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.table import cheapest
+from derive.study.accuracy.table import MODEL_DOC, cheapest
 from derive.study.choice.model_runs import FLEXIBLE
 from derive.study.choice.screening import Screening
 from derive.study.choice.search import Choice
@@ -23,13 +23,13 @@ GAIN = 0.9
 
 
 TRIED = (
-    StudyColumn("model", head="tried"),
+    StudyColumn("model", head="tried", doc=MODEL_DOC),
     StudyColumn("tolerance", general(6)),
-    StudyColumn("measured", percent),
-    StudyColumn("implied", percent),
-    StudyColumn("ms", milliseconds),
+    StudyColumn("measured", percent, doc="error (rms) of the plot, relative to its peak"),
+    StudyColumn("implied", percent, doc="error that a monitor of the run estimates"),
+    StudyColumn("ms", milliseconds, doc="CPU time"),
     StudyColumn("evaluations", grouped),
-    StudyColumn("operations", grouped),
+    StudyColumn("operations", grouped, doc="arithmetic operations of all evaluations"),
     StudyColumn("verdict", head=""),
 )
 """The columns of a model that was tried, with one of its runs."""
@@ -39,9 +39,9 @@ def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], 
     """The whole search as lines for a terminal."""
     known = choice.reference
     asked = f"an error of at most {percent(choice.error)} in {' and '.join(plots)}"
-    lines = [f"{name}: the cheapest model with {asked}", "", "Screening"]
+    lines = [f"{name}: search for the cheapest model with {asked}", "", "Screening"]
     lines += [f"  {one.text}" for one in screened]
-    lines += ["", f"Reference: {known.model.label}, which agrees to {percent(known.error)} with"]
+    lines += ["", f"Reference: {known.model.label}. Its error is at most {percent(known.error)}, by comparison with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
     lines += _shares(choice)
     table = StudyTable(TRIED, tuple(_tried(line, choice) for line in choice.tried))
@@ -54,8 +54,12 @@ def _shares(choice: Choice) -> list[str]:
         return []
     width = max(len(of.model.label) for of in choice.shares)
     names = max(len(of.beam) for of in choice.shares)
-    others = choice.base.label if choice.base == FLEXIBLE else f"{choice.base.label} (of rigid ones: {FLEXIBLE.label})"
-    head = ["", f"Shares of the beams in the error, with the others as {others}"]
+    others = (
+        choice.base.label
+        if choice.base == FLEXIBLE
+        else f"{choice.base.label} (rigid beams are compared with {FLEXIBLE.label})"
+    )
+    head = ["", f"Share of each beam in the error, while the other beams are {others}"]
     return head + [
         f"  {of.beam:{names}}  {of.model.label:{width}}  "
         + (f"fails: {of.failure}" if of.share is None else f"{percent(of.share):>8}")
@@ -86,19 +90,19 @@ def _verdict(choice: Choice) -> list[str]:
         if choice.best is not None:
             line, point = choice.best
             implied = f", and a monitor implies {percent(implied_error(line))}" if line.warning else ""
-            lines.append(f"The best is {line.model.label} with {percent(point.rms)}{implied}, in {_ms(point)}.")
+            lines.append(f"The best model is {line.model.label}: error {percent(point.rms)}{implied}, {_ms(point)}.")
             if any(p.rms + choice.reference.error <= choice.error for of in choice.tried for p in of.points):
                 lines.append(
-                    "Monitors imply larger errors of models that are near the reference, so that it is in doubt."
+                    "Monitors imply larger errors for models that agree with the reference, so it is in doubt."
                 )
         return lines
     line, point = choice.chosen
-    result = [f"Chosen: {line.model.label}, {point.setting}: {percent(point.rms)} in {_ms(point)}"]
+    result = [f"Chosen: {line.model.label}, {point.setting}: error {percent(point.rms)}, {_ms(point)}"]
     for word, steps in neighbours(choice).items():
         for other, p in steps:
-            error = f"{p.rms / point.rms:.2g} times the error" if point.rms else f"an error of {percent(p.rms)}"
-            what = f"{p.operations / point.operations:.2g} times the operations, {error}"
-            result.append(f"  {word}: {other.model.label}, {p.setting}: {what}")
+            error = f"has {p.rms / point.rms:.2g} times the error" if point.rms else f"has an error of {percent(p.rms)}"
+            what = f"{p.operations / point.operations:.2g} times the operations and {error}"
+            result.append(f"  {word}: {other.model.label}, {p.setting}, takes {what}")
     return result
 
 

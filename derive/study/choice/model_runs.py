@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.runtime.compiler import QUICK_FLAGS, UNOPTIMISED
@@ -10,7 +10,7 @@ from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
+from derive.study.accuracy.measurement import CompiledLadderModel, ModelVariant, motion, opened, preparation
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, bare_plots, curves_of
@@ -28,14 +28,15 @@ class ModelRuns:
     """The models of a scene, compiled, and the curves of its plots in their runs.
 
     scene: with the plots that are compared; bare: a plot for each curve of them. ready: the models with monitors.
-    progress: takes a line on each task.
+    progress: takes a line on each task. workers: the number of processes that prepare models ahead, until `close`.
     """
 
-    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress) -> None:
+    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress, workers: int = 0) -> None:
         self.bare = tuple(bare for plot in plots for bare in bare_plots(plot))
         self.scene, self.progress = replace(scene, plots=tuple(plots)), progress
         self.lone = len(beam_bodies(scene)) == 1
         self._cost = PredictedCost(scene)
+        self._ahead = preparation(self.scene, workers)
         self.ready: dict[LadderModel, CompiledLadderModel] = {}
         self._unwatched: dict[LadderModel, CompiledLadderModel] = {}
         self._curves: dict[tuple[LadderModel, float], Curves] = {}
@@ -48,13 +49,35 @@ class ModelRuns:
         """
         if model in self.ready:
             return self.ready[model]
+        variant = self._variant(model, monitored)
+        models = self.ready if variant.monitored else self._unwatched
+        if model not in models:
+            models[model] = opened(self._ahead.result(variant))
+        return models[model]
+
+    def expect(self, models: Iterable[LadderModel], monitored: bool = False) -> None:
+        """Prepare models ahead that are likely to be needed, in this order, see `compiled`."""
+        new = (model for model in models if model not in self.ready and (monitored or model not in self._unwatched))
+        self._ahead.expect(self._variant(model, monitored) for model in new)
+
+    @property
+    def spare(self) -> int:
+        """The number of further models to expect so that no process waits."""
+        return max(0, 2 * self._ahead.workers - self._ahead.waiting)
+
+    def wait(self) -> None:
+        """Wait until no model is being prepared, and prepare no more of those expected, so that runs can be timed."""
+        self._ahead.wait()
+
+    def close(self) -> None:
+        """Prepare no more models ahead."""
+        self._ahead.close()
+
+    def _variant(self, model: LadderModel, monitored: bool) -> ModelVariant:
         if monitored or self._is_candidate(model):
-            self.ready[model] = compiled(self.scene, model)
-            return self.ready[model]
-        if model not in self._unwatched:
-            flags = UNOPTIMISED if self._cost.operations(model) < SHORT else QUICK_FLAGS
-            self._unwatched[model] = compiled(self.scene, model, monitored=False, flags=flags)
-        return self._unwatched[model]
+            return ModelVariant(model)
+        flags = UNOPTIMISED if self._cost.operations(model) < SHORT else QUICK_FLAGS
+        return ModelVariant(model, monitored=False, flags=flags)
 
     def curves(self, model: LadderModel, tolerance: float, monitored: bool = False) -> Curves:
         """The curves of a run of a model, see `compiled`; its time is kept."""

@@ -29,7 +29,8 @@ def try_one_beam(trials: Trials) -> None:
     order = candidate_order(trials.runs.scene, beam, trials.cost)
     models = beam_candidates(trials.runs.scene, beam, trials.cost)
     while left := [m for m in (*models, *_with_all_terms(errors, trials)) if _is_worth_it(m, errors, trials)]:
-        model = min(left, key=order)
+        model, *others = sorted(left, key=order)
+        trials.runs.expect([model, *others[: trials.runs.spare]], monitored=True)
         best = min((trials.cost.operations(line.model) for line in trials.good), default=math.inf)
         if trials.cost.operations(model) > NEAR * best:
             break

@@ -34,6 +34,8 @@ def rigid_shares(runs: ModelRuns, error: float, report: Progress) -> tuple[BeamS
     names = tuple(beam.name for beam in beam_bodies(runs.scene))
     if runs.lone:
         return ()
+    groups = [names] if len(names) >= GROUPED else [(name,) for name in names]
+    runs.expect(replaced(runs.scene, FLEXIBLE, dict.fromkeys(group, RIGID)) for group in groups)
     try:
         fine = runs.curves(FLEXIBLE, TOLERANCE)
     except TisserandError:
@@ -58,7 +60,6 @@ def rigid_shares(runs: ModelRuns, error: float, report: Progress) -> tuple[BeamS
             yield from measured(group[len(group) // 2 :])
 
     limit = _limit(names, error)
-    groups = [names] if len(names) >= GROUPED else [(name,) for name in names]
     return tuple(share for group in groups for share in measured(group))
 
 

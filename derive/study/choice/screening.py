@@ -28,9 +28,10 @@ from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
-from derive.study.accuracy.measurement import compiled, motion
+from derive.study.accuracy.measurement import ModelVariant, motion, opened, prepared
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
+from derive.study.choice.trusted_reference import expect_first
 
 TOLERANCE = 1e-6
 """The tolerance of the runs."""
@@ -76,9 +77,10 @@ def screening(runs: ModelRuns) -> tuple[Screening, ...]:
     """The screening of each beam of a scene."""
     scene = runs.scene
     beams = [body for body in scene.bodies if isinstance(body, BeamBody)]
+    expect_first(runs)
+    accelerations = _accelerations(scene, beams)
     frequencies, axial = _flexible(runs, beams)
     driving = _driving(scene)
-    accelerations = _accelerations(scene, beams)
     result = []
     for beam in beams:
         frequency, spin, across = frequencies.get(beam.name), None, None
@@ -138,8 +140,9 @@ def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float
     )
     columns = tuple(column for output in watched for column in output_columns(output))
     watching = replace(scene, outputs=watched, plots=(Plot("screened", ColumnCurves(columns)),))
+    rigid = ModelVariant(LadderModel(Shapes.RIGID), monitored=False, flags=UNOPTIMISED)
     try:
-        moved = motion(compiled(watching, LadderModel(Shapes.RIGID), monitored=False, flags=UNOPTIMISED), TOLERANCE)
+        moved = motion(opened(prepared(watching, rigid)), TOLERANCE)
     except TisserandError:
         return {}
     fall = np.array([si_value(g) for g in scene.gravity or ()] or [0.0, 0.0])

@@ -90,6 +90,7 @@ class Trials:
 
     def timed(self) -> tuple[Line, ...]:
         """The lines with the times of repeated runs."""
+        self.runs.wait()
         return tuple(retimed(self.lines, self.runs.ready, RUNS, lambda _: None))
 
     def operations(self, line: Line) -> int:
@@ -113,7 +114,7 @@ class Trials:
             of = self.runs.compiled(model)
         except TisserandError as error:
             return Line(model, 0, (), failure=first_line(error))
-        return measured(of, self.known.plots, TOLERANCES)
+        return measured(of, self.known.plots, TOLERANCES, self.runs.wait)
 
     def _point(self, line: Line) -> Point | None:
         """The cheapest run of a model that is accurate enough."""

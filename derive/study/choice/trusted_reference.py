@@ -26,7 +26,7 @@ from derive.study.accuracy.models import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
-from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
 from derive.study.choice.rigid_shares import MATTERS
 from derive.terminal import duration_text
 
@@ -46,6 +46,21 @@ LONGEST = 120.0
 """The longest time (s) that may be predicted for a run of a finer reference."""
 
 Progress = Callable[[str], None]
+
+
+def expect_first(runs: ModelRuns) -> None:
+    """Prepare the models ahead with which each search begins."""
+    runs.expect([FLEXIBLE], monitored=True)
+    if runs.lone:
+        runs.expect(_needed(FIRST))
+        runs.expect([LadderModel(Shapes.RIGID)], monitored=True)
+
+
+def _needed(model: LadderModel) -> list[LadderModel]:
+    """The model of a reference, those that it is compared with first, and two that show the error of truncation."""
+    few = replace(model, pieces=1, count=FULL_SHAPES)
+    fewer = replace(model, pieces=model.pieces - 1), replace(model, count=model.count - 1)
+    return [model, *fewer, few, replace(few, order=DisplacementOrder.FULL)]
 
 
 @dataclass(frozen=True)
@@ -117,8 +132,8 @@ def _without_reference(references: _References, error: float, further: str) -> s
     possible = rounded_up(best.error / references.share)
     larger = f"an error of {percent(possible)} or more, or " if possible < 1 else ""
     return (
-        f"an error of {percent(error)} needs a reference whose own error is a third of it at most, and none that was "
-        f"run is so accurate: {best.model.label} differs by {percent(worst.difference)} from that with {worst.label}"
+        f"an error of {percent(error)} needs a reference whose own error is at most a third of it. No reference was "
+        f"accurate enough: {best.model.label} differs by {percent(worst.difference)} from the model with {worst.label}"
         f"{further}. Ask for {larger}a shorter time"
     )
 
@@ -148,6 +163,7 @@ class _References:
         """Add a model as the reference, without a comparison with larger steps, which gives no direction to refine."""
         fewer_beams = replace(model, pieces=model.pieces - 1)
         fewer_shapes = replace(model, count=model.count - 1)
+        self._runs.expect(map(self._mixture, _needed(model)))
         agreements = [self._agreement(model, "fewer beams", fewer_beams)]
         agreements.append(self._agreement(model, "fewer shapes", fewer_shapes))
         full = self._full(model, max(a.difference for a in agreements))

@@ -47,7 +47,7 @@ def failure_table(of: Sequence[MethodFailure]) -> StudyTable:
 
 def failure_lines(of: Sequence[MethodFailure]) -> list[str]:
     """The lines of text on each failure: its criterion, the verdict, and the measurement."""
-    lines = ["where methods fail: criterion, and what was measured here"]
+    lines = ["where methods fail: the criterion, and the measurement on this scene"]
     for failure in of:
         lines += wrapped([f"{failure.failure}: {failure.criterion}"], "  ")
         lines += wrapped([f"{failure.verdict}: {failure.measured}"], "      ")
@@ -65,17 +65,18 @@ def _step_limit(study: MethodStudy) -> MethodFailure | None:
         return None
     theory = ", ".join(f"{line.theory:.3g} ({line.method.value})" for line in limited)
     measured = "; ".join(
-        f"{line.method.value} {line.measured:.3g} s, {line.ratio:.3f} of theory: "
-        f"0.95 {'stable' if line.below else 'grows'}, 1.05 {'stable' if line.above else 'grows'}"
+        f"{line.method.value}: {line.measured:.3g} s, which is {line.ratio:.3f} of the theory; steps of 0.95 of the "
+        f"theory are {'stable' if line.below else 'unstable'}, steps of 1.05 are "
+        f"{'stable' if line.above else 'unstable'}"
         for line in limited
     )
     agrees: bool | None = all(line.below and not line.above and abs(line.ratio - 1) < NEAR for line in limited)
     longest = max(line.predicted for line in limited)
     if not agrees and longest > study.period / LONGEST:
-        measured += f"; steps of {longest:.2g} s do not resolve the motion of {study.period:.2g} s, nor its frequencies"
+        measured += f"; steps of {longest:.2g} s resolve neither the motion of {study.period:.2g} s nor its frequencies"
         agrees = None
     elif not agrees and not study.conserved:
-        measured += "; the theory is that of undamped vibrations, and the energy of this scene is not conserved"
+        measured += "; the theory assumes undamped vibrations, but this scene does not conserve energy"
         agrees = None
     return MethodFailure("explicit step limit", f"omega_max h < {theory}", measured, agrees)
 
@@ -86,8 +87,9 @@ def _drift(study: MethodStudy) -> MethodFailure | None:
         return None
     free = study.order
     measured = (
-        f"rk4: {magnitude(free.position)} m after {free.steps} steps without projection, as t^{free.time:.1f} and "
-        f"h^{free.step:.1f}; {magnitude(projected.position[-1])} m at most in {projected.steps} steps with it"
+        f"rk4: without projection {magnitude(free.position)} m after {free.steps} steps, growing as t^{free.time:.1f} "
+        f"and h^{free.step:.1f}; with projection at most {magnitude(projected.position[-1])} m in "
+        f"{projected.steps} steps"
     )
     agrees = bool(projected.position[-1] < MET and projected.position[-1] < free.position and free.step > 4 - ORDER)
     return MethodFailure(

@@ -7,21 +7,17 @@ Executors such as that of Dask repeat chunks themselves before they give them up
 
 from __future__ import annotations
 
-import os
-import signal
 import sys
-import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED as FIRST
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from multiprocessing import parent_process
 
 from derive.errors import TisserandError
 from derive.study.sweep.plan import Plan
 from derive.study.sweep.worker import Outcome, Sample, failed, run_chunk
+from derive.study.worker_process import begin_worker
 
 LOSSES = 2
 """The number of workers that a chunk may lose before it runs alone, and that a single sample may before it fails."""
@@ -125,7 +121,7 @@ class _Processes:
         self._pool = self._new()
 
     def _new(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self.window, initializer=_begin_worker)
+        return ProcessPoolExecutor(self.window, initializer=begin_worker)
 
     def submit(self, plan: Plan, submission: _Submission) -> Future[tuple[Outcome, ...]]:
         """Run a chunk. A pool that has broken meanwhile is replaced."""
@@ -183,17 +179,3 @@ class _Given:
         """Cancel the chunks that have not begun."""
         for future in self._futures:
             future.cancel()
-
-
-def _begin_worker() -> None:
-    """Let Ctrl-C end a worker at once and without a message; end it as well if its parent is killed."""
-    with suppress(ValueError):  # not the main thread
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-    parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-
-
-def _end_with(parent: object) -> None:
-    parent.join()  # type: ignore[attr-defined]
-    os._exit(1)

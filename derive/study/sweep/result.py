@@ -19,14 +19,35 @@ from derive.study.sweep.samples import Samples
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SweepResult:
-    """The result of a sweep. values (n, outputs): NaN for failed samples, whose reasons `failures` has by number.
+    """The result of a sweep: `result["peak_slider_s"]` is the output of that name.
 
-    `result["peak_slider_s"]` is the output of that name: (n,), or for a grid an array with an axis for each name.
-    notes: the deviations of runs from the specification, by the number of the sample. warnings: those of the monitors
-    of beams, by the number of the sample, in the samples with the largest amount of each output; others are not
-    monitored. models, initial_states: those that were computed. units: those of the names that are parameters. resumed:
-    the samples that an earlier run had finished. damaged: the lines of its store that are left out, whose samples are
-    computed again.
+    It is an array (n,), or for a grid an array with an axis for each name.
+
+    Attributes:
+        name: that of the model.
+        samples: those of the sweep.
+        outputs: what each run is reduced to.
+        values: (n, outputs): NaN for failed samples.
+        failures: the reasons of failed samples by their numbers.
+        notes: the deviations of runs from the specification, by the number of the sample.
+        warnings: those of the monitors of beams, by the number of the sample, in the samples with the largest amount of
+            each output; others are not monitored.
+        models: the number of models that were computed.
+        initial_states: the number of initial states that were computed.
+        units: those of the names that are parameters.
+        resumed: the samples that an earlier run had finished.
+        damaged: the lines of its store that are left out, whose samples are computed again.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene(
+        ...     "flight",
+        ...     gravity=(0, {"symbol": "g", "default": -10}),
+        ...     bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (0, 10)}}},
+        ... )
+        >>> result = derive.sweep(ball, derive.grid({"g": [-10, -20]}), ["peak:ball_c2"], duration=2, interval=0.5)
+        >>> result.labels, result.failures
+        (('peak_ball_c2',), {})
     """
 
     name: str
@@ -48,10 +69,20 @@ class SweepResult:
         return tuple(output.label for output in self.outputs)
 
     def column(self, label: str) -> Vector:
-        """The values (n,) of an output. Raises UnknownNameError."""
-        if label not in self.labels:
+        """The values (n,) of an output by its `label`, or by the text that the sweep was given.
+
+        Raises:
+            UnknownNameError: if there is no such output.
+
+        Examples:
+            >>> result.column("peak:ball_c2").round(6)
+            array([ 5., 20.])
+        """
+        given = {f"{output.statistic.value}:{output.name}": output.label for output in self.outputs}
+        known = given.get(label, label)
+        if known not in self.labels:
             raise UnknownNameError("output of the sweep", label, self.labels)
-        return self.values[:, self.labels.index(label)]
+        return self.values[:, self.labels.index(known)]
 
     def __repr__(self) -> str:
         failed = f", {len(self.failures)} of them failed" if self.failures else ""
@@ -65,15 +96,30 @@ class SweepResult:
         return self.column(label).reshape(self.samples.shape or -1)
 
     def sample(self, number: int) -> dict[str, float]:
-        """The values of a sample by their names."""
+        """The values of the sample with a `number` by their names.
+
+        Examples:
+            >>> result.sample(1)
+            {'g': -20.0}
+        """
         return dict(zip(self.samples.names, self.samples.values[number].tolist(), strict=True))
 
     def reasons(self) -> Iterator[tuple[str, int, int]]:
-        """The reasons of failures, the most frequent first: the text, how often, and the first sample with it."""
+        """The reasons of failures, the most frequent first: the text, how often, and the first sample with it.
+
+        Examples:
+            >>> list(result.reasons())
+            []
+        """
         yield from _counted({number: (text,) for number, text in self.failures.items()})
 
     def remarks(self) -> Iterator[tuple[str, int, int]]:
-        """The notes, the most frequent first: the text, how often, and the first sample with it."""
+        """The notes, the most frequent first: the text, how often, and the first sample with it.
+
+        Examples:
+            >>> list(result.remarks())
+            []
+        """
         yield from _counted(self.notes)
 
 

@@ -48,16 +48,41 @@ def sweep(
 ) -> SweepResult:
     """Simulate a scene or a single beam with the values of each sample, and reduce each run to a few numbers.
 
-    samples: `grid`, `listed` or `random_samples` of parameters or keys, as `--set` knows them. outputs: such as
-    "peak:slider_s", "rms:deflection" or "final:rod_phi", of a column or of a plot. duration, interval: the time, and
-    that between rows, in which peaks are determined, s; tolerance, until: as for `simulate`. executor: any of
-    `concurrent.futures`, such as that of a Dask client; by default `workers` processes of this machine, one for each
-    processor. chunk: the samples that a worker gets at a time, on which no result depends. store: a file that keeps
-    finished samples if the sweep is interrupted; with `resume` it is continued. progress: called when samples finish;
-    True shows a line with the remaining time, False none. By default notebooks show one.
+    Arguments:
+        spec: the scene or the beam.
+        samples: `grid`, `listed` or `random_samples` of parameters or keys, as `--set` knows them.
+        outputs: such as "peak:slider_s", "rms:deflection" or "final:rod_phi", of a column or of a plot.
+        duration: the time that is simulated, s; by default that of the `simulation` of the specification.
+        interval: that between rows, in which peaks are determined, s; by default likewise.
+        tolerance: as for `simulate`.
+        until: as for `simulate`.
+        executor: any of `concurrent.futures`, such as that of a Dask client; by default processes of this machine.
+        workers: the number of these processes, by default one for each processor.
+        chunk: the samples that a worker gets at a time, on which no result depends.
+        store: a file that keeps finished samples if the sweep is interrupted.
+        resume: whether the sweep of this file is continued.
+        progress: called with the number of finished samples and that of all; True shows a line with the remaining time,
+            False shows none; by default notebooks show one.
 
-    Raises SpecError, SamplesError, OutputError, UnknownNameError, CompilerError; StaleStore for the store of another
-    sweep; SweepFailed if all samples fail, each for a reason of its own as in the `failures` of a result.
+    Raises:
+        SpecError: if the specification is not valid, or has no duration.
+        SamplesError: if samples are not those of this specification.
+        OutputError: for an output that is none.
+        UnknownNameError: for a parameter, a key or a column that there is not.
+        CompilerError: if there is no compiler.
+        StaleStore: for the store of another sweep.
+        SweepFailed: if all samples fail, each for a reason of its own as in the `failures` of a result.
+
+    Examples:
+        >>> import derive
+        >>> ball = derive.scene(
+        ...     "flight",
+        ...     gravity=(0, {"symbol": "g", "default": -10}),
+        ...     bodies={"ball": {"mass": 1, "inertia": 1, "start": {"velocity": (0, 10)}}},
+        ... )
+        >>> result = derive.sweep(ball, derive.grid({"g": [-10, -20]}), ["peak:ball_c2"], duration=2, interval=0.5)
+        >>> result["peak:ball_c2"].round(6)  # v^2 / (2 g), m
+        array([ 5., 20.])
     """
     plan = make_plan(spec, samples, outputs, RunOptions(duration, interval, tolerance, until))
     with progress_of(progress, lambda: SampleProgress(plan.name, PATIENCE)) as report:

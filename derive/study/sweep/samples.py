@@ -28,9 +28,18 @@ class SamplesError(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Values (n, names) of parameters, or of keys of a specification: a row for each sample.
+    """Values of parameters, or of keys of a specification: a row for each sample.
 
-    shape: the numbers of values of a grid, whose last name changes fastest; () if the samples are no grid.
+    Attributes:
+        names: those of the parameters or keys.
+        values: (n, names), in SI units.
+        shape: the numbers of values of a grid, whose last name changes fastest; () if the samples are no grid.
+
+    Examples:
+        >>> import derive
+        >>> samples = derive.Samples(("EI", "m"), [[10, 1], [20, 1]])
+        >>> samples.varying
+        ('EI',)
     """
 
     names: tuple[str, ...]
@@ -41,6 +50,7 @@ class Samples:
         repeated = sorted({name for name in self.names if self.names.count(name) > 1})
         if repeated:
             raise SamplesError(f"{', '.join(repeated)}: several sets of values; give one")
+        object.__setattr__(self, "values", np.asarray(self.values, dtype=np.float64))
         if self.values.ndim != 2 or self.values.shape[1] != len(self.names) or not self.values.size:
             raise SamplesError(f"samples of {len(self.names)} names need an array (n, {len(self.names)}) of values")
         if not np.all(np.isfinite(self.values)):
@@ -50,7 +60,15 @@ class Samples:
         return len(self.values)
 
     def axis(self, name: str) -> Vector:
-        """The different values of a name, in the order in which they appear."""
+        """The different values of the parameter or key `name`, in the order in which they appear.
+
+        Raises:
+            UnknownNameError: if there is no such name.
+
+        Examples:
+            >>> samples.axis("EI")
+            array([10., 20.])
+        """
         column = self.values[:, self.names.index(name)]
         return np.array(list(dict.fromkeys(column.tolist())))
 
@@ -100,9 +118,23 @@ def normal(mean: float, deviation: float) -> Random:
 
 
 def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
-    """All combinations of the values (m,) of each name; those of the last name change fastest.
+    """All combinations of the values of each name; those of the last name change fastest.
 
-    Values may be a text such as "10:100:40" (start:stop:count) or "10:100:40:log". Raises SamplesError.
+    Arguments:
+        axes: by name, values (m,), or a text such as "10:100:40" (start:stop:count) or "10:100:40:log".
+
+    Raises:
+        SamplesError: for a text that is none of these, for values that are not finite, and without any name.
+
+    Examples:
+        >>> import derive
+        >>> samples = derive.grid({"EI": "10:30:3", "m": [1, 2]})
+        >>> samples.shape
+        (3, 2)
+        >>> samples.values[:3]
+        array([[10.,  1.],
+               [10.,  2.],
+               [20.,  1.]])
     """
     columns = [np.atleast_1d(np.asarray(_values(name, given), dtype=np.float64)) for name, given in axes.items()]
     for name, column in zip(axes, columns, strict=True):
@@ -129,7 +161,21 @@ def _values(name: str, given: ArrayLike | str) -> ArrayLike:
 
 
 def listed(columns: Mapping[str, ArrayLike]) -> Samples:
-    """Samples one by one: the values (n,) of each name, or a number for all samples. Raises SamplesError."""
+    """Samples one by one: the first values of all names, the second ones, and so on.
+
+    Arguments:
+        columns: by name, values (n,), or a number for all samples.
+
+    Raises:
+        SamplesError: if the numbers of values differ.
+
+    Examples:
+        >>> import derive
+        >>> derive.listed({"EI": [10, 20, 40], "m": 2}).values
+        array([[10.,  2.],
+               [20.,  2.],
+               [40.,  2.]])
+    """
     try:
         rows = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, dtype=np.float64)) for c in columns.values()))
     except ValueError:
@@ -138,11 +184,26 @@ def listed(columns: Mapping[str, ArrayLike]) -> Samples:
 
 
 def random_samples(axes: Mapping[str, Random | float | str], count: int, seed: int = 0) -> Samples:
-    """`count` independent random samples, of which the first ones do not depend on their number. Raises SamplesError.
+    """Independent random samples, of which the first ones do not depend on their number.
 
-    axes: a distribution for each name, such as "uniform(10, 100)", "loguniform(1, 100)" or "normal(10, 0.5)" with its
-    standard deviation; or a number, which all samples have. The numbers follow from the seed alone: those of the
-    generator of Python's `random`, which all versions share.
+    The numbers follow from the seed alone: those of the generator of Python's `random`, which all versions share.
+
+    Arguments:
+        axes: a distribution for each name, such as "uniform(10, 100)", "loguniform(1, 100)" or "normal(10, 0.5)" with
+            its standard deviation; or a number, which all samples have.
+        count: the number of samples.
+        seed: of the generator.
+
+    Raises:
+        SamplesError: for a text that is no distribution, and for a count below 1.
+
+    Examples:
+        >>> import derive
+        >>> samples = derive.random_samples({"EI": "uniform(10, 100)", "m": "normal(1, 0.1)"}, 100, seed=1)
+        >>> samples.values.shape
+        (100, 2)
+        >>> samples.values.mean(axis=0).round(1)
+        array([52.8,  1. ])
     """
     _check_count(count)
     generator, known = random.Random(seed), [_distribution(name, axis) for name, axis in axes.items()]

@@ -95,19 +95,19 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
     lines.append(f"{data['name']}: {_count(data['samples'], 'sample')}{grid}")
     counts = f"  {_count(data['models'], 'compiled model')}, {_count(data['initial_states'], 'initial state')}"
     if data["resumed"] == data["samples"]:
-        there = "the only sample was" if data["samples"] == 1 else f"all {data['samples']} samples were"
-        counts += f"; {there} finished already, and nothing is computed again"
+        there = "the only sample is" if data["samples"] == 1 else f"all {data['samples']} samples are"
+        counts += f"; {there} finished already, so nothing is computed again"
     elif data["resumed"]:
         counts += f", {_count(data['resumed'], 'sample')} resumed"
     lines.append(counts)
     if data["damaged"]:
         lines.append(
-            f"  note: {_count(data['damaged'], 'line')} of the interrupted sweep damaged, and left out; "
-            "the samples of such lines are computed again"
+            f"  note: the file of the interrupted sweep has {_count(data['damaged'], 'damaged line')}; the samples of "
+            "damaged lines are computed again"
         )
     lines += _extremes(data["outputs"], samples).text
     if data["failed"]:
-        lines.append(f"  warning: {_count(data['failed'], 'sample')} failed, without values (nan):")
+        lines.append(f"  warning: {_count(data['failed'], 'sample')} failed and have no values (nan):")
         lines += _texts(data["failures"], samples)
     if data["notes"]:
         lines.append("  notes of runs:")

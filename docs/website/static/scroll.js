@@ -1,13 +1,10 @@
 // What is wider than its box can be scrolled by the keyboard.
-const BOXES = ".formula, .table-wrapper, pre";
-const makeReachable = () => {
-  for (const box of document.querySelectorAll(BOXES)) {
-    if (box.scrollWidth > box.clientWidth) {
-      box.tabIndex = 0;
-    } else {
-      box.removeAttribute("tabindex");
+window.addEventListener("DOMContentLoaded", () => {
+  const observer = new ResizeObserver((entries) => {
+    for (const { target: box } of entries) {
+      if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+      else box.removeAttribute("tabindex");
     }
-  }
-};
-window.addEventListener("load", makeReachable);
-window.addEventListener("resize", makeReachable);
+  });
+  for (const box of document.querySelectorAll(".formula, .table-wrapper, pre")) observer.observe(box);
+});

@@ -18,7 +18,7 @@ def steps(name: str) -> dict[str, int]:
 def test_each_step_saves_operations(name: str) -> None:
     found = steps(name)
     assert ("integrals named" in found) == (name not in ("block", "flat"))  # there they are numbers, or parameters
-    counts = [count for step, count in found.items() if step != "besides, once"]
+    counts = [count for step, count in found.items() if step != "setup"]
     assert counts == sorted(counts, reverse=True) and counts[0] > counts[-1]
 
 
@@ -26,7 +26,7 @@ def test_each_step_saves_operations(name: str) -> None:
 def test_operations_are_those_of_the_kernels(name: str) -> None:
     model, found = pages.built(name).model, steps(name)
     assert found["generated code"] == model.kernel("mass_force").operations
-    assert found["besides, once"] == model.kernel("setup").operations
+    assert found["setup"] == model.kernel("setup").operations
     (table,) = (t for t in pages.tables(pages.section(name, "operations")) if t.caption == "Functions")
     functions = {pages.plain(row[0].text): int(pages.plain(row[2].text)) for row in table.rows}
     assert functions == {kernel.name: kernel.operations for kernel in model.kernels}

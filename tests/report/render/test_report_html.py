@@ -16,6 +16,7 @@ from derive.artifacts import MARK
 from derive.report.document.anchors import faults
 from derive.report.document.formula import Name
 from derive.report.document.page import Cell, CodeLine, Hyperlink, Listing, Math, Page, Paragraph, Picture, TableBlock
+from derive.report.notation.spoken_math import words
 from derive.report.writers.equation_html import equations_shown
 from derive.report.writers.html import html
 from derive.report.writers.latex import latex
@@ -106,6 +107,14 @@ def test_tables() -> None:
     assert text.count("<caption>") == 3 and 'class="table wide" role="region"' in text
 
 
+def test_tables_have_heads_that_are_read_and_scroll_by_keys() -> None:
+    phi = Name("φ")
+    text = html(of(TableBlock("", ((), ("value",)), ((Cell((Math(phi),)), Cell(("1",))),))))
+    assert '<div class="table" role="group" aria-label="Table" tabindex="0">' in text
+    assert '<tr><td></td><th scope="col">value</th></tr>' in text
+    assert f'<th scope="row" aria-label="{words(phi)}">' in text
+
+
 def test_comments_of_code() -> None:
     def found(language: str, *text: str) -> list[str]:
         listing = Listing(language, "", tuple(CodeLine(k, line) for k, line in enumerate(text)))
@@ -187,7 +196,7 @@ def _luminance(colour: str) -> float:
 def test_many_told_cells_are_no_stops_of_the_tab_key() -> None:
     table = sample_report.table()
     rows = tuple(tuple(replace(cell, title="why") for cell in row) for row in table.rows)
-    assert html(of(replace(table, rows=rows * 10))).count('tabindex="0"') == 120
+    assert html(of(replace(table, rows=rows * 10))).count('title="why" tabindex="0"') == 120
     assert 'title="why" tabindex' not in html(of(replace(table, rows=rows * 20)))
 
 

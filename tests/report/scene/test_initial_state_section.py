@@ -39,7 +39,7 @@ def test_values_are_listed_with_what_became_of_them() -> None:
         InitialValue("bodies.bar.start.angle", "rad", 1.0, 0.2, True, False),
     )
     _, text, whole = initial_state_blocks(state(*values))
-    assert isinstance(text, Paragraph) and "contradict each other by rounding are corrected" in str(text)
+    assert isinstance(text, Paragraph) and "corrects values that contradict each other by rounding" in str(text)
     assert isinstance(whole, TableBlock)
     assert [row[-1].text for row in whole.rows] == [("kept",), ("corrected",), ("first guess",)]
     assert [row[1].text + row[2].text for row in whole.rows] == [("0.5", "0.5"), ("2", "2.001"), ("1", "0.2")]

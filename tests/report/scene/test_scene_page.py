@@ -92,7 +92,7 @@ def test_what_a_run_of_this_scene_warns_of_is_shown(tmp_path: Path, monkeypatch:
     assert main(["simulate", str(scene)]) == 0
     assert main(["report", str(scene)]) == 0
     report = tmp_path / "results" / "spinning_beam" / "spinning_beam.report.html"
-    assert "The run warns: beam in 1 beam: its axial force changes" in report.read_text()
+    assert "Warning of the run: beam in 1 beam: its axial force changes" in report.read_text()
     scene.write_text(text.replace("spin = 20", "spin = 2"))
     assert main(["report", str(scene)]) == 0
     assert "The run warns" not in report.read_text()

@@ -15,4 +15,13 @@ BODIES: Registry[BodyType[Any]] = Registry(
         "rigid": Rigid(),
         "beam": Beam(),
     },
+    doc="""The types of bodies in the plane by their names; the keys of [bodies.NAME] determine which one a body has.
+
+    `derive.BODIES.register(name, member)` adds one of your own, a subclass of `derive.extensions.BodyType`.
+
+    Examples:
+        >>> import derive
+        >>> list(derive.BODIES)
+        ['rigid', 'beam']
+    """,
 )

@@ -24,6 +24,16 @@ FORCES: Registry[ForceType[Any]] = Registry(
         "rotational": RotationalSpring(),
         "bushing": BushingForce(),
     },
+    doc="""The kinds of forces, torques and springs in the plane by their names, which are the values of `kind`.
+
+    `derive.FORCES.register(name, member)` adds one of your own, a subclass of `derive.extensions.ForceType`; see
+    `examples/force_of_my_own.py`.
+
+    Examples:
+        >>> import derive
+        >>> {name: force.section for name, force in derive.FORCES.items()}
+        {'force': 'forces', 'torque': 'torques', 'linear': 'springs', 'rotational': 'springs', 'bushing': 'springs'}
+    """,
 )
 
 DEFAULT_KINDS = {"forces": "force", "torques": "torque", "springs": "linear"}

@@ -37,12 +37,12 @@ def minimal_coordinates(joint_type: JointType, joint: Joint, support: Support) -
     return None
 
 
-_NONE = "no coordinates and no constraints, in place of 3 and 3"
-_DRIVEN = f"drive {{drive}} prescribes its motion: {_NONE}"
-_FIXED = f"joint {{joint}} fixes it to {{attached_to}}: {_NONE}"
-_ONE = "in place of 3 coordinates and 2 constraints"
-_ROTATES = f"joint {{joint}} holds a point of it to {{attached_to}}: its rotation alone, {_ONE}"
-_GUIDED = f"joint {{joint}} guides it: its displacement alone, {_ONE}"
+_ALL = "this eliminates 3 coordinates and 3 constraints"
+_DRIVEN = f"drive {{drive}} prescribes its motion; {_ALL}"
+_FIXED = f"joint {{joint}} fixes it to {{attached_to}}; {_ALL}"
+_TWO = "this eliminates 2 coordinates and 2 constraints"
+_ROTATES = f"joint {{joint}} pins it to {{attached_to}}, and only its rotation remains; {_TWO}"
+_GUIDED = f"joint {{joint}} guides it, and only its displacement remains; {_TWO}"
 
 
 def _prescribed(joint_type: JointType, joint: Joint, support: Support) -> tuple[PointMotion, Derivatives]:

@@ -18,4 +18,18 @@ JOINTS: Registry[JointType] = Registry(
         "fixed": _WELD,
         "translational": Translational(),
     },
+    doc="""The kinds of joints in the plane by their names, which are the values of `kind` in [joints.NAME].
+
+    `derive.JOINTS.register(name, member)` adds one of your own, a subclass of `derive.extensions.JointType`; see
+    `examples/joint_of_my_own.py`.
+
+    Examples:
+        >>> import derive
+        >>> for name, joint in derive.JOINTS.items():
+        ...     print(f"{name}: {joint.doc}")
+        revolute: the markers coincide
+        weld: the markers coincide and the relative rotation is constant
+        fixed: the markers coincide and the relative rotation is constant
+        translational: the second marker stays on a line through the first, and the relative rotation is constant
+    """,
 )

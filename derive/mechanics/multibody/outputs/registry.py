@@ -41,6 +41,17 @@ OUTPUTS: Registry[OutputType] = Registry(
         "energy": Energies(),
         "power": Powers(),
     },
+    doc="""The kinds of outputs in the plane by their names, which are the values of `kind` in [outputs.NAME].
+
+    `derive.OUTPUTS.register(name, member)` adds one of your own, a subclass of `derive.extensions.OutputType`.
+
+    Examples:
+        >>> import derive
+        >>> derive.OUTPUTS["reaction"].doc
+        'what a joint exerts on body 2, with its drive'
+        >>> "bending_moment" in derive.OUTPUTS
+        True
+    """,
 )
 
 MONITORS: Registry[OutputType] = Registry(

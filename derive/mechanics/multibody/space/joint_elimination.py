@@ -88,10 +88,11 @@ def _reason(joint: SpatialJoint, support: SpatialSupport, coordinates: list[Join
             if support.drive
             else f"joint {joint.name} fixes it to {support.attached_to}"
         )
-        return f"{cause}: no coordinates and no constraints, in place of 6 and 6"
+        return f"{cause}; this eliminates 6 degrees of freedom and 6 constraints"
     names = ", ".join([*kept, *(["its rotation"] if ball else [])])
     count = len(kept) + (3 if ball else 0)
     return (
-        f"joint {joint.name} connects it to {support.attached_to}: {names} alone, in place of 6 degrees of freedom "
-        f"and {6 - count} constraints"
+        f"joint {joint.name} connects it to {support.attached_to}, and only {names} "
+        f"{'remain' if ball or len(kept) > 1 else 'remains'}; this eliminates {6 - count} degrees of freedom and "
+        f"{6 - count} constraints"
     )

@@ -146,6 +146,18 @@ SPATIAL_JOINTS: Registry[SpatialJointType] = Registry(
         "distance": SpatialJointType("the points keep their distance", (), keeps_distance=True),
         "general": SpatialJointType("`removes` lists the relative motions that vanish", None),
     },
+    doc="""The kinds of joints in space by their names, which are the values of `kind` in [joints.NAME].
+
+    `derive.SPATIAL_JOINTS.register(name, member)` adds one of your own, a `derive.extensions.SpatialJointType` with the
+    relative motions that it removes.
+
+    Examples:
+        >>> import derive
+        >>> derive.SPATIAL_JOINTS["cylindrical"].doc
+        'displacement along and rotation about z'
+        >>> "spherical" in derive.SPATIAL_JOINTS
+        True
+    """,
 )
 
 

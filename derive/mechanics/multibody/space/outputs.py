@@ -151,6 +151,16 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
             counts_inertia=True,
         ),
     },
+    doc="""The kinds of outputs in space by their names, which are the values of `kind` in [outputs.NAME].
+
+    `derive.SPATIAL_OUTPUTS.register(name, member)` adds one of your own, a `derive.extensions.SpatialOutputType` with
+    its keys and the function that gives its components.
+
+    Examples:
+        >>> import derive
+        >>> derive.SPATIAL_OUTPUTS["joint_speed"].doc
+        'rate of that motion'
+    """,
 )
 
 

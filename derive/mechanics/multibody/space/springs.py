@@ -203,6 +203,16 @@ SPATIAL_SPRINGS: Registry[SpatialSpringType] = Registry(
             _rotational,
         ),
     },
+    doc="""The kinds of springs in space by their names, which are the values of `kind`, without bushings.
+
+    `derive.SPATIAL_SPRINGS.register(name, member)` adds one of your own, a `derive.extensions.SpatialSpringType` with
+    its keys and the function that gives its loads.
+
+    Examples:
+        >>> import derive
+        >>> derive.SPATIAL_SPRINGS["linear"].doc
+        'along the line between the markers'
+    """,
 )
 SPATIAL_BUSHINGS = {
     "bushing": SpatialSpringType(
