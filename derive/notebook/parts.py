@@ -16,7 +16,7 @@ MOST_ROWS = 24
 """The largest number of rows of a table; further ones are counted."""
 LARGEST_PLAYER = 1_500_000
 """The largest player, in bytes, that is put into the output of a notebook, which keeps it with its text."""
-PLAYER_HEIGHT, STRIP_HEIGHT, MOST_STRIPS = 640, 150, 3
+PLAYER_HEIGHT, STRIP_HEIGHT, MOST_STRIPS = 640, 120, 3
 """The height of a player and that of each curve below it, in pixels, and the most curves for which there is room."""
 NARROW = '"max-width: 100%; height: auto"'
 """The style of pictures, which are no wider than a page."""
