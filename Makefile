@@ -1,15 +1,16 @@
 # `make run` installs Tisserand into .venv and builds the two beams of the README.
 # `make test` also installs the test tools and runs all checks and tests; `make test-long` whole studies and
 # benchmarks, `make test-hosts` exports in the programs that they are for, see docs/hosts.md. `make docs` builds the
-# site in site/, and `make test-docs` looks at each of its pages in a browser.
+# site in site/, and `make test-docs` looks at each of its pages in a browser. `make release` builds the
+# wheel and the source distribution, and tries both in empty environments.
 
 PYTHON ?= python3
 VENV := .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 # Bytecode of modules that are never imported would take half of the time of an installation.
 PIP := $(BIN)/python -m pip install --no-compile --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test checks tests test-long test-hosts docs test-docs clean
+.PHONY: run test checks tests test-long test-hosts docs test-docs release clean
 
 # Bytecode of the tests and of the package is kept: without it, each of the many processes of a run compiles them again.
 export PYTHONDONTWRITEBYTECODE =
@@ -48,6 +49,9 @@ docs: $(VENV)/installed-docs
 test-docs: docs $(VENV)/installed-test
 	$(BIN)/pytest --numprocesses 2 --durations 20 -m docs tests/site
 
+release: $(VENV)/installed-release
+	$(BIN)/python tools/release.py
+
 $(BIN)/python:
 	@echo "Creating the virtual environment $(VENV) ..."
 	@$(PYTHON) -m venv $(VENV)
@@ -71,6 +75,11 @@ $(VENV)/installed-docs: pyproject.toml constraints.txt | $(BIN)/python
 	@echo "Installing Sphinx and what else builds and checks the site into $(VENV) ..."
 	@$(PIP) --editable '.[docs]'
 	@touch $(VENV)/installed $@
+
+$(VENV)/installed-release: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing the tools of releases into $(VENV) ..."
+	@$(PIP) --editable '.[release]'
+	@touch $@
 
 clean:
 	rm -rf $(VENV) build dist site

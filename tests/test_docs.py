@@ -29,14 +29,14 @@ def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
     tree = copy_tree(tmp_path)
     committed = {p: p.read_bytes() for folder in ("generated", "docs") for p in (tree / folder).rglob("*.*")}
     outputs = run_page(page, tree)
-    assert len(outputs) >= 2
+    assert outputs
     assert {p: p.read_bytes() for p in committed} == committed
 
 
 def test_tutorials_are_run() -> None:
     tutorials = {"tutorial_body", "tutorial_c", "tutorial_mechanism", "tutorial_python", "tutorial_space"}
     tasks = {"choose", "cluster", "embed_c", "finite_element_data", "fmu", "identify"}
-    assert {page.stem for page in RUN} == {"commands", *tutorials, *tasks}
+    assert {page.stem for page in RUN} == {"commands", "first_steps", *tutorials, *tasks}
 
 
 def test_the_committed_files_are_checked() -> None:
@@ -100,8 +100,14 @@ REPLACED = (
     "drift of rates",
     "filled in",
     "held by nothing",
+    "That the files can",
+    "stand in the file",
+    "know nothing of",
+    "knows nothing of",
+    "Of the C library",
+    "Not modelled",
 )
-"""Phrases for which the field has other words."""
+"""Phrases for which the field or plain English has other words."""
 
 
 @pytest.mark.parametrize("phrase", REPLACED)

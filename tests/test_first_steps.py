@@ -99,7 +99,10 @@ def test_run_simulates_and_opens_the_page(here: Path, opened: Path, capsys: pyte
     assert summary["page"] in summary["files"] and "<svg" in page.read_text()
 
 
-def test_run_without_a_display_names_the_page(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_without_a_display_names_the_page(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda address: pytest.fail(f"{address} in a terminal"))
     assert main(["run", str(SYMBOLIC), "--out", "pages", "--open"]) == 0
     output = capsys.readouterr()
     page = Path("pages/body_symbolic/body_symbolic.report.html")
@@ -121,7 +124,14 @@ def test_every_command_takes_a_new_specification(
     assert main(["new", "arm", "--kind", kind]) == 0
     spec = "arm.toml"
     studies = [["study", "accuracy", spec, "--runs", "1"], ["choose", spec]] if kind == "mechanism" else []
-    commands = [["build", spec], ["check", spec], ["run", spec, "--open"], ["report", spec], ["modes", spec], *studies]
+    commands = [
+        ["build", spec],
+        ["check", spec],
+        ["run", spec, "--open"],
+        ["report", spec],
+        ["modes", spec, "--at", "0"],
+        *studies,
+    ]
     for command in commands:
         capsys.readouterr()
         assert main(command) == 0, capsys.readouterr().err

@@ -22,7 +22,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 def test_commands_run(outputs: dict[str, str]) -> None:
     commands = [line for block in blocks(README, "sh") for line in block.commands()]
-    assert len(commands) == 6 and "make run" in commands[0]
+    assert len(commands) == 8 and "make run" in commands[0]
     assert RUN_BY_CI in README.read_text()
     assert "5 of 25 structural non-zeros" in "".join(outputs.values())
 
@@ -64,6 +64,6 @@ def test_it_is_read_in_five_minutes() -> None:
 
 
 def test_every_example_and_page_is_there() -> None:
-    for name in ("tutorial_mechanism", "tutorial_body", "tutorial_c", "theory", "reference_toml"):
+    for name in ("first_steps", "tutorial_mechanism", "tutorial_body", "tutorial_c", "theory", "reference_toml"):
         assert f"docs/{name}.md" in README.read_text()
         assert Path(ROOT / "docs" / f"{name}.md").exists()

@@ -6,6 +6,7 @@ Only the module of the command is imported, so that `--help` answers at once.
 from __future__ import annotations
 
 import gc
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     `arguments` are those of the command line if omitted. The exit code is 0 after success, 1 after a failed `check`, 2
     after an error, whose message goes to standard error, and 130 after an interruption by Ctrl-C.
     """
+    # As on standard error, a console without Greek letters shows their numbers, and stops nothing.
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     if options.command is None:
         parser().print_help()
@@ -30,6 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Dense matrices are small: threads would wait for each other, for a sixth of the time of a simulation, and the last
     # digits may depend on their number. NumPy reads this when it is loaded; what the user has set stays.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Derivations return to more expressions than SymPy keeps by default, for a tenth of their time.
+    os.environ.setdefault("SYMPY_CACHE_SIZE", "10000")
     # Models are millions of objects that live to the end: the garbage collector looks through them less often.
     gc.set_threshold(100_000)
     if options.command == "sweep":  # its workers share the processors, where threads of linear algebra only wait

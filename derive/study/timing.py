@@ -182,7 +182,7 @@ class RepeatedCalls:
     def __init__(self) -> None:
         with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
             source = Path(folder) / "repeat.c"
-            source.write_text(SOURCE)
+            source.write_text(SOURCE, encoding="utf-8")
             self._library = ctypes.CDLL(str(compile_shared([source], Path(folder) / "repeat.so")))
         long, whole, address = ctypes.c_long, ctypes.c_int, ctypes.c_void_p
         self._library.repeat.argtypes = [address, long, long, whole, whole, *[address] * 5]
@@ -215,6 +215,10 @@ def _compiler() -> str:
 
 def _machine() -> str:
     info = Path("/proc/cpuinfo")
-    fields = dict(line.split(":", 1) for line in info.read_text().splitlines() if ":" in line) if info.exists() else {}
+    fields = (
+        dict(line.split(":", 1) for line in info.read_text(encoding="utf-8").splitlines() if ":" in line)
+        if info.exists()
+        else {}
+    )
     model = {key.strip(): value.strip() for key, value in fields.items()}.get("model name", "")
     return ", ".join(part for part in (model, platform.system(), platform.machine()) if part)

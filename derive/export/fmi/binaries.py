@@ -74,7 +74,7 @@ def compiled(unit: str, sources: Mapping[str, str], target: Platform) -> bytes:
     with tempfile.TemporaryDirectory(prefix="tisserand-") as temporary:
         folder = Path(temporary)
         for file, text in sources.items():
-            (folder / file).write_text(text)
+            (folder / file).write_text(text, encoding="utf-8")
         if target == this_platform():
             return library_data([folder / file for file in c_files(sources)], folder, FMU_FLAGS)
         return _crossed(unit, sources, folder, target)

@@ -277,7 +277,7 @@ def adaptive_library() -> bytes:
     """The library of the host, compiled with the types of the descriptor alone. Raises CompilerError."""
     with tempfile.TemporaryDirectory(prefix="tisserand-") as temporary:
         folder = Path(temporary)
-        (folder / HEADER).write_text(render("c/descriptor.h.jinja", {"abi": ABI, "roles": Role}))
+        (folder / HEADER).write_text(render("c/descriptor.h.jinja", {"abi": ABI, "roles": Role}), encoding="utf-8")
         paths = host_sources(SOURCES, folder)
         return library_data(paths, folder, [*FLAGS, f"-I{folder}", f'-DTISSERAND_HEADER="{HEADER}"'])
 

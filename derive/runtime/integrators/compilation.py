@@ -37,7 +37,7 @@ def host_sources(names: Sequence[str], folder: Path) -> list[Path]:
     """Write parts of `templates/host` with these names into a folder; returns their C files."""
     for name in names:
         for ending in (".c",) if name == "simulate" else (".c", ".h"):
-            (folder / f"{name}{ending}").write_text(render(f"host/{name}{ending}", {}))
+            (folder / f"{name}{ending}").write_text(render(f"host/{name}{ending}", {}), encoding="utf-8")
     return [folder / f"{name}.c" for name in names]
 
 
@@ -71,7 +71,7 @@ def _library_flags(name: str, debian: str, others: str, include: str, libraries:
     link = [*([f"-L{prefix}/lib", f"-Wl,-rpath,{prefix}/lib"] if prefix else []), *libraries]
     with tempfile.TemporaryDirectory(prefix="tisserand-") as temporary:
         probe = Path(temporary) / "probe.c"
-        probe.write_text(f"#include <{include}>\nint main(void) {{ return 0; }}\n")
+        probe.write_text(f"#include <{include}>\nint main(void) {{ return 0; }}\n", encoding="utf-8")
         try:
             compile_c([probe], Path(temporary) / "probe", [*FLAGS, *flags], link)
         except CompilerError as error:
