@@ -69,8 +69,8 @@ STOP = """
 
 
 def violations(tab: Any, rules: str) -> list[str]:
-    """The findings of axe-core with these options: the rule and the element."""
-    found = tab.evaluate(f"axe.run(document, {{resultTypes: ['violations'], preload: false, {rules}}})")
+    """The findings of axe-core with these options, without frames, which are pages of their own: rule and element."""
+    found = tab.evaluate(f"axe.run(document, {{resultTypes: ['violations'], preload: false, iframes: false, {rules}}})")
     return [f"{rule['id']}: {node['html'][:200]}" for rule in found["violations"] for node in rule["nodes"]]
 
 
