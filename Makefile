@@ -82,4 +82,4 @@ $(VENV)/installed-release: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@
 
 clean:
-	rm -rf $(VENV) build dist site
+	rm -rf $(VENV) build dist site jupyter_execute
