@@ -124,7 +124,14 @@ def test_every_command_takes_a_new_specification(
     assert main(["new", "arm", "--kind", kind]) == 0
     spec = "arm.toml"
     studies = [["study", "accuracy", spec, "--runs", "1"], ["choose", spec]] if kind == "mechanism" else []
-    commands = [["build", spec], ["check", spec], ["run", spec, "--open"], ["report", spec], ["modes", spec, "--at", "0"], *studies]
+    commands = [
+        ["build", spec],
+        ["check", spec],
+        ["run", spec, "--open"],
+        ["report", spec],
+        ["modes", spec, "--at", "0"],
+        *studies,
+    ]
     for command in commands:
         capsys.readouterr()
         assert main(command) == 0, capsys.readouterr().err
