@@ -27,8 +27,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.indices import LANES
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, plain_joint
 from derive.lowering.instances.classes.varying_joints import varies

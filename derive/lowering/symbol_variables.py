@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.model import Variable
 from derive.mechanics.symbols import identity
 from derive.roles import Role

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.model import ModelTerm
 from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations

@@ -8,8 +8,7 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Protocol
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.generic_forces import FORCES
 from derive.mechanics.motion.body_motion import MASS, Motion
 from derive.mechanics.motion.material_points import MaterialPoint

@@ -6,9 +6,8 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import sympy as sp
-
 from derive import display
+from derive.algebra import sp
 from derive.mechanics.body import Body
 from derive.mechanics.terms import (
     Constraint,

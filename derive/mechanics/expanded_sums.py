@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.sums import (

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.garbage_collection import paused
 from derive.mechanics import zeros
 from derive.mechanics.body import Body

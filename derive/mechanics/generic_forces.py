@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Container
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, quantity
 from derive.mechanics.terms import Term

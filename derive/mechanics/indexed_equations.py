@@ -10,8 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations

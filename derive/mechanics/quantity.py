@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics.symbols import Family, Symbol, identity, run_time_input, t
 from derive.mechanics.symbols import element as element_symbol

@@ -13,8 +13,7 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import Family, I, Index, J, ShapeIndex, Symbol, amplitude, identity
 from derive.roles import Source
 

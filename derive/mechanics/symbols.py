@@ -13,8 +13,7 @@ from enum import Enum
 from functools import cached_property
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.spec.model.instances import identifier, joined, rate_name
 
 

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity, local
 from derive.roles import Role

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import reduce
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.quantity import function_constant
 from derive.mechanics.symbols import t

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import sympy as sp
 from sympy.core.function import ArgumentIndexError
 from sympy.core.symbol import Str
 
+from derive.algebra import sp
 from derive.spec.model.time_function import Spline
 
 

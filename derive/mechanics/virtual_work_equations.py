@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.generic_forces import SHAPE_ROW
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import HERE, ONE, RDDOT, RDOT, Field, R

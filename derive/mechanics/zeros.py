@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from operator import attrgetter
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.terms import Intermediate, ModelConstant, Reason, Term, Vanished
 
 Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]

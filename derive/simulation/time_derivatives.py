@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.expressions import Number
 from derive.mechanics import symbols
 from derive.mechanics.quantity import finite_function, function_constant, time_derivatives

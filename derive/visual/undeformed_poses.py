@@ -8,9 +8,9 @@ from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 
+from derive.algebra import sp
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.simulation.inputs import with_functions

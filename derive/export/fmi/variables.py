@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import chain
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.derivation import AnyMechanism
 from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel, HostVariable

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from itertools import chain, count, zip_longest
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import ScalarRef
 from derive.ir.kernel import Kernel
 from derive.ir.statements import Requirement, ReturnCode

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode

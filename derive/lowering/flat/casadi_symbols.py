@@ -12,8 +12,8 @@ from fractions import Fraction
 from functools import partial, reduce
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import Expr, Leaf, Number, Operation, Operator, ScalarRef, TableValue
 from derive.lowering.flat.shared_sums import SharedSums
 from derive.lowering.flat.term_order import FactorPlace, TermOrder

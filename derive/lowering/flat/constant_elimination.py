@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-import sympy as sp
 from sympy.polys.matrices import DomainMatrix
 
+from derive.algebra import sp
 from derive.lowering.flat.body_functions import VANISHING
 from derive.lowering.flat.polynomials import Coefficient, NotPolynomialError, Polynomial, StatePolynomials, rational
 from derive.mechanics.equations import Equations

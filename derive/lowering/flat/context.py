@@ -9,8 +9,8 @@ from functools import cached_property
 from itertools import chain
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import Number, ScalarRef
 from derive.ir.kernel import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern

@@ -8,8 +8,8 @@ Leimkuhler: y = [q; v; lambda; mu], qdot = v - G^T mu, with the blocks gdot and 
 from __future__ import annotations
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
 from derive.lowering.flat.context import Context
 from derive.mechanics.terms import LOAD, ConstrainedFrame, Constraint

@@ -11,8 +11,7 @@ from enum import Enum
 from fractions import Fraction
 from typing import NamedTuple
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.ir.expressions import (
     Element,

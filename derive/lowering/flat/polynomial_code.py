@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import Any
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
 from derive.lowering.flat.polynomials import Coefficient, Polynomial, StatePolynomials, rational
 

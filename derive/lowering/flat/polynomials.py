@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-import sympy as sp
 from sympy.polys.polyerrors import CoercionFailed
 from sympy.polys.rings import PolyRing
 
+from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity

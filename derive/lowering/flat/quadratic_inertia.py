@@ -12,8 +12,8 @@ from fractions import Fraction
 from functools import reduce
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.linear_forms import FEWEST_FACTORS
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied
 from derive.lowering.flat.context import Context

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols

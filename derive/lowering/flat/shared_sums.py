@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import Intermediate, ModelConstant
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.lowering.flat.shared_sums import SharedSums
 
 

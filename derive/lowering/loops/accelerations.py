@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.kernel import Kernel, Section
 from derive.ir.patterns import pattern
 from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve

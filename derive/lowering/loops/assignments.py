@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.expressions import Element, Expr, Leaf, MatrixEntry, Number, ScalarRef
 from derive.ir.indices import variable
 from derive.ir.statements import Let, Require, Statement, Store, StoreLocal, StoreStrided

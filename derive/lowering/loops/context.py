@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.expressions import Number, ScalarRef
 from derive.ir.kernel import Argument, Section, View
 from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_pattern

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import Element, Expr, Number, ScalarRef
 from derive.ir.indices import padded, variable
 from derive.ir.kernel import Argument, Kernel, Output, Section, View

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, TableSum, canonical, exchanged, swapped
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import I, Symbol, amplitude, is_indexed, local
 from derive.mechanics.terms import Intermediate
 

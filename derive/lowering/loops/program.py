@@ -10,8 +10,8 @@ from dataclasses import replace
 from itertools import count
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.analysis import reads
 from derive.ir.expressions import Expr, Leaf, Number, ScalarRef
 from derive.ir.kernel import Argument, Kernel, Output, Section

@@ -19,8 +19,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import rational
 from derive.mechanics.bodies.beam_integrals import BeamField, BeamIntegrals

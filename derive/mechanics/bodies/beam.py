@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator
 from itertools import combinations_with_replacement
 from typing import assert_never
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.attached_masses import (
     IntegralsWithMasses,

@@ -13,8 +13,8 @@ from functools import cache
 from itertools import combinations_with_replacement
 
 import mpmath
-import sympy as sp
 
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_integrals import BeamField
 from derive.mechanics.bodies.beam_stiffness import beam_stiffness, stiffness_units

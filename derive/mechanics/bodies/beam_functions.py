@@ -16,8 +16,8 @@ from functools import cache, cached_property, lru_cache
 from typing import Any
 
 import mpmath
-import sympy as sp
 
+from derive.algebra import sp
 from derive.spec.model.beam_parts import Polynomial
 
 WORKING_DIGITS = 200

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.planar_integrals import Value
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.attached_masses import IntegralsWithMasses, LocatedMass, SecondOrderWithMasses
 from derive.mechanics.bodies.beam_functions import LEFT, BeamFunction, rational
 from derive.mechanics.bodies.beam_integrals import BY_CHANCE, BeamField, BeamIntegrals

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import LEFT, RIGHT, rational
 from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY

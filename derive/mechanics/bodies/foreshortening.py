@@ -16,8 +16,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import combinations_with_replacement
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, Real, polynomial, rational
 from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField
 from derive.mechanics.bodies.displacement_fields import shortening

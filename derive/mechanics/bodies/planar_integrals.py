@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import Family, Symbol, pair, quantity
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source

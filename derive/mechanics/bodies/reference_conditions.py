@@ -14,8 +14,7 @@ from functools import cache
 from math import lcm
 from typing import assert_never
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.bodies.beam_functions import (
     LEFT,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.motion.material_points import MaterialPoint

@@ -12,8 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import LEFT, ONE, RIGHT, XI, BeamFunction, rational
 
 RIGID = {1: (ONE,), 2: (ONE, XI)}

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.mechanics.bodies.spatial_tables import (

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.rigid import AT_CENTRE
 from derive.mechanics.bodies.spatial_tables import DOCS, rigid_tables
 from derive.mechanics.body import Body, ExactValues

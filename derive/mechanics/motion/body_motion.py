@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
 from derive.mechanics.sums import IndexedSum

@@ -19,8 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.symbols import Family, quantity
 from derive.mechanics.terms import Intermediate, Term

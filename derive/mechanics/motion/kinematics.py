@@ -15,8 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import Family, quantity
 
 Field = dict[str, sp.Matrix]

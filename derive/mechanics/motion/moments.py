@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
 from derive.mechanics.motion.products import inner, product
 from derive.mechanics.symbols import Family, I, ShapeIndex, Symbol, local, quantity

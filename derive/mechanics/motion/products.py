@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import reduce
 
-import sympy as sp
+from derive.algebra import sp
 
 
 def product(*factors: sp.Matrix) -> sp.Matrix:

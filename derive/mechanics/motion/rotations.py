@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.spatial import rotation_of
 from derive.mechanics.symbols import local
 

@@ -11,8 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.body_motion import MASS, Motion
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed

@@ -8,8 +8,7 @@ from heapq import heappop, heappush
 from itertools import chain
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component

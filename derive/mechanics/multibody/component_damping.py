@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import Derivatives, RelativeMotion, added
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate

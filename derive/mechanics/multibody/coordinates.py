@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
 from derive.mechanics.symbols import Family, Symbol, owned, quantity

@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.display import html
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations

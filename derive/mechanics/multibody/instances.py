@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.multibody.coordinates import CoordinateMap

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.body_motion import Motion

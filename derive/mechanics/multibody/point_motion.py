@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, RDDOT, RDOT, Field, R

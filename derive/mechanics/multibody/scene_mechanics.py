@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations

@@ -13,9 +13,9 @@ from collections.abc import Callable
 from functools import lru_cache
 from math import factorial
 
-import sympy as sp
 from sympy.core.symbol import Str
 
+from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.quantity import function
 from derive.mechanics.symbols import t

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import t
 from derive.mechanics.time_expressions import folded
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from math import factorial
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import t
 from derive.mechanics.time_functions import Absolute, Exp, Log, Select, Tanh, TimeOperation
 from derive.mechanics.time_integrals.linear_arguments import Linear, at, linear_in_t

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import t
 from derive.mechanics.time_functions import Absolute, Maximum, Minimum, Select, SmoothStep
 from derive.mechanics.time_integrals.linear_arguments import linear_in_t

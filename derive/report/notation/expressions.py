@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import MASS, Family, I, Identity, Symbol, amplitude, identity

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.report.document.formula import Call, FormulaRow, Name, NumberToken, Power
 from derive.report.notation.integral_symbols import (

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import Family, Identity, ShapeIndex, Symbol
 from derive.mechanics.terms import Reason
 from derive.report.document.formula import Formula, FormulaRow, Name, NumberToken, OperatorToken, Power, Quotient

@@ -15,9 +15,9 @@ from random import Random
 from typing import Literal
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 
+from derive.algebra import sp
 from derive.mechanics.motion.spatial import skew, symbols_of_rotation, symmetric
 from derive.mechanics.symbols import MASS, Family, I, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components_of

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction as Exact
 from functools import cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.derivation import derive
 from derive.mechanics.bodies.beam import beam_point
 from derive.mechanics.bodies.reference_conditions import assumed_shapes, conditions

@@ -7,8 +7,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import groupby
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.mechanics.bodies.spatial_tables import DOCS

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.kinds import BodyInstance

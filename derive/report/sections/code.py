@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.backends.source_map import FunctionLines, SourceMap
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model

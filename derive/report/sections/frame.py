@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import assert_never
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import polynomial, rational
 from derive.mechanics.bodies.reference_conditions import (
     Condition,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.symbols import identity, owned
 from derive.report.document.page import Block, Content, Math, Paragraph, folded, table
 from derive.report.notation.expressions import Notation

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, I, Identity, J, identity

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.kinematics import ONE, PHI, RDDOT, RDOT, Field, R, add

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.model import Model, Variable
 from derive.ir.series import variable_series
 from derive.mechanics.equations import Equations

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.backends.source_map import FunctionLines, SourceMap
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Identity, identity

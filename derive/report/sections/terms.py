@@ -9,8 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, Identity, identity

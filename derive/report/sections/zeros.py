@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, identity

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import sympy as sp
 
+from derive.algebra import sp
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point

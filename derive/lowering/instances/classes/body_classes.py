@@ -6,8 +6,7 @@ from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,

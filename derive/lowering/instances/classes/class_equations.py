@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import accumulate, chain
 from types import MappingProxyType
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import BodyClass, Handle, Member
 from derive.lowering.instances.classes.known_motion import STILL, KnownMotion, canonical
 from derive.lowering.instances.classes.varying_joints import at_rest, varies

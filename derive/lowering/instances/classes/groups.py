@@ -10,8 +10,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.lowering.instances.classes.body_classes import BodyClass, Member, fixed_values
 from derive.lowering.instances.classes.force_numbers import (

@@ -8,8 +8,8 @@ from fractions import Fraction
 from functools import cached_property
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import Expr, Number, ScalarRef
 from derive.ir.statements import Let, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import accumulate, repeat
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.lowering.instances.classes.force_numbers import force_form, moving_bodies
 from derive.lowering.instances.classes.groups import (
     Bodies,

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.joints.relative_rows import Axes

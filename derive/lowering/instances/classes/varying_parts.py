@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.lowering.instances.classes.known_motion import moving_symbols
 from derive.lowering.instances.classes.varying_joints import OTHER, OTHER_SYMBOLS, at_rest
 from derive.mechanics.multibody.constraints import constraints

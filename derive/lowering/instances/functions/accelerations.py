@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.kernel import Argument, Kernel

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
-import sympy as sp
 
+from derive.algebra import sp
 from derive.ir.expressions import ScalarRef
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.expressions import Element
 from derive.ir.indices import constant
 from derive.ir.kernel import Kernel

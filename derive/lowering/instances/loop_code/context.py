@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef

@@ -7,8 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.beam import AXIAL_DOCS, beam_body, beam_point, section_rotations
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS, damping_constants

@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.bodies.beam import point_that_sees
 from derive.mechanics.bodies.beam_functions import ONE, BeamFunction, rational
 from derive.mechanics.bodies.reference_conditions import on_piece

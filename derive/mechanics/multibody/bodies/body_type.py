@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.terms import ModelConstant

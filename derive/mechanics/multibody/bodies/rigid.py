@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.rigid import rigid_body, rigid_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Symbol, element

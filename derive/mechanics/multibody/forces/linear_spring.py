@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms, intermediate
 from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, define, torque_terms
 from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion

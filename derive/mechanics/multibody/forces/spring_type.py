@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import ForceType, Values
 from derive.spec.model.forces import Spring
 from derive.spec.model.keys import Key, value_keys

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.coordinates import CoordinateMap, displacement_only, prescribed_motion, rotation_only
 from derive.mechanics.multibody.joints.joint_type import JointType, Support
 from derive.mechanics.multibody.joints.relative_rows import ALONG_AXIS, ROTATION, Axes

@@ -14,8 +14,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import lru_cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element

@@ -15,8 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.attached_masses import located_masses
 from derive.mechanics.bodies.beam_damping import retardation_times

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import length_of

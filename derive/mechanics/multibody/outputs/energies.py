@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.outputs.output_type import (

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics

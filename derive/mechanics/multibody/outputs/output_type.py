@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.joints.relative_rows import RelativeRow
 from derive.mechanics.multibody.kinds import ForceInstance

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.assembly import SceneAssembly
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component

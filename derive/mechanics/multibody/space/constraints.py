@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.joints import SpatialJointType

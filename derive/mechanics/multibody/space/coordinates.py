@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.spatial import skew
 from derive.mechanics.multibody.coordinates import CoordinateMap, new_coordinate

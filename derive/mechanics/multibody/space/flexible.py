@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import sympy as sp
 
+from derive.algebra import sp
 from derive.mechanics.bodies.modal_body import Array, ModalBody, ModalFrame
 from derive.mechanics.bodies.spatial_body import NumberValues, exact_vector, modal_body
 from derive.mechanics.body import Body, ExactValues

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import (
     MaterialPoint,

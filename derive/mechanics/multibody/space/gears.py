@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics.multibody.space.forces import MarkerLoad
 from derive.mechanics.multibody.space.joint_motion import JointMotion

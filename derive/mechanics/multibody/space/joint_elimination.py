@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion

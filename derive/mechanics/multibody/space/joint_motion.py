@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import RowMotion, lead, row_motion, row_values
 from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad

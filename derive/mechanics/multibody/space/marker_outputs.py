@@ -14,8 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross, dot, fixed_frame
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts

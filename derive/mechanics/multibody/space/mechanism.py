@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME

@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.constraints import lead

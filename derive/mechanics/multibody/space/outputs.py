@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.multibody.outputs.energies import material_damping
 from derive.mechanics.multibody.space.joints import Freedom
 from derive.mechanics.multibody.space.marker_outputs import AXES, FRAME, LABELS, MARKER_OUTPUTS, along, observer

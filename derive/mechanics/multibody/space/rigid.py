@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.spatial_rigid import spatial_rigid_body, spatial_rigid_point
 from derive.mechanics.motion.rotations import matrix_of

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.mechanics.motion.spatial import skew
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross, dot
 from derive.mechanics.time_functions import Atan2, Wrapped

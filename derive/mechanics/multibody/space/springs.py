@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-import sympy as sp
-
+from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics.multibody.space.forces import (
     NONE,
