@@ -10,7 +10,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-__all__ = ["sp"]
+__all__ = ["sp", "zero"]
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -25,3 +25,8 @@ else:
             return getattr(module, name)
 
     sp = _LoadedOnUse("sympy")
+
+
+def zero() -> sp.Expr:
+    """The exact zero, as the default of a field."""
+    return sp.S.Zero

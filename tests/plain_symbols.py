@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.symbols import Symbol
+from derive.mechanics.typed_symbol import Symbol
 
 
 def plain(of: Any) -> Any:

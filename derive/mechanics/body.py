@@ -8,13 +8,10 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Protocol
 
-from derive.algebra import sp
 from derive.mechanics.generic_forces import FORCES
-from derive.mechanics.motion.body_motion import MASS, Motion
-from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
-from derive.mechanics.symbols import Family
+from derive.mechanics.symbols import Family, quantity
 from derive.mechanics.tables import CoefficientTable, planar_tables
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.mechanics.virtual_work_equations import VirtualWork, virtual_work
@@ -23,6 +20,10 @@ from derive.spec.model.body import DisplacementOrder
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
     import numpy as np
     from numpy.typing import NDArray
+
+    from derive.algebra import sp
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.motion.material_points import MaterialPoint
 
 
 class Values(Protocol):
@@ -87,7 +88,7 @@ class Body:
     @property
     def mass_constant(self) -> ModelConstant:
         """The mass of the body."""
-        return ModelConstant(MASS, self.mass, "(15)", "mass of the body", "kg")
+        return ModelConstant(quantity(Family.MASS), self.mass, "(15)", "mass of the body", "kg")
 
     @cached_property
     def constants(self) -> tuple[ModelConstant, ...]:

@@ -5,30 +5,33 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from derive import display
 from derive.algebra import sp
-from derive.mechanics.body import Body
-from derive.mechanics.terms import (
-    Constraint,
-    Coordinate,
-    Eliminated,
-    EquationOfMotion,
-    InputSymbol,
-    Intermediate,
-    MarkerEquations,
-    ModelConstant,
-    OutputEquation,
-    ParameterSymbol,
-    Pose,
-    Reason,
-    SpatialPose,
-    Term,
-    Vanished,
-)
 from derive.registry import UnknownNameError
 from derive.short_text import listed, summary
 from derive.spec.model.time_function import Spline
+
+if TYPE_CHECKING:
+    from derive.mechanics.body import Body
+    from derive.mechanics.terms import (
+        Constraint,
+        Coordinate,
+        Eliminated,
+        EquationOfMotion,
+        InputSymbol,
+        Intermediate,
+        MarkerEquations,
+        ModelConstant,
+        OutputEquation,
+        ParameterSymbol,
+        Pose,
+        Reason,
+        SpatialPose,
+        Term,
+        Vanished,
+    )
 
 WIDTH = 110
 """The number of characters of a line of equations as text."""

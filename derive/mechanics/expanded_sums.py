@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import zeros
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.sums import (
     ALPHA,
     ALPHADDOT,
@@ -21,6 +21,9 @@ from derive.mechanics.sums import (
 )
 from derive.mechanics.symbols import Family, I
 from derive.mechanics.terms import Intermediate, Reason
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
 
 
 @dataclass(frozen=True)

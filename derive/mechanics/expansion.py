@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
+from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
 from derive.garbage_collection import paused
 from derive.mechanics import zeros
-from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
 from derive.mechanics.expanded_sums import ExpandedSums, expanded_moments, expanded_sums
 from derive.mechanics.generic_forces import generic_forces
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.full_second_order import DependentAmplitudes
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.sums import of_index
-from derive.mechanics.symbols import Symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Reason, Term
 
-Absent = dict[tuple[str, sp.Expr], list[Symbol]]
+if TYPE_CHECKING:
+    from derive.mechanics.body import Body
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.typed_symbol import Symbol
+
+Absent: TypeAlias = "dict[tuple[str, sp.Expr], list[Symbol]]"
 """The vanishing entries of sums by their row and their factor."""
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from derive.algebra import sp
+from derive.algebra import sp, zero
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, quantity
 from derive.mechanics.terms import Term
@@ -25,8 +25,8 @@ class GenericForce:
     family: Family
     term: Term
     sums: tuple[IndexedSum, ...]
-    kinetic: sp.Expr = sp.S.Zero
-    strain: sp.Expr = sp.S.Zero
+    kinetic: sp.Expr = field(default_factory=zero)
+    strain: sp.Expr = field(default_factory=zero)
 
 
 ROTARY, ROTARY_RATE = (quantity(Family.ROTARY_MOMENT, shapes=(I,), derivative=d) for d in (2, 1))

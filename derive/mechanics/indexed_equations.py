@@ -9,20 +9,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import zeros
-from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import expand
 from derive.mechanics.generic_forces import SHAPE_ROW, generic_forces
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import indexed_marker
 from derive.mechanics.sums import IndexedSum, ModeSum, TableSum, canonical, exchanged, of_index
-from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
+from derive.mechanics.symbols import Family, I, J, amplitude, is_indexed, quantity
 from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
 from derive.mechanics.terms import EquationOfMotion, Reason, Term
 from derive.spec.model.body import Lowering
+
+if TYPE_CHECKING:
+    from derive.mechanics.body import Body
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.typed_symbol import Symbol
 
 
 @dataclass(frozen=True, repr=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from derive.mechanics.time_integrals.closed_form import time_integral
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import Drive
 from derive.spec.model.time_function import TimeFunction
@@ -22,6 +21,8 @@ def drive_motion(drive: Drive) -> TimeFunction:
 
     Raises NoClosedForm where the speed has no known integral; reading a specification refuses such a speed.
     """
+    from derive.mechanics.time_integrals.closed_form import time_integral
+
     if drive.motion is not None:
         return drive.motion
     speed = drive_speed(drive)

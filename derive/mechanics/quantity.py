@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
-from derive.mechanics.symbols import Family, Symbol, identity, run_time_input, t
+from derive.mechanics.symbols import Family, identity, run_time_input, time
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.mechanics.time_functions import BUILD, lookup, piecewise
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.time_function import TimeFunction, parts, value_at
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 NO_GRAVITY = "the specification (no gravity along this axis)"
 
@@ -45,11 +48,13 @@ def gravity(components: tuple[Quantity, ...] | None) -> tuple[tuple[ModelConstan
 
 def function(of: TimeFunction) -> sp.Expr:
     """The expression of t and of the constants of parameters; numbers stay exact."""
+    from derive.mechanics.time_functions import BUILD, lookup, piecewise
+
     match of.kind:
         case "number":
             return sp.Rational(of.value)
         case "t":
-            return t
+            return time()
         case "parameter":
             assert of.parameter is not None
             return function_constant(of.parameter)
@@ -91,9 +96,9 @@ def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 def _rate(of: sp.Expr) -> sp.Expr:
     """The time derivative of an expression by the chain rule."""
-    inputs = [s for s in of.free_symbols if s != t and identity(s).family is Family.INPUT]
-    following = {s: Symbol(replace(identity(s), derivative=identity(s).derivative + 1)) for s in inputs}
-    return of.diff(t) + sp.Add(*(of.diff(s) * rate for s, rate in following.items()))
+    inputs = [s for s in of.free_symbols if s != time() and identity(s).family is Family.INPUT]
+    following = {s: replace(identity(s), derivative=identity(s).derivative + 1).symbol for s in inputs}
+    return of.diff(time()) + sp.Add(*(of.diff(s) * rate for s, rate in following.items()))
 
 
 def finite_function(of: TimeFunction, path: str) -> sp.Expr:

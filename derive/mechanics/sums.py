@@ -12,10 +12,14 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
-from derive.mechanics.symbols import Family, I, Index, J, ShapeIndex, Symbol, amplitude, identity
+from derive.mechanics.symbols import Family, I, Index, J, ShapeIndex, amplitude, identity, is_indexed
 from derive.roles import Source
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 PARITY = {
     Family.C5: 1,
@@ -39,11 +43,11 @@ HALF_ALPHA = ALPHA / 2
 IJ, JI = (I, J), (J, I)
 """The indices of an entry of a table."""
 
-Vectors = Mapping[Symbol, Sequence[Symbol]]
+Vectors: TypeAlias = "Mapping[Symbol, Sequence[Symbol]]"
 """The symbols of each factor of a sum, mode by mode."""
 
 
-AbsentPart = tuple[Symbol, sp.Expr]
+AbsentPart: TypeAlias = "tuple[Symbol, sp.Expr]"
 """A part of a sum that vanishes: the entry that is zero, and its factor."""
 
 
@@ -86,7 +90,7 @@ def component_doc(doc: str, symbol: Symbol) -> str:
 def exchanged(symbol: sp.Basic, indices: Mapping[Index, ShapeIndex]) -> Symbol:
     """Return the same sum for other modes: `indices` maps generic indices to their replacements."""
     known = identity(symbol)
-    return Symbol(known.of_shapes(tuple([indices.get(s, s) if isinstance(s, Index) else s for s in known.shapes])))
+    return known.of_shapes(tuple([indices.get(s, s) if isinstance(s, Index) else s for s in known.shapes])).symbol
 
 
 def swapped(entry: sp.Basic) -> Symbol:
@@ -97,12 +101,12 @@ def swapped(entry: sp.Basic) -> Symbol:
 def canonical(entry: sp.Basic) -> Symbol:
     """Return the entry of a table with its indices in the order i, j."""
     known = identity(entry)
-    return Symbol(known) if known.shapes == (I, J) else swapped(entry)
+    return known.symbol if known.shapes == (I, J) else swapped(entry)
 
 
 def of_index(expr: sp.Expr, i: ShapeIndex, index: Index = I) -> sp.Expr:
     """Return an expression in a generic index with the index replaced by a mode."""
-    generic = {s: exchanged(s, {index: i}) for s in expr.free_symbols if isinstance(s, Symbol) and s.identity.indexed}
+    generic = {s: exchanged(s, {index: i}) for s in expr.free_symbols if is_indexed(s)}
     return expr.xreplace(generic)
 
 
@@ -121,7 +125,7 @@ def signed_entry(symbol: Symbol, i: int = 0, j: int = 0) -> tuple[int, Symbol]:
     entries = _known_entries(symbol)
     entry = entries.get(shapes)
     if entry is None:
-        entry = entries[shapes] = Symbol(symbol.identity.of_shapes(shapes))
+        entry = entries[shapes] = symbol.identity.of_shapes(shapes).symbol
     return sign, entry
 
 

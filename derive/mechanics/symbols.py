@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.spec.model.instances import identifier, joined, rate_name
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 
 class Index(Enum):
@@ -222,10 +225,14 @@ class Identity:
             self.parameter,
         )
 
+    def of(self, owner: str) -> Identity:
+        """The identity of the same quantity of a body of a mechanism."""
+        return replace(self, owner=owner)
+
     @property
     def symbol(self) -> Symbol:
         """The symbol of this identity."""
-        return Symbol(self)
+        return _class()(self)
 
     def __lt__(self, other: Identity) -> bool:
         """Define an order for SymPy, which asks for it where two names are equal."""
@@ -236,65 +243,30 @@ class Identity:
         return repr(self) > repr(other)
 
 
-class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
-    """A SymPy symbol with an identity.
+@cache
+def _class() -> type[Symbol]:
+    """The class of symbols, which loads SymPy."""
+    from derive.mechanics.typed_symbol import Symbol
 
-    SymPy orders sums and products by the names of classes first. This class has the name of its base, so that typed
-    and plain symbols sort alike.
-    """
-
-    __slots__ = ("identity",)
-    identity: Identity
-
-    __hash__ = object.__hash__  # equal symbols are the same object; SymPy's own is called a million times
-
-    def __new__(cls, identity: Identity, **assumptions: bool | None) -> Symbol:
-        """Return the symbol of an identity, the same object for equal arguments."""
-        given = tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)) if assumptions else ()
-        known = _symbols.get((identity, given))
-        if known is None:
-            known = sp.Symbol.__xnew__(cls, "", **dict(given))
-            known.identity = identity
-            known = _symbols.setdefault((identity, given), known)  # of two threads one is first
-        return known
-
-    @property
-    def name(self) -> str:
-        """The printed name, which is composed when it is needed: names of most entries that vanish are never used."""
-        return self.identity.name
-
-    @name.setter
-    def name(self, _: str) -> None:
-        """Accept the name that the constructor of SymPy sets."""
-
-    def _hashable_content(self) -> tuple[Any, ...]:
-        return (*super()._hashable_content(), self.identity)
-
-    def __getnewargs_ex__(self) -> tuple[tuple[Identity], dict[str, bool]]:
-        """Return the arguments for copying and pickling."""
-        return (self.identity,), self._assumptions_orig
-
-
-_symbols: dict[tuple[Identity, tuple[tuple[str, bool], ...]], Symbol] = {}
-"""All symbols by their identity and their assumptions."""
+    return Symbol
 
 
 def identity(symbol: sp.Basic) -> Identity:
     """The identity of a symbol. Raises TypeError for a symbol that has none."""
-    if not isinstance(symbol, Symbol):
+    if not isinstance(symbol, _class()):
         raise TypeError(f"{symbol} is no symbol of the derivation")
     return symbol.identity
 
 
 def is_indexed(symbol: sp.Basic) -> bool:
     """Whether a symbol has a generic index, so that it stands for one quantity for each shape."""
-    return isinstance(symbol, Symbol) and symbol.identity.indexed
+    return isinstance(symbol, _class()) and symbol.identity.indexed
 
 
 def owned(symbol: sp.Basic, owner: str, point: str = "") -> Symbol:
     """The symbol of the same quantity of a body of a mechanism, or of one of its points."""
     known = identity(symbol)
-    return Symbol(replace(known, owner=owner, point=point or known.point))
+    return replace(known, owner=owner, point=point or known.point).symbol
 
 
 # ---- constructors, one for each layout ----
@@ -302,7 +274,7 @@ def owned(symbol: sp.Basic, owner: str, point: str = "") -> Symbol:
 
 def quantity(family: Family, *components: int, derivative: int = 0, shapes: Iterable[ShapeIndex] = ()) -> Symbol:
     """The symbol of a quantity of a family with its components, shapes and time derivatives."""
-    return Symbol(Identity(family, tuple(shapes), components, derivative))
+    return Identity(family, tuple(shapes), components, derivative).symbol
 
 
 def vector(family: Family, dimension: int, derivative: int = 0, shapes: Iterable[ShapeIndex] = ()) -> sp.Matrix:
@@ -324,34 +296,32 @@ def pair(family: Family, i: int, j: int, *components: int) -> Symbol:
 
 def parameter(label: str, positive: bool = False) -> Symbol:
     """A run-time parameter under the name that the specification gives it."""
-    return Symbol(Identity(Family.PARAMETER, label=label), positive=positive or None)
+    return _class()(Identity(Family.PARAMETER, label=label), positive=positive or None)
 
 
 def run_time_input(label: str, derivative: int = 0) -> Symbol:
     """A run-time input under the name that the specification gives it, or one of its time derivatives."""
-    return Symbol(Identity(Family.INPUT, derivative=derivative, label=label))
+    return Identity(Family.INPUT, derivative=derivative, label=label).symbol
 
 
 def element(owner: str, label: str, *components: int) -> Symbol:
     """A quantity of a joint, a drive, a force or the ground: `spring_length`."""
-    return Symbol(Identity(Family.ELEMENT, components=components, owner=owner, label=label))
+    return Identity(Family.ELEMENT, components=components, owner=owner, label=label).symbol
 
 
 def local(label: str, *components: int, shapes: Iterable[ShapeIndex] = ()) -> Symbol:
     """An intermediate result of a lowering."""
-    return Symbol(Identity(Family.LOCAL, tuple(shapes), components, label=label))
+    return Identity(Family.LOCAL, tuple(shapes), components, label=label).symbol
+
+
+def time() -> Symbol:
+    """The time t."""
+    return Identity(Family.TIME, label="t").symbol
 
 
 def state_rate(symbol: sp.Basic) -> Symbol:
     """The time derivative of an element of a first-order state, where it is an unknown of its own: `phi_t`."""
     known = identity(symbol)
     if known.indexed:
-        return Symbol(Identity(Family.LOCAL, known.shapes, label=f"{known.array}_t"))
+        return Identity(Family.LOCAL, known.shapes, label=f"{known.array}_t").symbol
     return local(f"{known.name}_t")
-
-
-t = Symbol(Identity(Family.TIME, label="t"))
-"""The time."""
-
-MASS = quantity(Family.MASS)
-"""The mass of the body."""

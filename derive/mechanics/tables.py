@@ -6,10 +6,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import combinations_with_replacement, product
+from typing import TYPE_CHECKING
 
 from derive.mechanics.sums import PARITY, signed_entry
-from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex, Symbol
-from derive.mechanics.terms import ModelConstant
+from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex
+
+if TYPE_CHECKING:
+    from derive.mechanics.terms import ModelConstant
+    from derive.mechanics.typed_symbol import Symbol
 
 AXES = (1, 2, 3)
 PAIRS = tuple(combinations_with_replacement(AXES, 2))
@@ -75,7 +79,7 @@ class CoefficientTable:
     @property
     def symbol(self) -> Symbol:
         """The symbol of the table as a whole."""
-        return Symbol(Identity(self.family, point=self.point))
+        return Identity(self.family, point=self.point).symbol
 
     @property
     def name(self) -> str:
@@ -98,7 +102,7 @@ class CoefficientTable:
 
     def entry(self, component: tuple[int, ...], *shapes: ShapeIndex) -> Symbol:
         """An entry for given modes, or without modes the array of a component for all modes."""
-        return Symbol(Identity(self.family, shapes, component, point=self.point))
+        return Identity(self.family, shapes, component, point=self.point).symbol
 
     @property
     def generic_entries(self) -> tuple[Symbol, ...]:

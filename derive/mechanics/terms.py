@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from typing import TYPE_CHECKING
 
-from derive.algebra import sp
-from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity, local
 from derive.roles import Role
+
+if TYPE_CHECKING:
+    from derive.algebra import sp
+    from derive.mechanics.sums import ModeSum, TableSum
 
 ROLES = {
     Family.TRANSLATION: Role.TRANSLATION,
@@ -203,8 +206,10 @@ class FreeRotation:
     Q: sp.ImmutableMatrix
 
 
-LOAD = tuple(local(f"load_{kind}", k) for kind in ("force", "torque") for k in (1, 2, 3))
-"""The components of any force and torque on a frame, in the inertial frame."""
+@cache
+def load_symbols() -> tuple[sp.Symbol, ...]:
+    """The components of any force and torque on a frame, in the inertial frame."""
+    return tuple(local(f"load_{kind}", k) for kind in ("force", "torque") for k in (1, 2, 3))
 
 
 @dataclass(frozen=True)
@@ -216,8 +221,8 @@ class ConstrainedFrame:
     velocity of the frame, by their names.
 
     A unit multiplier exerts `force` at the point and `torque` on the frame; `work` is the virtual work of any such
-    LOAD by the names of the rows, and equal for all constraints on the frame. `acceleration` and `angular_acceleration`
-    are those of the frame.
+    `load_symbols` by the names of the rows, and equal for all constraints on the frame. `acceleration` and
+    `angular_acceleration` are those of the frame.
     """
 
     rotation: FreeRotation | None

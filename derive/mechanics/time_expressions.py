@@ -9,7 +9,6 @@ from functools import reduce
 from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.quantity import function_constant
-from derive.mechanics.symbols import t
 from derive.mechanics.time_functions import (
     Absolute,
     Atan2,
@@ -22,6 +21,7 @@ from derive.mechanics.time_functions import (
     SmoothStep,
     Tanh,
 )
+from derive.mechanics.typed_symbol import t
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.time_function import Spline, TimeFunction
 

@@ -10,15 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.generic_forces import SHAPE_ROW
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family, quantity, vector
 from derive.mechanics.terms import Intermediate, Term
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from operator import attrgetter
+from typing import Any, TypeAlias
 
 from derive.algebra import sp
 from derive.mechanics.terms import Intermediate, ModelConstant, Reason, Term, Vanished
 
-Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
+Reasons: TypeAlias = "dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]"
 """The integrals behind each vanishing symbol, as pairs (integral, reason)."""
 
 
@@ -23,7 +24,7 @@ def drop(expr: sp.Expr, reasons: Reasons) -> sp.Expr:
     return expr.xreplace(_Zeros(reasons))
 
 
-class _Zeros(Mapping[sp.Basic, sp.Expr]):
+class _Zeros(Mapping[Any, Any]):
     """A mapping from each vanishing symbol to zero: a dict would have to be built again for each expression."""
 
     def __init__(self, reasons: Reasons) -> None:

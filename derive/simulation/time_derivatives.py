@@ -6,9 +6,8 @@ import math
 
 from derive.algebra import sp
 from derive.ir.expressions import Number
-from derive.mechanics import symbols
 from derive.mechanics.quantity import finite_function, function_constant, time_derivatives
-from derive.mechanics.time_functions import Lookup
+from derive.mechanics.symbols import time
 from derive.spec.model.time_function import TimeFunction, parts
 
 
@@ -27,8 +26,9 @@ def _number(expr: sp.Expr, function: TimeFunction, t: float) -> float:
     import casadi as ca  # loaded here alone, since runs of kept models without drives do without it
 
     from derive.lowering.flat.casadi_symbols import Symbols
+    from derive.mechanics.time_functions import Lookup
 
-    known: dict[sp.Symbol, sp.Expr] = {symbols.t: sp.Rational(t)}
+    known: dict[sp.Symbol, sp.Expr] = {time(): sp.Rational(t)}
     splines = {}
     for part in parts(function):
         if part.parameter is not None:

@@ -8,7 +8,7 @@ import beams
 import derive
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
-from derive.mechanics.symbols import Symbol
+from derive.mechanics.typed_symbol import Symbol
 
 
 def test_kernels_of_the_same_arguments_share_the_definitions(monkeypatch: pytest.MonkeyPatch) -> None:

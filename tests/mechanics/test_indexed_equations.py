@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 import sympy as sp
@@ -14,7 +15,10 @@ from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import exchanged, signed_entry
-from derive.mechanics.symbols import I, J, Symbol, amplitude
+from derive.mechanics.symbols import I, J, amplitude
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 SCENES = sorted(path for path in (ROOT / "scenes").glob("*.toml"))
 

@@ -17,12 +17,10 @@ import derive
 from conftest import ROOT
 from derive.mechanics.equations import Reason
 from derive.mechanics.symbols import (
-    MASS,
     Family,
     I,
     Identity,
     J,
-    Symbol,
     amplitude,
     element,
     identity,
@@ -34,9 +32,9 @@ from derive.mechanics.symbols import (
     quantity,
     run_time_input,
     state_rate,
-    t,
     vector,
 )
+from derive.mechanics.typed_symbol import MASS, Symbol, t
 from plain_symbols import plain
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 import pytest
 import sympy as sp
@@ -11,12 +12,16 @@ from derive.mechanics.bodies.spatial_tables import DOCS
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
-from derive.mechanics.motion.spatial import PAIRS, quaternion_rates, rotation_of, skew, symbols_of_rotation
-from derive.mechanics.symbols import Family, Symbol, pair, parameter, quantity
+from derive.mechanics.motion.spatial import PAIRS, quaternion_rates, rotation_of, symbols_of_rotation
+from derive.mechanics.motion.vectors import skew
+from derive.mechanics.symbols import Family, pair, parameter, quantity
 from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
 from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
 from plain_symbols import plain
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 ROTATION = plain(symbols_of_rotation())
 MEAN = "a condition of the test"

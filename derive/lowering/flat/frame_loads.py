@@ -9,15 +9,16 @@ same, have the work on each row for each constraint.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import casadi as ca
 
 from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
 from derive.lowering.flat.context import Context
-from derive.mechanics.terms import LOAD, ConstrainedFrame, Constraint
+from derive.mechanics.terms import ConstrainedFrame, Constraint, load_symbols
 
-Work = tuple[tuple[str, sp.Expr], ...]
+Work: TypeAlias = "tuple[tuple[str, sp.Expr], ...]"
 
 
 def reactions(context: Context, symbols: Symbols, multipliers: Sequence[sp.Symbol]) -> list[ca.SX]:
@@ -37,7 +38,7 @@ def reactions(context: Context, symbols: Symbols, multipliers: Sequence[sp.Symbo
                 of = c.frames.second if opposite else frame
                 load.add(of, sign if opposite else 1, symbols, multiplier)
     for work, load in frames.items():
-        values = symbols.evaluated((expr for _, expr in work), dict(zip(LOAD, load.total, strict=True)))
+        values = symbols.evaluated((expr for _, expr in work), dict(zip(load_symbols(), load.total, strict=True)))
         for (row, _), value in zip(work, values, strict=True):
             rows[row] = (added if load.sign > 0 else subtracted)(rows[row], value)
     return list(rows.values())
@@ -48,7 +49,7 @@ class _FrameLoad:
 
     def __init__(self, sign: int) -> None:
         self.sign = sign
-        self.total = [ca.SX(0) for _ in LOAD]
+        self.total = [ca.SX(0) for _ in load_symbols()]
 
     def add(self, frame: ConstrainedFrame, sign: int, symbols: Symbols, multiplier: ca.SX) -> None:
         """Add what a multiplier exerts, or the opposite of it."""

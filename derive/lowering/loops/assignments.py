@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from typing import TypeAlias
 
 from derive.algebra import sp
 from derive.ir.expressions import Element, Expr, Leaf, MatrixEntry, Number, ScalarRef
@@ -12,15 +13,16 @@ from derive.ir.statements import Let, Require, Statement, Store, StoreLocal, Sto
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import OutputValue, Step, schedule
-from derive.mechanics.symbols import Symbol, identity, is_indexed
+from derive.mechanics.symbols import identity, is_indexed
+from derive.mechanics.typed_symbol import Symbol
 
 Target = Symbol | Store | Require
 """The target of a scalar: a symbol that is known from then on, or a statement whose expression is replaced."""
 
-Scalar = tuple[Target, sp.Expr]
+Scalar: TypeAlias = "tuple[Target, sp.Expr]"
 """A scalar: its target and its value."""
 
-IndexedStore = tuple[StoreLocal | StoreStrided, sp.Expr]
+IndexedStore: TypeAlias = "tuple[StoreLocal | StoreStrided, sp.Expr]"
 """The target of an expression in index i, and the expression."""
 
 Assignment = Let | Store | Require | StoreLocal | StoreStrided

@@ -7,11 +7,15 @@ sum alpha_l C5_lj, the sum is recognised as an existing table sum, or becomes a 
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, TableSum, canonical, exchanged, swapped
-from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
+from derive.mechanics.symbols import Family, I, J, is_indexed, quantity
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 SUMS = {
     Family.C5: Family.C5_SUM,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.ir.kernel import Kernel
@@ -13,7 +14,9 @@ from derive.lowering.loops.context import CJ, RIGID, SHAPE, LoopContext
 from derive.lowering.loops.gradient import derivative
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT
-from derive.mechanics.symbols import Symbol
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 
 def jacobian(context: LoopContext, function: ModelFunction) -> Kernel:

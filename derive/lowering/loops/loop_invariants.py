@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.symbols import I, Symbol, amplitude, is_indexed, local
+from derive.mechanics.symbols import I, amplitude, is_indexed, local
 from derive.mechanics.terms import Intermediate
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 
 class LoopInvariants:

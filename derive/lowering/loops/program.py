@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from itertools import count
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -48,11 +49,12 @@ from derive.lowering.loops.assignments import (
 from derive.lowering.loops.loop_invariants import LoopInvariants, by_vector
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.sums import PARITY, ModeSum, TableSum, canonical
-from derive.mechanics.symbols import Symbol, identity, is_indexed
+from derive.mechanics.symbols import identity, is_indexed
 from derive.mechanics.terms import Intermediate, rotation_symbols
+from derive.mechanics.typed_symbol import Symbol
 from derive.roles import Source
 
-Pair = tuple[MatrixStore, sp.Expr, sp.Expr]
+Pair: TypeAlias = "tuple[MatrixStore, sp.Expr, sp.Expr]"
 """A block of pairs of modes: where it is stored, its expression, and that of its diagonal."""
 
 

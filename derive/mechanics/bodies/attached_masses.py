@@ -18,18 +18,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import rational
-from derive.mechanics.bodies.beam_integrals import BeamField, BeamIntegrals
-from derive.mechanics.bodies.foreshortening import Foreshortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.quantity import Parameter
+
+if TYPE_CHECKING:
+    from derive.mechanics.bodies.beam_integrals import BeamField, BeamIntegrals
+    from derive.mechanics.bodies.foreshortening import Foreshortening
 
 NO_SLOPE = "these shapes (no slope at the attached masses)"
 ZERO_THERE = "a zero of the integrand at the attached masses"

@@ -35,7 +35,7 @@ from derive.mechanics.bodies.planar_integrals import coefficients, second_order_
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
 from derive.spec.model.beam import PlanarBeam
@@ -141,7 +141,7 @@ def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tupl
         zero = "displacements along the axis turn no section" if field.axis == 1 else "these shapes (no slope there)"
         turns = field.axis == 2 and slope != 0
         doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
-        symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
+        symbol = Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name).symbol
         value = slope if turns else sp.S.Zero
         result.append(ModelConstant(symbol, value, "(21)", doc, "1/m", None if turns else zero))
     if beam.order is DisplacementOrder.FIRST_ORDER:
@@ -150,7 +150,7 @@ def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tupl
         value = -slopes[i - 1] * slopes[k - 1]
         if value != 0 and shapes[i - 1].axis != shapes[k - 1].axis:
             doc = f"rotation of the section at marker {marker.name} by modes {i} and {k}: -(d phi_{i}/dx)(d chi_{k}/dx)"
-            symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i, k), point=marker.name))
+            symbol = Identity(Family.SECTION_ROTATION, shapes=(i, k), point=marker.name).symbol
             result.append(ModelConstant(symbol, value, Source.SECOND_ORDER, doc, "1/m^2"))
     return tuple(result)
 
@@ -177,7 +177,7 @@ def point_that_sees(
     """
     shapes = displacement_fields(beam)
     length = quantity.value(beam.length) / pieces
-    position, at = Symbol(Identity(Family.POINT_POSITION, point=name)), value(XI)
+    position, at = Identity(Family.POINT_POSITION, point=name).symbol, value(XI)
     constants = [ModelConstant(position, at * length / 2, "(24)", docs[1], "m", None if at else zero)]
     second: tuple[ModelConstant, ...] = ()
     if beam.order is not DisplacementOrder.FIRST_ORDER:

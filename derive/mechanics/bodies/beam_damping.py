@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING
 
 import mpmath
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_integrals import BeamField
 from derive.mechanics.bodies.beam_stiffness import beam_stiffness, stiffness_units
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.rod_deformation import deformation_mass
@@ -25,6 +25,9 @@ from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.quantity import Parameter
+
+if TYPE_CHECKING:
+    from derive.mechanics.bodies.beam_integrals import BeamField
 
 DIGITS = 60
 """The precision of the modes in digits; results are rounded to doubles, so that they are the same on any machine."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.bodies.attached_masses import IntegralsWithMasses, LocatedMass, SecondOrderWithMasses
@@ -18,9 +19,11 @@ from derive.mechanics.bodies.foreshortening import Foreshortening, field_weights
 from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.expansion import expand
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.beam_parts import Frame
 from derive.spec.model.body import DisplacementOrder
+
+if TYPE_CHECKING:
+    from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True)

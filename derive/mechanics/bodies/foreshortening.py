@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, Real, polynomial, rational
@@ -22,10 +23,13 @@ from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField
 from derive.mechanics.bodies.displacement_fields import shortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.motion.full_second_order import field_weight
-from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.beam_parts import Frame
+
+if TYPE_CHECKING:
+    pass
 
 PARALLEL_TO_AXIS = "geometry (X and the Psi_ij are along e1)"
 SHORTENING = "geometry (the beam shortens along e1)"
@@ -135,7 +139,7 @@ def point_shortening(
     """The value of psi_ij at a point, i <= j, in 1/m; `value` evaluates a function of xi at the point."""
     result = []
     for i, j in pairs(len(of.fields)):
-        symbol = Symbol(Identity(Family.POINT_SECOND, (i, j), (1,), point=point))
+        symbol = Identity(Family.POINT_SECOND, (i, j), (1,), point=point).symbol
         psi = value(of.of(i, j))
         doc = f"psi_{i}{j} at marker {point}"
         zero = None if psi else STRETCHING if of.stretches(i, j) else NO_SHORTENING

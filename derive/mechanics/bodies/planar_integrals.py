@@ -7,12 +7,15 @@ A body supplies those as `FieldIntegrals`; the composition is the same for all b
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from derive.algebra import sp
-from derive.mechanics.symbols import Family, Symbol, pair, quantity
+from derive.mechanics.symbols import Family, pair, quantity
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 VANISHING_SUM = "these shapes (the two parts cancel exactly)"
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ModelConstant
+
+if TYPE_CHECKING:
+    pass
 
 AT_CENTRE = "the choice of the origin (the centre of mass)"
 
@@ -51,7 +55,7 @@ def rigid_body(
 
 def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
     """A point of a rigid body at `position` from O."""
-    symbols = [Symbol(Identity(Family.POINT_POSITION, components=(k,), point=name)) for k in (1, 2)]
+    symbols = [Identity(Family.POINT_POSITION, components=(k,), point=name).symbol for k in (1, 2)]
     result = tuple(
         ModelConstant(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of the origin")
         for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)

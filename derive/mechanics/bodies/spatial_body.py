@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.mechanics.bodies.spatial_tables import (
     DOCS,
     NOTHING,
@@ -25,12 +25,16 @@ from derive.mechanics.bodies.spatial_tables import (
 )
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.symbols import Family, Symbol
+from derive.mechanics.symbols import Family
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.tables import CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder, Gravity, SymbolicBody
+
+if TYPE_CHECKING:
+    from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
+    from derive.mechanics.typed_symbol import Symbol
 
 Array = NDArray[np.float64]
 
@@ -154,7 +158,7 @@ def _source(table: CoefficientTable) -> str:
 
 def _as_parameter(entry: Symbol) -> Symbol:
     """The run-time parameter that is the value of an entry."""
-    return Symbol(replace(entry.identity, parameter=True))
+    return replace(entry.identity, parameter=True).symbol
 
 
 def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from derive.algebra import sp
 from derive.mechanics.bodies.rigid import AT_CENTRE
 from derive.mechanics.bodies.spatial_tables import DOCS, rigid_tables
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
+
+if TYPE_CHECKING:
+    pass
 
 SYMMETRIC_BODY = "the specification (no such product of inertia)"
 
@@ -23,14 +28,14 @@ def spatial_rigid_body(
     first, tensor = DOCS[Family.C1], DOCS[Family.C3]
     constants = [
         ModelConstant(
-            Symbol(Identity(Family.C1, components=(k,))), value, Source.APPENDIX, *first, None if value else AT_CENTRE
+            Identity(Family.C1, components=(k,)).symbol, value, Source.APPENDIX, *first, None if value else AT_CENTRE
         )
         for k in AXES
         for value in [sp.expand(mass * centre[k - 1])]
     ]
     constants += [
         ModelConstant(
-            Symbol(Identity(Family.C3, components=(a, b))),
+            Identity(Family.C3, components=(a, b)).symbol,
             value,
             Source.APPENDIX,
             *tensor,
@@ -47,7 +52,7 @@ def spatial_rigid_body(
 
 def spatial_rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
     """A point of a rigid body at `position` from O."""
-    symbols = [Symbol(Identity(Family.POINT_POSITION, components=(k,), point=name)) for k in AXES]
+    symbols = [Identity(Family.POINT_POSITION, components=(k,), point=name).symbol for k in AXES]
     result = tuple(
         ModelConstant(s, sp.expand(x), "(1)", f"X . e{k} of {name}", "m", None if x else "the choice of the origin")
         for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)

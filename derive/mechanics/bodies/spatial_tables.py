@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.mechanics.bodies.modal_body import ModalBody
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
 from derive.spec.model.body import SymbolicBody
+
+if TYPE_CHECKING:
+    from derive.mechanics.bodies.modal_body import ModalBody
 
 Array = NDArray[np.float64]
 

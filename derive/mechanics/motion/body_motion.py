@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
-from derive.mechanics.sums import IndexedSum
-from derive.mechanics.symbols import MASS, amplitude
+from derive.mechanics.symbols import amplitude
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
-__all__ = ["MASS", "Motion"]
+if TYPE_CHECKING:
+    from derive.mechanics.sums import IndexedSum
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,12 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.symbols import Family, quantity
 from derive.mechanics.terms import Intermediate, Term
 from derive.roles import Source
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
 
 
 def field_weight(p: int, i: int, j: int) -> sp.Symbol:

@@ -14,11 +14,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 from derive.algebra import sp
 from derive.mechanics.symbols import Family, quantity
 
-Field = dict[str, sp.Matrix]
+Field: TypeAlias = "dict[str, sp.Matrix]"
 
 ONE, HERE, R, RDOT, RDDOT, PHI = "1", "1 in the body frame", "r", "rdot", "rddot", "Phi_i"
 

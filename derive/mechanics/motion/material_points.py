@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import zeros
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, PHI, RDOT, Field, R
 from derive.mechanics.motion.products import product
 from derive.mechanics.sums import ALPHA, ModeSum, TableSum
-from derive.mechanics.symbols import Family, I, Symbol, amplitude, quantity, vector
+from derive.mechanics.symbols import Family, I, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
 from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.typed_symbol import Symbol
 
 KEPT = 64
 """The number of points whose motion is kept: equal pieces of a rod have equal points, and so have models of a study."""

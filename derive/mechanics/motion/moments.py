@@ -9,14 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from functools import cache
+from typing import TYPE_CHECKING, Protocol
 
 from derive.algebra import sp
 from derive.mechanics.motion.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
 from derive.mechanics.motion.products import inner, product
-from derive.mechanics.symbols import Family, I, ShapeIndex, Symbol, local, quantity
+from derive.mechanics.symbols import Family, I, ShapeIndex, local, quantity
 
-STRETCH, SHEAR, NAMELESS = local("stretch"), local("shear"), local("nameless")
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
+
+
+@cache
+def unknown_parts() -> tuple[Symbol, Symbol, Symbol]:
+    """The parts of a second moment that have no name, and must cancel."""
+    return local("stretch"), local("shear"), local("nameless")
+
 
 Moment = tuple[Family, int, tuple[ShapeIndex, ...]]
 """The identity of a moment: its family, its time derivative and its shapes."""
@@ -91,7 +100,7 @@ class PlanarMoments:
     mass: sp.Symbol
     rotation: sp.Matrix
     names: Mapping[str, Moment] = field(default_factory=lambda: FIRST)
-    unknown: frozenset[sp.Symbol] = frozenset((STRETCH, SHEAR, NAMELESS))
+    unknown: frozenset[sp.Symbol] = field(default_factory=lambda: frozenset(unknown_parts()))
 
     def first(self, field: str) -> sp.Matrix:
         """The first moment int rho f."""
@@ -101,9 +110,10 @@ class PlanarMoments:
         """The second moment int rho f g^T: trace, axial part, and two entries that no equation of motion may keep."""
         if transposed(f, g, {**TRACE, **AXIAL}):
             return self.second(g, f).T
-        trace = moment(TRACE[f, g]) if (f, g) in TRACE else NAMELESS
-        axial = sp.S.Zero if f == g else moment(AXIAL[f, g]) if (f, g) in AXIAL else NAMELESS
-        return sp.Matrix([[trace + STRETCH, axial + SHEAR], [SHEAR - axial, trace - STRETCH]]) / 2
+        stretch, shear, nameless = unknown_parts()
+        trace = moment(TRACE[f, g]) if (f, g) in TRACE else nameless
+        axial = sp.S.Zero if f == g else moment(AXIAL[f, g]) if (f, g) in AXIAL else nameless
+        return sp.Matrix([[trace + stretch, axial + shear], [shear - axial, trace - stretch]]) / 2
 
 
 def transposed(f: str, g: str, names: Mapping[tuple[str, str], object]) -> bool:

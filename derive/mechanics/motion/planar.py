@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from derive.mechanics.motion.body_motion import MASS, Motion
+from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, PlanarMoments
 from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
-from derive.mechanics.symbols import Family, I, J, Symbol, identity, quantity
+from derive.mechanics.symbols import Family, I, J, identity, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 
@@ -35,7 +35,7 @@ def _rigid_motion(second_order: bool) -> Motion:
         rotation=rotation.tensor,
         rotation_definitions=_rotation_definitions(rotation),
         frame=MovingFrame((generator,), (phi.v,), (phi.a,)),
-        moments=PlanarMoments(MASS, rotation.tensor, FIRST_OF_SECOND_ORDER if second_order else FIRST),
+        moments=PlanarMoments(quantity(Family.MASS), rotation.tensor, FIRST_OF_SECOND_ORDER if second_order else FIRST),
         named=(),
         moment_sums=moment_sums,
         row_sums=row_sums,
@@ -58,7 +58,7 @@ def _coordinates() -> tuple[Coordinate, ...]:
 def _row(coordinate: Coordinate) -> EquationOfMotion:
     """The equation of motion of a coordinate: in the plane its velocity is the time derivative of the coordinate."""
     name, known = str(coordinate.q), identity(coordinate.q)
-    v, a = (Symbol(replace(known, derivative=d)) for d in (1, 2))
+    v, a = (replace(known, derivative=d).symbol for d in (1, 2))
     return EquationOfMotion(
         name, v, a, f"time derivative of {name}", f"{coordinate.unit}/s", "N m" if coordinate.unit == "rad" else "N"
     )

@@ -7,20 +7,24 @@ C4 and C5 below are the symmetric parts: the part that the appendix of the paper
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.motion.body_motion import MASS, Motion
+from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
 from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
+from derive.mechanics.motion.vectors import skew
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
-from derive.mechanics.symbols import Family, I, J, ShapeIndex, Symbol, local, quantity
+from derive.mechanics.symbols import Family, I, J, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components
 from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 SYMMETRIC: dict[tuple[str, str], Moment] = {
     (R, R): (Family.INERTIA, 0, ()),
@@ -49,12 +53,6 @@ FIRST_IN_SPACE_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST_OF_SECOND_ORDER, RD
 EVEN = sp.Matrix(3, 3, lambda i, j: local("even", *sorted((i + 1, j + 1))))
 ODD = sp.Matrix([local("odd", k) for k in AXES])
 """The parts of a second moment that have no name."""
-
-
-def skew(v: Iterable[sp.Expr]) -> sp.Matrix:
-    """The tensor v x."""
-    a, b, c = v
-    return sp.Matrix([[0, -c, b], [c, 0, -a], [-b, a, 0]])
 
 
 def symmetric(family: Family, derivative: int = 0, shapes: tuple[ShapeIndex, ...] = ()) -> sp.Matrix:
@@ -123,7 +121,7 @@ def _rigid_motion(truncated: bool) -> Motion:
         rotation=rotation,
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
-        moments=SpatialMoments(MASS, rotation, truncated),
+        moments=SpatialMoments(quantity(Family.MASS), rotation, truncated),
         named=named,
         moment_sums=moment_sums,
         row_sums=row_sums,

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
-from derive.mechanics.multibody.bodies.body_type import BodyType, Component
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.coordinates import CoordinateMap, free_coordinates
 from derive.mechanics.multibody.forces.force_type import define
@@ -34,15 +33,20 @@ from derive.mechanics.multibody.parameters import parameters
 from derive.mechanics.multibody.point_motion import Derivatives, fixed_point
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.mechanics.quantity import finite_function, time_derivatives
-from derive.mechanics.symbols import DOTS, Symbol, element, t
+from derive.mechanics.symbols import DOTS, element
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
 from derive.mechanics.time_functions import TimeOperation
+from derive.mechanics.typed_symbol import t
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import NAMED, CustomJoint, Drive, Scene, SceneBody
 from derive.spec.model.scene_functions import function_parameters
 from derive.spec.model.time_function import TimeFunction
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.bodies.body_type import BodyType, Component
+    from derive.mechanics.typed_symbol import Symbol
 
 
 def mechanism(scene: Scene) -> Mechanism:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.generic_forces import DAMPING_TERM
-from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
-from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.terms import Term
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.instances import InstanceEquations
 
 RIGID = 3
 """The coordinates of a free body in the plane that come before its amplitudes."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from derive.algebra import sp
-from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import Derivatives, RelativeMotion, added
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.scene import Joint
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 
 
 def constraints(

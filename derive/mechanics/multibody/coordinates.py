@@ -8,12 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.motion.body_motion import Motion
-from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
-from derive.mechanics.symbols import Family, Symbol, owned, quantity
+from derive.mechanics.symbols import Family, owned, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
+    from derive.mechanics.typed_symbol import Symbol
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,7 @@ def displacement_only(
 def new_coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, EquationOfMotion]:
     """A coordinate, and the equation of motion of its virtual displacement."""
     name = q.name
-    v, a = (Symbol(replace(q.identity, derivative=d)) for d in (1, 2))
+    v, a = (replace(q.identity, derivative=d).symbol for d in (1, 2))
     force_unit = "N m" if unit == "rad" else "N"
     return Coordinate(q, doc, unit), EquationOfMotion(name, v, a, f"time derivative of {name}", f"{unit}/s", force_unit)
 

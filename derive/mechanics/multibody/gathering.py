@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.display import html
@@ -15,10 +16,8 @@ from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.prescribed_motion import drive_motion
-from derive.mechanics.symbols import t
 from derive.mechanics.terms import (
     Constraint,
     Coordinate,
@@ -35,11 +34,15 @@ from derive.mechanics.terms import (
     Term,
 )
 from derive.mechanics.time_functions import tried
+from derive.mechanics.typed_symbol import t
 from derive.short_text import counted, listed, summary
 from derive.spec.model.scene import Redundant
 from derive.spec.model.scene_functions import splines, time_functions
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
 
 Instances = Mapping[str, InstanceEquations]
 

@@ -5,30 +5,32 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from derive.algebra import sp
-from derive.mechanics.equations import Equations
 from derive.mechanics.motion.material_points import marker
-from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, frame_motion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.terms import (
-    Coordinate,
-    EquationOfMotion,
-    Intermediate,
-    MarkerEquations,
-    ModelConstant,
-    Reason,
-    Term,
-    Vanished,
-)
 from derive.spec.model.instances import identifier, joined
 
-Symbols = dict[sp.Basic, sp.Basic]
+if TYPE_CHECKING:
+    from derive.mechanics.equations import Equations
+    from derive.mechanics.multibody.coordinates import CoordinateMap
+    from derive.mechanics.terms import (
+        Coordinate,
+        EquationOfMotion,
+        Intermediate,
+        MarkerEquations,
+        ModelConstant,
+        Reason,
+        Term,
+        Vanished,
+    )
+
+Symbols: TypeAlias = "dict[sp.Basic, sp.Basic]"
 SPACE = 3
 """The dimension of space, in which the markers of bodies are frames."""
 

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.indexed_equations import IndexedEquations, derive_body
-from derive.mechanics.motion.body_motion import Motion
-from derive.mechanics.multibody.bodies.body_type import Component
-from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.forces.force_type import ForceType
-from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Joint
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.multibody.bodies.body_type import Component
+    from derive.mechanics.multibody.coordinates import CoordinateMap
+    from derive.mechanics.multibody.forces.force_type import ForceType
+    from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
+    from derive.mechanics.terms import ModelConstant
 
 KEPT = 32
 """The number of kinds, and of instances, whose equations are cached: studies derive mechanisms with equal bodies."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
+from typing import TYPE_CHECKING
 
-from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.constraints import constraints
@@ -17,16 +16,20 @@ from derive.mechanics.multibody.gathering import (
     equations_of_mechanism,
     refuse_idle,
 )
-from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
-from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import output_equations
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.terms import Pose
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.equations import Equations
+    from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.instances import InstanceEquations
+    from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
+    from derive.mechanics.multibody.outputs.output_type import OutputInstance
 
 
 @dataclass(frozen=True, repr=False)

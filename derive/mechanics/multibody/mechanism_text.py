@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.mechanics.multibody.kinds import BodyInstance
-from derive.mechanics.terms import Constraint, Coordinate
 from derive.spec.model.instances import instance_parts, skeleton, text_of_instances
 from derive.spec.model.scene import Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.kinds import BodyInstance
+    from derive.mechanics.terms import Constraint, Coordinate
 
 BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
 

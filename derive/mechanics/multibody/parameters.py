@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.body_type import Constant
@@ -14,7 +14,6 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.space.rigid import SPATIAL_BODIES, frame_constants
 from derive.mechanics.multibody.space.springs import spring_type
-from derive.mechanics.terms import ParameterSymbol
 from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
@@ -22,6 +21,9 @@ from derive.spec.model.scene_functions import function_parameters, time_function
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
+
+if TYPE_CHECKING:
+    from derive.mechanics.terms import ParameterSymbol
 
 
 def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
 from derive.mechanics import zeros
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion.material_points import (
     KEPT,
@@ -18,11 +18,15 @@ from derive.mechanics.motion.material_points import (
     tangent_vectors,
 )
 from derive.mechanics.quantity import rounded
-from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import Intermediate, ModelConstant
 from derive.mechanics.time_functions import Absolute
 
-Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.typed_symbol import Symbol
+
+Derivatives: TypeAlias = "tuple[sp.Expr, sp.Expr, sp.Expr]"
 """A quantity with its first and second time derivative."""
 
 
@@ -79,7 +83,7 @@ def point_motion(motion: Motion, point: MaterialPoint, rotations: tuple[ModelCon
 
     def symbols(family: Family, derivative: int = 0) -> sp.Matrix:
         named = (Identity(family, components=(k,), derivative=derivative, point=point.name) for k in axes)
-        return sp.Matrix([Symbol(known) for known in named])
+        return sp.Matrix([known.symbol for known in named])
 
     def define(vector: sp.Matrix, values: sp.Matrix, doc: str) -> list[Intermediate]:
         where = point.name
@@ -89,7 +93,7 @@ def point_motion(motion: Motion, point: MaterialPoint, rotations: tuple[ModelCon
         ]
 
     def tangent(shape: int, k: int) -> Symbol:
-        return Symbol(Identity(Family.TANGENT, (shape,), (k,), point=point.name))
+        return Identity(Family.TANGENT, (shape,), (k,), point=point.name).symbol
 
     tangents = tangent_vectors(motion, point, tangent)
     at_point, rate = radius_and_rate(motion, point, tangents.vectors)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from derive.mechanics.multibody.outputs.output_type import OutputInstance
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import DOTS, run_time_input
 from derive.mechanics.terms import InputSymbol, ModelConstant, OutputEquation
 from derive.spec.model.instances import identifier, joined, rate_name
 from derive.spec.model.specification import AnyScene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.outputs.output_type import OutputInstance
+    from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 
 
 def input_symbols(scene: AnyScene) -> tuple[InputSymbol, ...]:

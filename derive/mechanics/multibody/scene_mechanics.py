@@ -9,18 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.multibody.bodies.body_type import ComponentDamping
-from derive.mechanics.multibody.forces.force_type import GeneralisedForce
-from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.joints.joint_type import JointType
-from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, EquationOfMotion
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Drive, Joint, Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.forces.force_type import GeneralisedForce
+    from derive.mechanics.multibody.instances import InstanceEquations
+    from derive.mechanics.multibody.joints.joint_type import JointType
+    from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
 
 Part = Callable[[MarkerRef], bool]
 """A predicate: whether a marker belongs to a part of a mechanism."""

@@ -18,12 +18,12 @@ from sympy.core.symbol import Str
 from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.quantity import function
-from derive.mechanics.symbols import t
 from derive.mechanics.time_expressions import NoTimeFunction, time_function
 from derive.mechanics.time_functions import Lookup, Maximum, Minimum, Select, SmoothStep
 from derive.mechanics.time_integrals.linear_arguments import Linear, at, linear_in_t
 from derive.mechanics.time_integrals.smooth_products import smooth_integral
 from derive.mechanics.time_integrals.switches import selection
+from derive.mechanics.typed_symbol import t
 from derive.spec.model.time_function import TimeFunction, parts
 
 MAX_CHOICES = 64

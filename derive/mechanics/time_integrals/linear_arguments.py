@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from derive.algebra import sp
-from derive.mechanics.symbols import t
-from derive.mechanics.time_expressions import folded
+from typing import TypeAlias
 
-Linear = tuple[sp.Expr, sp.Expr]
+from derive.algebra import sp
+from derive.mechanics.time_expressions import folded
+from derive.mechanics.typed_symbol import t
+
+Linear: TypeAlias = "tuple[sp.Expr, sp.Expr]"
 """The coefficients c and d of an argument c t + d."""
 
 

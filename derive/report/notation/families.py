@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from derive.algebra import sp
-from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.symbols import Family, Identity
+from derive.mechanics.typed_symbol import Symbol
 from derive.report.document.formula import Call, FormulaRow, Name, NumberToken, Power
 from derive.report.notation.integral_symbols import (
     amplitudes,

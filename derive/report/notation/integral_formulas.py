@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.algebra import sp
-from derive.mechanics.symbols import Family, Identity, ShapeIndex, Symbol
+from derive.mechanics.symbols import Family, Identity, ShapeIndex
 from derive.mechanics.terms import Reason
+from derive.mechanics.typed_symbol import Symbol
 from derive.report.document.formula import Formula, FormulaRow, Name, NumberToken, OperatorToken, Power, Quotient
 from derive.report.document.page import Inline, Math, Text
 from derive.report.notation.beam_functions import shape_name

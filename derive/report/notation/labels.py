@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.symbols import Family, Identity, Symbol, identity
+from derive.mechanics.symbols import Family, Identity, identity
 from derive.report.document.formula import Formula, FormulaRow, OperatorToken
 from derive.report.notation.families import written
 from derive.report.notation.glyphs import letter
 from derive.report.notation.typeset_names import index_text
+
+if TYPE_CHECKING:
+    pass
 
 SUBSCRIPT = str.maketrans("0123456789i", "₀₁₂₃₄₅₆₇₈₉ᵢ")
 
@@ -43,7 +47,7 @@ def delta(known: Identity) -> str:
 
 def variation(known: Identity) -> Formula:
     """A virtual displacement as a formula."""
-    return FormulaRow((OperatorToken("δ"), written(Symbol(known)).formula))
+    return FormulaRow((OperatorToken("δ"), written(known.symbol).formula))
 
 
 def _letters(known: Identity) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import virtual_work_equations as body
@@ -15,7 +16,7 @@ from derive.mechanics.generic_forces import generic_forces
 from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.spatial import rotation_of, spatial_moment_sums, spatial_row_sums
 from derive.mechanics.sums import IndexedSum
-from derive.mechanics.symbols import Family, I, J, Symbol, quantity
+from derive.mechanics.symbols import Family, I, J, quantity
 from derive.mechanics.tables import AXES, INDICES, TableKind
 from derive.mechanics.terms import Term
 from derive.report.document.formula import Equation, Formula, FormulaRow, Name, NumberToken, Part
@@ -25,6 +26,9 @@ from derive.report.notation.typeset_names import indexed
 from derive.report.notation.vector_form import arrow, summand, summands
 from derive.report.sections.kinematics import MOTION
 from derive.spec.construction import symbolic_body
+
+if TYPE_CHECKING:
+    from derive.mechanics.typed_symbol import Symbol
 
 VARIED = {"c": "delta c", "pi": "delta pi", "alpha": "delta alpha_i"}
 

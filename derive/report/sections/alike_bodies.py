@@ -11,8 +11,9 @@ from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
-from derive.mechanics.symbols import Symbol, identity, owned
+from derive.mechanics.symbols import identity, owned
 from derive.mechanics.terms import Intermediate, ModelConstant
+from derive.mechanics.typed_symbol import Symbol
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,9 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
 from derive.algebra import sp
-from derive.mechanics.symbols import Symbol, owned
+from derive.mechanics.symbols import owned
 from derive.mechanics.terms import Constraint
+from derive.mechanics.typed_symbol import Symbol
 
 
 @dataclass(frozen=True)

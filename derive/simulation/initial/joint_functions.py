@@ -11,7 +11,6 @@ import numpy as np
 from derive.algebra import sp
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
 from derive.mechanics.symbols import amplitude, owned
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.kinematics import Kinematics, Linear
@@ -43,6 +42,8 @@ class _RelativeMotion:
     """The equations of the type of a joint in the positions and rotations of its two markers."""
 
     def __init__(self, scene: Scene, joint: Joint, native: NativeScene) -> None:
+        from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
+
         self._symbols = s = sp.symbols("x1 y1 phi1 x2 y2 phi2")
         ends = [replace(fixed_point(sp.Matrix(s[3 * n : 3 * n + 2])), rotation=s[3 * n + 2]) for n in range(2)]
         if isinstance(joint, CustomJoint):

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, PlainValidator, ValidationInfo, WithJsonSchema
 
-from derive.mechanics.time_integrals.closed_form import NoClosedForm, time_integral
 from derive.spec.model.time_function import TimeFunction, value_at
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
@@ -20,6 +19,8 @@ from derive.spec.tables.shared import plain_or_table
 
 def _speed(value: object, info: ValidationInfo) -> Fraction | TimeFunction:
     """A number, or a function of the time whose integral is known."""
+    from derive.mechanics.time_integrals.closed_form import NoClosedForm, time_integral
+
     if not isinstance(value, (str, TimeFunction)):
         return values.number(value)
     function = scene_values.function(value, info.context)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.symbols import MASS, Symbol
+from derive.mechanics.typed_symbol import MASS, Symbol
 from derive.report.document.formula import (
     Call,
     Fenced,

@@ -25,8 +25,9 @@ from derive.mechanics.multibody.kinds import ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.mechanics.multibody.ports import input_symbols
-from derive.mechanics.symbols import local, t
+from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
+from derive.mechanics.typed_symbol import t
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines

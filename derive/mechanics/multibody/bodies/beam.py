@@ -6,14 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
-from derive.mechanics.bodies.beam import AXIAL_DOCS, beam_body, beam_point, section_rotations
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS, damping_constants
 from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.body import Body
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.symbols import owned
@@ -23,6 +22,9 @@ from derive.spec.model.beam_parts import AttachedMass, Marker, ShapeFamily
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Joint
+
+if TYPE_CHECKING:
+    from derive.mechanics.body import Body
 
 CUT = ("cut_left", "cut_right")
 """The markers at the ends at which pieces are welded together."""
@@ -70,6 +72,8 @@ class Beam(BodyType[BeamBody]):
         for key, value in vars(body.beam.damping).items() if body.beam.damping else ():
             yield Constant(value, f"{DAMPING_DOCS[key]} of {body.name}")
         if body.beam.axial:
+            from derive.mechanics.bodies.beam import AXIAL_DOCS
+
             yield Constant(body.beam.axial.stiffness, f"{AXIAL_DOCS['stiffness']} of {body.name}", positive=True)
             yield Constant(body.beam.axial.preload, f"{AXIAL_DOCS['preload']} of {body.name}")
         for m in body.beam.masses:
@@ -124,6 +128,8 @@ def _piece(
     beam: PlanarBeam, pieces: int, gravity: tuple[ModelConstant, ...]
 ) -> tuple[Body, Mapping[str, CrossSection]]:
     """One of the equal pieces of a beam, with the markers and masses of the piece, and its cross-sections there."""
+    from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations
+
     sections = {
         m.name: CrossSection(beam_point(m, beam, pieces), section_rotations(m, beam, pieces)) for m in beam.markers
     }

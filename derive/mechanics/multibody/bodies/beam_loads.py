@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from derive.algebra import sp
-from derive.mechanics.bodies.beam import point_that_sees
 from derive.mechanics.bodies.beam_functions import ONE, BeamFunction, rational
 from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.multibody.bodies.body_type import CrossSection
@@ -21,6 +20,9 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, DistributedLoad
 from derive.spec.model.time_function import TimeFunction
+
+if TYPE_CHECKING:
+    from derive.algebra import sp
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,8 @@ def point_names(load: str, pieces: int) -> set[str]:
 
 def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
     """The points of a piece of a rod, counted from 0, at which the resultants of its loads act; they turn with Q."""
+    from derive.mechanics.bodies.beam import point_that_sees
+
     result = {}
     for r in resultants(body, piece):
         docs = (f"point of load {r.load.name}", f"mean position of load {r.load.name}")

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import ClassVar, Generic, TypeVar
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 from derive.algebra import sp
-from derive.mechanics.body import Body
-from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.forces import Force
 from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
@@ -18,8 +16,16 @@ from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import Joint, SceneBody
 from derive.spec.model.spatial_bodies import SpatialBody
 
-NO_ROTATION = sp.ImmutableMatrix(sp.eye(3))
-"""The axes of a marker frame that is not rotated against its body."""
+if TYPE_CHECKING:
+    from derive.mechanics.body import Body
+    from derive.mechanics.motion.material_points import MaterialPoint
+    from derive.mechanics.terms import ModelConstant
+
+
+@cache
+def no_rotation() -> sp.ImmutableMatrix:
+    """The axes of a marker frame that is not rotated against its body."""
+    return sp.ImmutableMatrix(sp.eye(3))
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,7 @@ class CrossSection:
 
     point: MaterialPoint
     rotations: tuple[ModelConstant, ...] = ()
-    axes: sp.ImmutableMatrix = NO_ROTATION
+    axes: sp.ImmutableMatrix = field(default_factory=no_rotation)
     twists: tuple[sp.ImmutableMatrix, ...] = ()
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.mechanics.multibody.bodies.beam import Beam
-from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.rigid import Rigid
 from derive.registry import Registry
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.bodies.body_type import BodyType
 
 BODIES: Registry[BodyType[Any]] = Registry(
     "body",

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.rigid import rigid_body, rigid_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.scene import RigidBody
+
+if TYPE_CHECKING:
+    from derive.mechanics.terms import ModelConstant
 
 BODY_FRAME = "base"
 """The name of the origin of the body frame, from which marker coordinates count, as a point of the body."""
@@ -62,6 +64,8 @@ def rigid_component(
 
     `inertia` is about the centre of mass; `centre` and the markers count from the origin of the body frame.
     """
+    from derive.mechanics.bodies.rigid import rigid_body, rigid_point
+
     positions = {m.name: sp.Matrix([quantity.value(x, positive=False) for x in (m.x, m.y)]) for m in markers}
     origin = positions[about] if about else centre
     sections = {marker: CrossSection(rigid_point(marker, position - origin)) for marker, position in positions.items()}

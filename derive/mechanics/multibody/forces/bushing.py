@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import (
@@ -15,12 +15,14 @@ from derive.mechanics.multibody.forces.force_type import (
     section_rotation,
     torque_terms,
 )
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Bushing
 from derive.spec.model.keys import value_keys
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
 
 
 class BushingForce(ForceType[Bushing]):
@@ -39,6 +41,8 @@ class BushingForce(ForceType[Bushing]):
         With d = Q1^T (x2 - x1) the virtual work -F . delta d is that of -Q1 F at the second marker, of Q1 F at the
         first, and of the torque (x2 - x1) x Q1 F there, since the axes rotate with the first section.
         """
+        from derive.mechanics.multibody.point_motion import RelativeMotion
+
         name, (first, second), definitions = f"spring {element.name}", points, list[Intermediate]()
         relative = RelativeMotion(first, second)
 

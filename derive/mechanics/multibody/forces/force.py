@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import (
@@ -14,12 +14,14 @@ from derive.mechanics.multibody.forces.force_type import (
     force_terms,
     section_rotation,
 )
-from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
-from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Force
 from derive.spec.model.keys import value_keys
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
+    from derive.mechanics.terms import EquationOfMotion, Intermediate
 
 
 class ForceAtMarker(ForceType[Force]):

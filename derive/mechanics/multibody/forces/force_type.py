@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-from derive.algebra import sp
-from derive.mechanics.multibody.point_motion import PointMotion
+from derive.algebra import sp, zero
 from derive.mechanics.quantity import rounded
-from derive.mechanics.symbols import Symbol, element
+from derive.mechanics.symbols import element
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
 from derive.spec.model.forces import CustomForce, SceneForce
 from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
+    from derive.mechanics.typed_symbol import Symbol
 
 F = TypeVar("F", bound=SceneForce)
 
@@ -31,8 +34,8 @@ class GeneralisedForce:
 
     terms: tuple[Term, ...]
     definitions: tuple[Intermediate, ...] = ()
-    potential: sp.Expr = sp.S.Zero
-    dissipation: sp.Expr = sp.S.Zero
+    potential: sp.Expr = field(default_factory=zero)
+    dissipation: sp.Expr = field(default_factory=zero)
 
 
 class ForceType(ABC, Generic[F]):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms, intermediate
 from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Spring
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
 
 
 class LinearSpring(SpringType):
@@ -26,6 +29,8 @@ class LinearSpring(SpringType):
         self, element: Spring, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the tension at both ends, and the energy of the spring."""
+        from derive.mechanics.multibody.point_motion import RelativeMotion, length_of
+
         stiffness, damping, rest = values["stiffness"], values["damping"], values["rest"]
         name, (first, second), definitions = f"spring {element.name}", points, list[Intermediate]()
         displacement, rate_of_displacement, _ = RelativeMotion(first, second).displacement

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.mechanics.multibody.forces.bushing import BushingForce
 from derive.mechanics.multibody.forces.force import ForceAtMarker
-from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.forces.linear_spring import LinearSpring
 from derive.mechanics.multibody.forces.rotational_spring import RotationalSpring
 from derive.mechanics.multibody.forces.torque import TorqueAtMarker
 from derive.registry import Registry
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.scene import Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.forces.force_type import ForceType
 
 FORCES: Registry[ForceType[Any]] = Registry(
     "force",

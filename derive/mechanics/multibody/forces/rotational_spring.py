@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from derive.algebra import sp
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, define, torque_terms
 from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Spring
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
 
 
 class RotationalSpring(SpringType):
@@ -21,6 +25,8 @@ class RotationalSpring(SpringType):
         self, element: Spring, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the torque at both ends, and the energy of the spring."""
+        from derive.mechanics.multibody.point_motion import RelativeMotion
+
         stiffness, damping, rest = values["stiffness"], values["damping"], values["rest"]
         name, (first, second), definitions = f"spring {element.name}", points, list[Intermediate]()
         angle, rate, _ = RelativeMotion(first, second).rotation

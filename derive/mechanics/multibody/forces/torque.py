@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, Values, define, torque_terms
-from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
-from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Torque
 from derive.spec.model.keys import value_keys
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
+    from derive.mechanics.terms import EquationOfMotion, Intermediate
 
 
 class TorqueAtMarker(ForceType[Torque]):

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.joints.relative_rows import Axes, RelativeRow
-from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
-from derive.mechanics.terms import Intermediate
 from derive.spec.model.keys import Key
 from derive.spec.model.scene import Joint
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
+    from derive.mechanics.terms import Intermediate
 
 Point = tuple[float, float]
 

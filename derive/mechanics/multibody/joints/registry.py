@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from derive.mechanics.multibody.joints.joint_type import JointType
+from typing import TYPE_CHECKING
+
 from derive.mechanics.multibody.joints.revolute import Revolute
 from derive.mechanics.multibody.joints.translational import Translational
 from derive.mechanics.multibody.joints.weld import Weld
 from derive.registry import Registry
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.joints.joint_type import JointType
 
 _WELD = Weld()
 

@@ -12,24 +12,31 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
-from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Intermediate
 from derive.spec.model.keys import Key, declared_keys
 from derive.spec.model.scene import Joint
 
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
+
 ANGLE, AXIS = (key for key in declared_keys(Joint) if key.name in ("angle", "axis"))
 
 FORCE_UNITS = {"m": "N", "rad": "N m"}
 
-MOTION = sp.Matrix([sp.Dummy("d1"), sp.Dummy("d2"), sp.Dummy("theta")])
-"""The variables of the functions of rows: the displacement along the two axes (m) and the relative rotation (rad)."""
 
-RowFunction = Callable[[Joint, sp.Matrix, sp.Expr], sp.Expr]
+@cache
+def row_variables() -> sp.Matrix:
+    """The variables of the functions of rows: displacement along two axes (m) and relative rotation (rad)."""
+    return sp.Matrix([sp.Dummy("d1"), sp.Dummy("d2"), sp.Dummy("theta")])
+
+
+RowFunction: TypeAlias = "Callable[[Joint, sp.Matrix, sp.Expr], sp.Expr]"
 """A function of a joint, of the displacement (2, 1) along its axes, m, and of the relative rotation, rad."""
 
 
@@ -56,20 +63,20 @@ class RelativeRow:
 
     def derivatives(self, joint: Joint, motion: tuple[Derivatives, ...]) -> Derivatives:
         """The row with two time derivatives; motion: displacement along the axes of the joint, and rotation."""
-        g = sp.sympify(self.function(joint, MOTION[:2, :], MOTION[2]))
+        g = sp.sympify(self.function(joint, row_variables()[:2, :], row_variables()[2]))
         slopes, curvatures = _slopes(g)
         rate = sum((slope * motion[a][1] for a, slope in slopes), sp.S.Zero)
         second = sum((slope * motion[a][2] for a, slope in slopes), sp.S.Zero)
         second += sum(curvature * motion[a][1] * motion[b][1] for a, b, curvature in curvatures)
-        now = {symbol: of[0] for symbol, of in zip(MOTION, motion, strict=True)}
+        now = {symbol: of[0] for symbol, of in zip(row_variables(), motion, strict=True)}
         return g.xreplace(now), rate.xreplace(now), second.xreplace(now)
 
 
 @lru_cache(256)
 def _slopes(g: sp.Expr) -> tuple[tuple[tuple[int, sp.Expr], ...], tuple[tuple[int, int, sp.Expr], ...]]:
-    """The first and second derivatives of a row by MOTION that do not vanish, each after its numbers there."""
-    slopes = tuple((a, slope) for a, symbol in enumerate(MOTION) if (slope := g.diff(symbol)) != 0)
-    second = ((a, b, slope.diff(symbol)) for a, slope in slopes for b, symbol in enumerate(MOTION))
+    """The first and second derivatives of a row by its variables that do not vanish, each after its numbers there."""
+    slopes = tuple((a, slope) for a, symbol in enumerate(row_variables()) if (slope := g.diff(symbol)) != 0)
+    second = ((a, b, slope.diff(symbol)) for a, slope in slopes for b, symbol in enumerate(row_variables()))
     return slopes, tuple(of for of in second if of[2] != 0)
 
 

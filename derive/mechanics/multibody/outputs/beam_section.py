@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
@@ -25,13 +26,15 @@ from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
 from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
-from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.instances import InstanceEquations
 
 
 class BeamSection:

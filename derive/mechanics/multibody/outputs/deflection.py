@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from derive.algebra import sp
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
-from derive.mechanics.multibody.point_motion import length_of
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import Deflection
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 
 CHORD, DIVIDED_BY = (key for key in declared_keys(Deflection) if key.name in ("chord", "divided_by"))
 
@@ -46,6 +47,8 @@ class ChordDeflection(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component: a length, or a ratio."""
+        from derive.mechanics.multibody.point_motion import length_of
+
         divisor = values.get("divided_by")
         points = (scene.point(at).position for at in (values["marker"], *values["chord"]))
         distance = distance_from_line(points, lambda x, y: length_of(sp.Matrix([x, y])))

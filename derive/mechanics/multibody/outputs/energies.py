@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
-from derive.mechanics.multibody.component_damping import damping_force
-from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.outputs.output_type import (
     Addend,
     NamedElements,
@@ -17,11 +15,12 @@ from derive.mechanics.multibody.outputs.output_type import (
     Summands,
     SumOutput,
 )
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import Family, identity
 from derive.spec.model.keys import Key
 
-ZERO = sp.S.Zero
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.instances import InstanceEquations
+    from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 
 
 class Energies(SumOutput):
@@ -86,9 +85,9 @@ def _energies(kinetic: sp.Expr, strain: sp.Expr, weight: sp.Expr) -> OutputCompo
     return OutputComponents(tuple(OutputComponent(*each) for each in of))
 
 
-def _powers(loads: sp.Expr = ZERO, drives: sp.Expr = ZERO, dissipated: sp.Expr = ZERO) -> OutputComponents:
+def _powers(loads: sp.Expr = 0, drives: sp.Expr = 0, dissipated: sp.Expr = 0) -> OutputComponents:
     """The parts of the powers of a mechanism that an element of it has."""
-    of = zip(Powers.labels, Powers.units, (loads, drives, dissipated), strict=True)
+    of = zip(Powers.labels, Powers.units, map(sp.sympify, (loads, drives, dissipated)), strict=True)
     return OutputComponents(tuple(OutputComponent(*each) for each in of))
 
 
@@ -111,7 +110,7 @@ class _StoredEnergy(Addend):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return its parts of the energies."""
-        return _energies(ZERO, scene.virtual_work(values["force"]).potential, ZERO)
+        return _energies(sp.S.Zero, scene.virtual_work(values["force"]).potential, sp.S.Zero)
 
 
 class _LoadPower(Addend):
@@ -167,6 +166,8 @@ class _DampingOfComponents(Addend):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return its parts of the powers, with the constants of the damping."""
+        from derive.mechanics.multibody.component_damping import damping_force
+
         damping = scene.dampings[values["number"]]
         made = _powers(dissipated=damping_force(damping, scene.instances).dissipation)
         return replace(made, constants=damping.constants)

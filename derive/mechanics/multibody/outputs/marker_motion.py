@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
-from derive.mechanics.time_functions import Atan2
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.point_motion import PointMotion
+    from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 
 MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
 FRAME = Key(
@@ -76,6 +77,8 @@ class Distance(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component, the distance."""
+        from derive.mechanics.multibody.point_motion import RelativeMotion, length_of
+
         first, second = values["between"]
         displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement
         return OutputComponents((OutputComponent("", "m", length_of(displacement)),))
@@ -94,6 +97,8 @@ class Inclination(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component, the angle."""
+        from derive.mechanics.time_functions import Atan2
+
         frame = values.get("frame")
         ends = (observed(scene, marker, frame)[0] for marker in values["between"])
         first, second = map(sp.Matrix, ends)
@@ -114,6 +119,8 @@ def observed(scene: SceneMechanics, marker: MarkerRef, frame: MarkerRef | None) 
     With r the vector from the origin of the frame, Q its rotation and w its angular velocity, the components in the
     frame are s = Q^T r, sdot = Q^T rdot - w e3 x s, sddot = Q^T rddot - 2 w e3 x sdot - wdot e3 x s + w^2 s.
     """
+    from derive.mechanics.multibody.point_motion import RelativeMotion
+
     at = scene.point(marker)
     if frame is None:
         return at.position, at.velocity, at.acceleration

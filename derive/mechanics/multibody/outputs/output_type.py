@@ -5,15 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from derive.algebra import sp
-from derive.mechanics.multibody.bodies.body_type import ComponentDamping
-from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.keys import Key
 from derive.spec.model.scene import Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
+    from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+    from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True)

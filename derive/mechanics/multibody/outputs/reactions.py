@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.joints.relative_rows import RelativeRow
-from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
-from derive.mechanics.multibody.scene_mechanics import Resultant, SceneMechanics
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.scene import Drive, Scene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.joints.relative_rows import RelativeRow
+    from derive.mechanics.multibody.kinds import ForceInstance
+    from derive.mechanics.multibody.scene_mechanics import Resultant, SceneMechanics
 
 
 class Reaction(OutputType):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from derive.mechanics.multibody.outputs.deflection import ChordDeflection
 from derive.mechanics.multibody.outputs.energies import Energies, Powers
 from derive.mechanics.multibody.outputs.marker_motion import Distance, Inclination, MarkerRotation, MarkerVector
-from derive.mechanics.multibody.outputs.output_type import OutputType
 from derive.mechanics.multibody.outputs.reactions import DriveForce, Reaction, SpringForce
 from derive.mechanics.multibody.outputs.section_forces import (
     AxialLoad,
@@ -17,6 +18,9 @@ from derive.mechanics.multibody.outputs.section_forces import (
     Strain,
 )
 from derive.registry import Registry
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.outputs.output_type import OutputType
 
 OUTPUTS: Registry[OutputType] = Registry(
     "output",

@@ -7,16 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
-from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.outputs.beam_section import BeamSection
+    from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 
 SECTION = Key("section", KeyType.BEAM_MARKER, "", 'A marker of a beam, such as "rod.middle".', required=True)
 HEIGHT = Key(
@@ -63,6 +65,8 @@ class BendingMoment(OutputType):
 
     def descriptions(self, values: Mapping[str, Any], mechanism: NamedElements) -> tuple[str, ...]:
         """Return the section, and what each of the two moments follows from."""
+        from derive.mechanics.multibody.outputs.beam_section import piece_of_component
+
         moment = f"bending moment at {values['section']}"
         rod, _, _ = piece_of_component(mechanism.scene, values["section"].body)
         damped = " with the damping of the material" if rod.beam.damping else ""
@@ -161,6 +165,8 @@ class AxialLoad(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component, the factor N_power."""
+        from derive.mechanics.multibody.outputs.beam_section import BeamSection
+
         component = values["component"]
         instance = scene.instances[component]
         section = BeamSection(name, scene, component, Fraction(0), sp.Matrix(instance.origin))
@@ -185,5 +191,7 @@ class AxialLoad(OutputType):
 
 def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> BeamSection:
     """The section of a beam at a marker."""
+    from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
+
     _, _, places = piece_of_component(scene.scene, marker.body)
     return BeamSection(name, scene, marker.body, places[marker.marker], scene.position(marker))

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.assembly import SceneAssembly
-from derive.mechanics.multibody.bodies.body_type import BodyType, Component
-from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.parameters import spatial_parameters
 from derive.mechanics.multibody.space.actions import keys_of, specified
 from derive.mechanics.multibody.space.constraints import lead
@@ -29,6 +26,11 @@ from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.bodies.body_type import BodyType, Component
+    from derive.mechanics.multibody.coordinates import CoordinateMap
+    from derive.mechanics.multibody.kinds import BodyInstance
 
 _PITCH = next(key for key in declared_keys(SpatialJoint) if key.name == "pitch")
 

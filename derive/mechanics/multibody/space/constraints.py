@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
+from typing import TYPE_CHECKING
 
-from derive.algebra import sp
-from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
-from derive.mechanics.multibody.space.frame_motion import FrameMotion
-from derive.mechanics.multibody.space.joints import SpatialJointType
+from derive.algebra import sp, zero
 from derive.mechanics.multibody.space.rows import (
-    COS,
-    FIRST,
-    LEAD,
-    LENGTH,
-    MOTION,
-    SECOND,
-    SIN,
     RelativeFunction,
     derived,
+    row_variables,
 )
 from derive.mechanics.quantity import rounded
 from derive.mechanics.terms import Constraint, EquationOfMotion, FramePair
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.spatial_scene import SpatialJoint
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
+    from derive.mechanics.multibody.space.joints import SpatialJointType
 
 
 def spatial_constraints(
@@ -53,15 +50,16 @@ def row_values(
     joint: SpatialJoint, first: FrameMotion, second: FrameMotion, drive: PrescribedMotion | None
 ) -> dict[sp.Symbol, sp.Expr]:
     """The values of the variables of rows for the frames of a joint."""
-    values = FIRST.values(first) | SECOND.values(second)
+    of = row_variables()
+    values = of.first.values(first) | of.second.values(second)
     if joint.distance is not None:
-        values[LENGTH] = sp.Rational(joint.distance)
+        values[of.length] = sp.Rational(joint.distance)
     if joint.pitch is not None:
-        values[LEAD] = lead(joint)
+        values[of.lead] = lead(joint)
     if drive:
         motion = drive.motion
-        values |= dict(zip(MOTION, motion, strict=True))
-        values |= {COS: rounded(sp.cos(motion[0])), SIN: rounded(sp.sin(motion[0]))}
+        values |= dict(zip(of.motion, motion, strict=True))
+        values |= {of.cos: rounded(sp.cos(motion[0])), of.sin: rounded(sp.sin(motion[0]))}
     return values
 
 
@@ -83,7 +81,7 @@ class RowMotion:
     bias: sp.Expr
     factors: Mapping[str, sp.Expr]
     loads: tuple[sp.Matrix, ...] = ()
-    frames_bias: sp.Expr = sp.S.Zero
+    frames_bias: sp.Expr = field(default_factory=zero)
 
 
 def row_motion(

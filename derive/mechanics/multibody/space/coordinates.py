@@ -7,18 +7,21 @@ accelerations follow by differentiation, with xdot = v and Adot = w x A of the k
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from derive.algebra import sp
-from derive.mechanics.motion.body_motion import Motion
-from derive.mechanics.motion.spatial import skew
+from derive.algebra import sp, zero
+from derive.mechanics.motion.vectors import cross, skew
 from derive.mechanics.multibody.coordinates import CoordinateMap, new_coordinate
-from derive.mechanics.multibody.point_motion import Derivatives
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross
 from derive.mechanics.multibody.space.rows import ROTATIONS
 from derive.mechanics.quantity import rounded
-from derive.mechanics.symbols import Family, Identity, Symbol, identity, owned
+from derive.mechanics.symbols import Family, Identity, identity, owned
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.multibody.point_motion import Derivatives
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
 
 
 def free_spatial_coordinates(name: str, motion: Motion) -> CoordinateMap:
@@ -41,9 +44,9 @@ def _owned_row(name: str, row: EquationOfMotion) -> EquationOfMotion:
     family = identity(row.v).family
     known = identity(row.v)
     if family is Family.ANGULAR_VELOCITY:
-        virtual = Symbol(Identity(Family.VIRTUAL_ROTATION, components=known.components, owner=name)).name
+        virtual = Identity(Family.VIRTUAL_ROTATION, components=known.components, owner=name).symbol.name
         return EquationOfMotion(virtual, v, a, f"{name}: {row.doc}", row.unit, row.force_unit)
-    q = Symbol(Identity(family, known.shapes, known.components, owner=name)).name
+    q = Identity(family, known.shapes, known.components, owner=name).symbol.name
     return EquationOfMotion(q, v, a, f"time derivative of {q}", row.unit, row.force_unit)
 
 
@@ -58,7 +61,7 @@ class JointCoordinate:
     coordinate: Coordinate | None
     row: EquationOfMotion | None
     values: Derivatives
-    along: sp.Expr = sp.S.Zero
+    along: sp.Expr = field(default_factory=zero)
 
     @property
     def is_rotation(self) -> bool:
@@ -79,7 +82,7 @@ def joint_coordinate(body: str, motion: str, several: bool, prescribed: Derivati
     components = (axis + 1,) if several else ()
     doc = f"rotation of {body} in its joint" if rotation else f"displacement of {body} along its joint"
     doc += f", {'xyz'[axis]} axis" if several else ""
-    new, row = new_coordinate(Symbol(Identity(family, components=components, owner=body)), doc, unit)
+    new, row = new_coordinate(Identity(family, components=components, owner=body).symbol, doc, unit)
     return JointCoordinate(motion, new, row, (new.q, row.v, row.a))
 
 
@@ -202,7 +205,7 @@ def _about(name: str, c: JointCoordinate, definitions: list[Intermediate]) -> tu
     for family, function, text in ((Family.COSINE, sp.cos, "cosine"), (Family.SINE, sp.sin, "sine")):
         value = rounded(function(angle))
         if not value.is_Rational:
-            symbol = Symbol(Identity(family, components=components, owner=name))
+            symbol = Identity(family, components=components, owner=name).symbol
             definitions.append(
                 Intermediate(symbol, value, name, "(26)", f"{text} of the rotation of {name} in its joint")
             )

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from derive.algebra import sp
-from derive.mechanics.bodies.modal_body import Array, ModalBody, ModalFrame
 from derive.mechanics.bodies.spatial_body import NumberValues, exact_vector, modal_body
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.multibody.space.frame_motion import FIXED_AXES
-from derive.mechanics.terms import ModelConstant
+from derive.mechanics.multibody.space.frame_motion import fixed_axes
 from derive.spec.model.spatial_bodies import FlexibleBody
+
+if TYPE_CHECKING:
+    from derive.mechanics.bodies.modal_body import Array, ModalBody, ModalFrame
+    from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ class Flexible(BodyType[FlexibleBody]):
         of = _with_exact_values(self.reduced.body, gravity)
         axes = {m.name: matrix_of(m.rotation) for m in body.markers}
         sections = {frame.point.name: _section(frame, axes[frame.point.name]) for frame in self.reduced.frames}
-        sections |= {frame.point.name: _section(frame, FIXED_AXES) for frame in self.reduced.load_points}
+        sections |= {frame.point.name: _section(frame, fixed_axes()) for frame in self.reduced.load_points}
         still = sp.ImmutableMatrix([0, 0, 0])
         origin = MaterialPoint(BODY_FRAME, "origin of the floating frame", still, (still,) * self.reduced.body.modes)
         sections[BODY_FRAME] = CrossSection(origin, twists=(still,) * self.reduced.body.modes)

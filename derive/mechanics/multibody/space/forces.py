@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from derive.algebra import sp
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross
+from derive.algebra import sp, zero
+from derive.mechanics.motion.vectors import cross
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
 from derive.spec.model.markers import MarkerRef
@@ -19,6 +20,9 @@ from derive.spec.model.spatial_forces import (
     SpatialSpring,
     SpatialTorque,
 )
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
 
 
 @dataclass(frozen=True)
@@ -41,9 +45,9 @@ class ActionLoads:
     element: SpatialAction
     loads: tuple[MarkerLoad, ...]
     definitions: tuple[Intermediate, ...] = ()
-    potential: sp.Expr = sp.S.Zero
-    dissipation: sp.Expr = sp.S.Zero
-    value: sp.Expr = sp.S.Zero
+    potential: sp.Expr = field(default_factory=zero)
+    dissipation: sp.Expr = field(default_factory=zero)
+    value: sp.Expr = field(default_factory=zero)
 
     @property
     def name(self) -> str:
@@ -75,8 +79,13 @@ class CountedRotation:
 
 Values = Mapping[str, Any]
 Markers = tuple[MarkerRef, ...]
-Frames = tuple[FrameMotion, ...]
-NONE = sp.zeros(3, 1)
+Frames: TypeAlias = "tuple[FrameMotion, ...]"
+
+
+@cache
+def none() -> sp.Matrix:
+    """No force, or no torque."""
+    return sp.zeros(3, 1)
 
 
 class ElementDefinitions:
@@ -104,7 +113,7 @@ def force_loads(force: SpatialForce, frames: tuple[FrameMotion, ...], values: Va
     name = ElementDefinitions(force.name, f"force {force.name}")
     given = name.vector("", values["force"], "component")
     vector = sp.Matrix(frames[0].axes) * given if force.frame == "body" else given
-    load = MarkerLoad(force.at, name.vector("inertial", vector, "force"), NONE)
+    load = MarkerLoad(force.at, name.vector("inertial", vector, "force"), none())
     return ActionLoads(force, (load,), tuple(name.made))
 
 
@@ -114,9 +123,9 @@ def torque_loads(torque: SpatialTorque, frames: tuple[FrameMotion, ...], values:
     given = name.vector("", values["torque"], "component")
     vector = sp.Matrix(frames[0].axes) * given if torque.frame == "body" else given
     vector = name.vector("inertial", vector, "torque")
-    loads = [MarkerLoad(torque.on, NONE, vector)]
+    loads = [MarkerLoad(torque.on, none(), vector)]
     if torque.against is not None:
-        loads.append(MarkerLoad(torque.against, NONE, -vector))
+        loads.append(MarkerLoad(torque.against, none(), -vector))
     return ActionLoads(torque, tuple(loads), tuple(name.made))
 
 
@@ -125,7 +134,7 @@ def joint_load_loads(load: SpatialJointLoad, markers: Markers, frames: Frames, v
     name = ElementDefinitions(load.name, f"{load.kind} {load.name}")
     value = name("value", values["value"], "value")
     vector = name.vector("inertial", frames[0].axes[:, 2] * value, load.kind)
-    pairs = [(vector, NONE) if isinstance(load, SpatialJointForce) else (NONE, vector)]
+    pairs = [(vector, none()) if isinstance(load, SpatialJointForce) else (none(), vector)]
     pairs.append((-pairs[0][0], -pairs[0][1]))
     loads = tuple(MarkerLoad(marker, *pair) for marker, pair in zip(reversed(markers), pairs, strict=True))
     return ActionLoads(load, loads, tuple(name.made), value=value)

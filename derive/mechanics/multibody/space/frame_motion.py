@@ -7,11 +7,11 @@ and velocities of a marker have names of their own, so that what follows from th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import (
     MaterialPoint,
     acceleration_of_rates,
@@ -20,15 +20,29 @@ from derive.mechanics.motion.material_points import (
 )
 from derive.mechanics.motion.products import product
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
-from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.terms import LOAD, ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate
+from derive.mechanics.motion.vectors import cross, dot
+from derive.mechanics.symbols import Family, Identity
+from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate, load_symbols
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.multibody.bodies.body_type import CrossSection
 
 AXES = (1, 2, 3)
 KEPT = 256
 """The number of marker frames whose motion is kept."""
-STILL = sp.ImmutableMatrix([0, 0, 0])
-FIXED_AXES = sp.ImmutableMatrix(sp.eye(3))
+
+
+@cache
+def still() -> sp.ImmutableMatrix:
+    """The velocity of what does not move."""
+    return sp.ImmutableMatrix([0, 0, 0])
+
+
+@cache
+def fixed_axes() -> sp.ImmutableMatrix:
+    """The axes of the inertial frame, or of a body in its own frame."""
+    return sp.ImmutableMatrix(sp.eye(3))
 
 
 @dataclass(frozen=True)
@@ -40,10 +54,10 @@ class VirtualMotion:
     """
 
     row: str
-    translation: sp.ImmutableMatrix = STILL
-    rotation: sp.ImmutableMatrix = STILL
-    deformation: sp.ImmutableMatrix = STILL
-    twist: sp.ImmutableMatrix = STILL
+    translation: sp.ImmutableMatrix = field(default_factory=still)
+    rotation: sp.ImmutableMatrix = field(default_factory=still)
+    deformation: sp.ImmutableMatrix = field(default_factory=still)
+    twist: sp.ImmutableMatrix = field(default_factory=still)
 
 
 @dataclass(frozen=True)
@@ -63,10 +77,10 @@ class FrameMotion:
     axes: sp.ImmutableMatrix
     angular_velocity: sp.ImmutableMatrix
     angular_acceleration: sp.ImmutableMatrix
-    lever: sp.ImmutableMatrix = STILL
-    frame: sp.ImmutableMatrix = FIXED_AXES
-    tangent: sp.ImmutableMatrix = FIXED_AXES
-    displacement: sp.ImmutableMatrix = STILL
+    lever: sp.ImmutableMatrix = field(default_factory=still)
+    frame: sp.ImmutableMatrix = field(default_factory=fixed_axes)
+    tangent: sp.ImmutableMatrix = field(default_factory=fixed_axes)
+    displacement: sp.ImmutableMatrix = field(default_factory=still)
     virtual: tuple[VirtualMotion, ...] = ()
 
     @property
@@ -106,8 +120,8 @@ class FrameMotion:
 
     @cached_property
     def any_work(self) -> tuple[tuple[str, sp.Expr], ...]:
-        """The virtual work of LOAD, any force and torque."""
-        return tuple(self.work(sp.Matrix(LOAD[:3]), sp.Matrix(LOAD[3:])))
+        """The virtual work of `load_symbols`, any force and torque."""
+        return tuple(self.work(sp.Matrix(load_symbols()[:3]), sp.Matrix(load_symbols()[3:])))
 
     def _free_rotation(self, turning: tuple[str, ...]) -> FreeRotation | None:
         """The rotation of the body, if three rows turn it alone, about the axes of the body and about its origin."""
@@ -145,31 +159,9 @@ class FrameMotion:
         )
 
 
-def cross(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Matrix:
-    """The product a x b, not expanded."""
-    pairs = ((1, 2), (2, 0), (0, 1))
-    return sp.Matrix([_times(a[i], b[j]) - _times(a[j], b[i]) for i, j in pairs])
-
-
-def _times(x: sp.Expr, y: sp.Expr) -> sp.Expr:
-    """x y; SymPy would ask whether a sum that zero multiplies is finite."""
-    return x * y if x and y else sp.S.Zero
-
-
-def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
-    """The product a . b, not expanded."""
-    return sp.Add(*(_product(x, y) for x, y in zip(a, b, strict=True) if x and y))
-
-
-def _product(x: sp.Expr, y: sp.Expr) -> sp.Expr:
-    """x y; SymPy would multiply each term of a sum by a number, and the products of several would share nothing."""
-    number = x.is_Rational and y.is_Add and x not in (0, 1, -1)
-    return sp.Mul(x, y, evaluate=False) if number else x * y
-
-
 def fixed_frame(position: sp.Matrix, axes: sp.Matrix) -> FrameMotion:
     """A marker frame of the ground."""
-    return FrameMotion((), sp.ImmutableMatrix(position), STILL, STILL, sp.ImmutableMatrix(axes), STILL, STILL)
+    return FrameMotion((), sp.ImmutableMatrix(position), still(), still(), sp.ImmutableMatrix(axes), still(), still())
 
 
 class _Definitions:
@@ -193,7 +185,7 @@ class _Definitions:
         if value.is_Rational or value.is_Symbol:
             return value
         components = (k,) if isinstance(k, int) else k
-        symbol = Symbol(Identity(family, components=components, derivative=derivative, point=self.point))
+        symbol = Identity(family, components=components, derivative=derivative, point=self.point).symbol
         self.made.append(Intermediate(symbol, value, self.point or "w", "(1)", doc))
         return symbol
 
@@ -214,7 +206,7 @@ def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
     acceleration = cddot + cross(wdot, lever) + cross(w, sdot + relative) + product(Q, rddot)
     turned = _turned(motion, section, named)
     axes = product(Q, turned.matrix, section.axes)
-    if section.axes != FIXED_AXES or turned.deforms:
+    if section.axes != fixed_axes() or turned.deforms:
         axes = sp.Matrix(
             3, 3, lambda i, j: named.one(Family.FRAME_AXES, axes[i, j], f"axes of {point.name}", (i + 1, j + 1))
         )
@@ -247,7 +239,7 @@ def _radius(motion: Motion, point: MaterialPoint, named: _Definitions) -> tuple[
         vanishing = {c.symbol: sp.S.Zero for c in point.coefficients if c.zero}
         return sp.zeros(3, 1), sp.Matrix(point.position.xreplace(vanishing)), sp.zeros(3, 1), sp.zeros(3, 1)
     tangents = tangent_vectors(
-        motion, point, lambda i, k: Symbol(Identity(Family.TANGENT, (i,), (k,), point=point.name))
+        motion, point, lambda i, k: Identity(Family.TANGENT, (i,), (k,), point=point.name).symbol
     )
     named.made += [Intermediate(symbol, value, point.name, "(6)", doc) for symbol, value, doc in tangents.definitions]
     at, rate = radius_and_rate(motion, point, tangents.vectors)
@@ -273,7 +265,7 @@ def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turn
     twists = section.twists
     if not any(entry for twist in twists for entry in twist):
         none = sp.zeros(3, 1)
-        return _Turned(sp.eye(3), sp.eye(3), none, none, (STILL,) * len(motion.alpha), False)
+        return _Turned(sp.eye(3), sp.eye(3), none, none, (still(),) * len(motion.alpha), False)
 
     def total(factors: Sequence[sp.Expr]) -> sp.Matrix:
         return sum((sp.Matrix(twist) * f for twist, f in zip(twists, factors, strict=True)), sp.zeros(3, 1))
@@ -295,7 +287,7 @@ def _virtual(motion: Motion, point: MaterialPoint, turned: _Turned) -> Iterator[
     for k, row in enumerate(motion.rows[3:6]):
         yield VirtualMotion(row.name, rotation=sp.ImmutableMatrix(motion.rotation[:, k]))
     tangents = tangent_vectors(
-        motion, point, lambda i, k: Symbol(Identity(Family.TANGENT, (i,), (k,), point=point.name))
+        motion, point, lambda i, k: Identity(Family.TANGENT, (i,), (k,), point=point.name).symbol
     )
     for row, shape, twist in zip(motion.mode_rows, tangents.vectors, turned.twists, strict=True):
         yield VirtualMotion(row.name, deformation=sp.ImmutableMatrix(shape), twist=twist)

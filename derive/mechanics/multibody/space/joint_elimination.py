@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
-from derive.algebra import sp
-from derive.mechanics.motion.body_motion import Motion
-from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+from derive.algebra import sp, zero
 from derive.mechanics.multibody.space.coordinates import JointCoordinate, behind_marker, joint_coordinate, on_ball
-from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.joints import Freedom, SpatialJointType
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.model.spatial_scene import SpatialJoint
+
+if TYPE_CHECKING:
+    from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.multibody.coordinates import CoordinateMap
+    from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
 
 _ORDER = {"rx": ("rz", "ry"), "ry": ("rz", "rx"), "rz": ("ry", "rx")}
 """The two rotations of a joint that removes the third: first about the axis of the known marker, if it is the first."""
@@ -37,7 +40,7 @@ class SpatialSupport:
     attached_to: str
     sign: int
     drive: PrescribedMotion | None
-    lead: sp.Expr = sp.S.Zero
+    lead: sp.Expr = field(default_factory=zero)
 
 
 def minimal_spatial_coordinates(

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
-from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import RowMotion, lead, row_motion, row_values
-from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad
-from derive.mechanics.multibody.space.frame_motion import FrameMotion
+from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad, none
 from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, SCREW, TURN
 from derive.mechanics.symbols import Family, identity
-from derive.mechanics.terms import EquationOfMotion
-from derive.mechanics.time_functions import Wrapped
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint
 
-NONE = sp.zeros(3, 1)
-Rows = tuple[EquationOfMotion, ...]
-At = Callable[[MarkerRef], FrameMotion]
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.kinds import BodyInstance
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
+    from derive.mechanics.terms import EquationOfMotion
+
+Rows: TypeAlias = "tuple[EquationOfMotion, ...]"
+At: TypeAlias = "Callable[[MarkerRef], FrameMotion]"
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ def counted_rotation(
 
     They are known by the coordinate of a body, by a drive, and on a thread by the displacement.
     """
+    from derive.mechanics.time_functions import Wrapped
+
     of = joint.joint
     if not joint.type.leaves(joint.type.removed(of), Freedom.ROTATION):
         return None
@@ -98,7 +101,7 @@ def _unit_loads(joint: SpatialJointInstance | SpatialEliminatedJoint, at: At) ->
     assert freedom is not None, "the specification refuses other joints"
     if isinstance(joint, SpatialEliminatedJoint) and freedom is Freedom.ROTATION:
         axis = sp.Matrix(first.axes[:, 2])  # that of the second marker as well
-        return MarkerLoad(of.first, NONE, -axis), MarkerLoad(of.second, NONE, axis)
+        return MarkerLoad(of.first, none(), -axis), MarkerLoad(of.second, none(), axis)
     motion = row_motion(of, freedom.motion, first, second, None, ())
     f1, m1, f2, m2 = motion.loads
     return MarkerLoad(of.first, f1, m1), MarkerLoad(of.second, f2, m2)

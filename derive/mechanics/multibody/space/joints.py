@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import TYPE_CHECKING
 
-from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.rows import (
     DISPLACEMENTS,
     DISTANCE,
@@ -21,6 +21,9 @@ from derive.registry import Registry
 from derive.spec.model.keys import Key, declared_keys
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 
 _KEYS = {key.name: key for key in declared_keys(SpatialJoint)}
 

@@ -10,17 +10,20 @@ and those of the relative angular velocity A^T (w2 - w) and A^T (w2dot - wdot - 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from derive.algebra import sp
+from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross, dot, fixed_frame
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
-from derive.mechanics.time_functions import Atan2, select
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
 
 AXES = (1, 2, 3)
 LABELS = tuple(map(str, AXES))
@@ -41,23 +44,32 @@ OF_CHORD = replace(
     "its body. By default it is the displacement by deformation.",
     required=False,
 )
-INERTIAL = fixed_frame(sp.zeros(3, 1), sp.eye(3))
-SMALL = sp.Rational(1, 10**100)
-"""Less than the square of any length: what keeps the root of a sum of squares, and its derivative, away from 0/0."""
-
-Observed = Callable[[FrameMotion, FrameMotion], sp.Matrix]
+Observed: TypeAlias = "Callable[[FrameMotion, FrameMotion], sp.Matrix]"
 """A vector of a marker as the frame of reference observes it, along the axes of that frame."""
+
+
+@cache
+def inertial() -> FrameMotion:
+    """The inertial frame."""
+    from derive.mechanics.multibody.space.frame_motion import fixed_frame
+
+    return fixed_frame(sp.zeros(3, 1), sp.eye(3))
+
+
+def _length(vector: Sequence[sp.Expr]) -> sp.Expr:
+    """The length of a vector; less than the square of any keeps it, and its derivative, away from 0/0."""
+    return sp.sqrt(dot(vector, vector) + sp.Rational(1, 10**100))
 
 
 def observer(values: Mapping[str, Any], parts: SpatialParts) -> tuple[FrameMotion, str]:
     """The frame of reference of an output, and its name."""
     marker: MarkerRef | None = values.get(FRAME.name)
-    return (INERTIAL, "the inertial frame") if marker is None else (parts.at(marker), str(marker))
+    return (inertial(), "the inertial frame") if marker is None else (parts.at(marker), str(marker))
 
 
 def along(frame: FrameMotion, vector: sp.Matrix) -> sp.Matrix:
     """The components of an inertial vector along the axes of a frame."""
-    return vector if frame is INERTIAL else frame.axes.T * vector
+    return vector if frame is inertial() else frame.axes.T * vector
 
 
 def _velocity(frame: FrameMotion, at: FrameMotion) -> sp.Matrix:
@@ -101,6 +113,8 @@ def rotation_vector(R: sp.Matrix) -> sp.Matrix:
     Each row of 4 e e^T is a multiple of the quaternion e and a polynomial in R without squares; that of the largest
     component does not vanish, so that no rotation is singular. At half a turn the vector changes its sign.
     """
+    from derive.mechanics.time_functions import Atan2, select
+
     trace = R[0, 0] + R[1, 1] + R[2, 2]
     axial = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
     rows = [[1 + trace, *axial]]
@@ -112,7 +126,7 @@ def rotation_vector(R: sp.Matrix) -> sp.Matrix:
         e = [select(largest, row[i], own, other) for other, own in zip(e, row, strict=True)]
         largest = select(largest, row[i], row[i], largest)
     scalar, *vector = e
-    length = sp.sqrt(dot(vector, vector) + SMALL)
+    length = _length(vector)
     half = Atan2(length, select(scalar, sp.S.Zero, -scalar, scalar))
     factor = 2 * half / length
     return sp.Matrix([select(scalar, sp.S.Zero, -factor * x, factor * x) for x in vector])
@@ -128,13 +142,15 @@ def _rotation(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialCo
 
 def _angle(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
     """The angle between a line and an axis of the frame."""
+    from derive.mechanics.time_functions import Atan2
+
     frame, name = observer(values, parts)
     first, second = (parts.at(marker) for marker in values["between"])
     line = along(frame, second.position - first.position)
     axis = values[AXIS.name]
     k = AXIS.choices.index(axis)
     across = [x for i, x in enumerate(line) if i != k]
-    angle = Atan2(sp.sqrt(dot(across, across) + SMALL), line[k])
+    angle = Atan2(_length(across), line[k])
     markers = " to ".join(map(str, values["between"]))
     doc = f"angle between the line from {markers} and {axis} of {name}, from 0 to pi"
     return (SpatialComponent("", "rad", doc, angle),)

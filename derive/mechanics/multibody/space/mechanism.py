@@ -5,22 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
-from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equations_of_mechanism, refuse_idle
-from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
 from derive.mechanics.multibody.space.actions import loads_of
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
 from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad
-from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion
-from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.output_parts import SpatialParts
 from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
@@ -33,6 +28,13 @@ from derive.mechanics.terms import (
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_forces import SpatialAction, SpatialSpring
 from derive.spec.model.spatial_scene import SpatialScene
+
+if TYPE_CHECKING:
+    from derive.mechanics.equations import Equations
+    from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.instances import InstanceEquations
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
+    from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 
 
 @dataclass(frozen=True)

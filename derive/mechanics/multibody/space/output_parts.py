@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
-from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+from derive.mechanics.motion.vectors import dot
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad, moved_to
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, dot
-from derive.mechanics.multibody.space.joint_motion import JointMotion
 from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint, SpatialJointInstance
 from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.instances import InstanceEquations
+    from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
+    from derive.mechanics.multibody.space.joint_motion import JointMotion
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.spatial_rigid import spatial_rigid_body, spatial_rigid_point
-from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_bodies import FrameMarker, SpatialRigidBody
+
+if TYPE_CHECKING:
+    from derive.mechanics.terms import ModelConstant
 
 NO_INERTIA: tuple[Quantity, ...] = (Fraction(0),) * 6
 TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
@@ -66,6 +66,9 @@ def column(position: Sequence[Quantity]) -> sp.Matrix:
 
 
 def _component(body: SpatialRigidBody, about: str | None, gravity: tuple[ModelConstant, ...]) -> Component:
+    from derive.mechanics.bodies.spatial_rigid import spatial_rigid_body, spatial_rigid_point
+    from derive.mechanics.motion.rotations import matrix_of
+
     centre = column(body.centre)
     positions = {m.name: column(m.position) for m in body.markers}
     origin = positions[about] if about else centre

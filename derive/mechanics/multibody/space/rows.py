@@ -6,15 +6,17 @@ the part of its second derivative without accelerations follow from xdot = v, Ad
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, cached_property, lru_cache
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.motion.spatial import skew
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross, dot
-from derive.mechanics.time_functions import Atan2, Wrapped
+from derive.mechanics.motion.vectors import cross, dot, skew
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
 
 
 def _dummies(label: str, rows: int, columns: int = 1) -> sp.Matrix:
@@ -52,14 +54,42 @@ def _frame(number: int) -> FrameVariables:
     )
 
 
-FIRST, SECOND = _frame(1), _frame(2)
-MOTION = tuple(sp.Dummy(label) for label in ("motion", "motiondot", "motionddot"))
-COS, SIN = sp.Dummy("cos_motion"), sp.Dummy("sin_motion")
-"""The prescribed motion of a drive with its derivatives, its cosine and its sine."""
-LENGTH = sp.Dummy("length")
-"""The distance of a joint that keeps one."""
-LEAD = sp.Dummy("lead")
-"""The displacement along z of a screw joint for a rotation of 1 rad about it, m/rad."""
+@dataclass(frozen=True)
+class RowVariables:
+    """The variables of rows: those of both frames, and those of their joint and its drive.
+
+    motion: the prescribed motion of the drive with its derivatives, with its cosine and its sine. length: the distance
+    of a joint that keeps one. lead: the displacement along z of a screw joint for a rotation of 1 rad about it, m/rad.
+    """
+
+    first: FrameVariables
+    second: FrameVariables
+    motion: tuple[sp.Symbol, ...]
+    cos: sp.Symbol
+    sin: sp.Symbol
+    length: sp.Symbol
+    lead: sp.Symbol
+
+    @property
+    def apart(self) -> sp.Matrix:
+        """The vector from the first marker to the second."""
+        return self.second.x - self.first.x
+
+    def along(self, i: int, j: int) -> sp.Expr:
+        """The product of axis i of the first marker and axis j of the second."""
+        return dot(self.first.A[:, i], self.second.A[:, j])
+
+    def displacement(self, axis: int) -> sp.Expr:
+        """The displacement of the second marker along an axis of the first."""
+        return dot(self.first.A[:, axis], self.apart)
+
+
+@cache
+def row_variables() -> RowVariables:
+    """The variables of all rows, which do not depend on the joint."""
+    motion = tuple(sp.Dummy(label) for label in ("motion", "motiondot", "motionddot"))
+    others = (sp.Dummy(label) for label in ("cos_motion", "sin_motion", "length", "lead"))
+    return RowVariables(_frame(1), _frame(2), motion, *others)
 
 
 @dataclass(frozen=True)
@@ -67,14 +97,20 @@ class RelativeFunction:
     """A function g of two marker frames, which a joint removes or a drive prescribes.
 
     The name of the multiplier is that of the joint with `label` behind it. `doc` is a template with the fields
-    {markers}, {second} (the second body) and {joint}. unit: that of g; force_unit: that of the multiplier.
+    {markers}, {second} (the second body) and {joint}. unit: that of g; force_unit: that of the multiplier. formula: g
+    as a function of the variables.
     """
 
     label: str
     doc: str
     unit: str
     force_unit: str
-    g: sp.Expr
+    formula: Callable[[RowVariables], sp.Expr]
+
+    @cached_property
+    def g(self) -> sp.Expr:
+        """The function, an expression of the variables."""
+        return self.formula(row_variables())
 
 
 @dataclass(frozen=True)
@@ -101,9 +137,9 @@ class Derived:
 @lru_cache(256)
 def derived(row: RelativeFunction) -> Derived:
     """The derivatives of a row."""
-    rate = _rate(row.g)
-    velocities = (FIRST.v, FIRST.w, SECOND.v, SECOND.w)
-    f1, m1, f2, m2 = (sp.Matrix([sp.factor_terms(rate.diff(s)) for s in of]) for of in velocities)
+    of, rate = row_variables(), _rate(row.g)
+    velocities = (of.first.v, of.first.w, of.second.v, of.second.w)
+    f1, m1, f2, m2 = (sp.Matrix([sp.factor_terms(rate.diff(s)) for s in v]) for v in velocities)
     bias = _bias_of_rotation(row.g)
     return Derived(f1, m1, f2, m2, rate, _rate(rate) if bias is None else bias)
 
@@ -115,29 +151,31 @@ def _bias_of_rotation(g: sp.Expr) -> sp.Expr | None:
     derivative but the one that turning gives it, the acceleration w x (w x a) - (w1 x w) x a, which rows share. None of
     other functions.
     """
-    factors = [sp.Matrix([g.diff(x) for x in SECOND.A[:, k]]) for k in range(3)]
+    first, second = row_variables().first, row_variables().second
+    factors = [sp.Matrix([g.diff(x) for x in second.A[:, k]]) for k in range(3)]
     present = set().union(*(x.free_symbols for p in factors for x in p))
-    products = (p_k * a_k for k, p in enumerate(factors) for p_k, a_k in zip(p, SECOND.A[:, k], strict=True))
-    if not present <= FIRST.A.free_symbols or sp.expand(g - sp.Add(*products)) != 0:
+    products = (p_k * a_k for k, p in enumerate(factors) for p_k, a_k in zip(p, second.A[:, k], strict=True))
+    if not present <= first.A.free_symbols or sp.expand(g - sp.Add(*products)) != 0:
         return None
-    w = SECOND.w - FIRST.w
-    turning = cross(FIRST.w, w)
+    w = second.w - first.w
+    turning = cross(first.w, w)
     total = sp.S.Zero
     for k, p in enumerate(factors):
         if any(p):
-            a = SECOND.A[:, k]
+            a = second.A[:, k]
             total += dot(p, cross(w, cross(w, a)) - cross(turning, a))
     return total
 
 
 def _rate(of: sp.Expr) -> sp.Expr:
     """The time derivative of an expression in which all accelerations are zero."""
+    known = row_variables()
     rates: Mapping[sp.Symbol, sp.Expr] = {
-        **FIRST.rates(),
-        **SECOND.rates(),
-        **dict(pairwise(MOTION)),
-        COS: -SIN * MOTION[1],
-        SIN: COS * MOTION[1],
+        **known.first.rates(),
+        **known.second.rates(),
+        **dict(pairwise(known.motion)),
+        known.cos: -known.sin * known.motion[1],
+        known.sin: known.cos * known.motion[1],
     }
     present = of.free_symbols & rates.keys()
     return sp.Add(*(of.diff(s) * rates[s] for s in sorted(present, key=lambda s: (s.name, s.dummy_index))))
@@ -145,43 +183,34 @@ def _rate(of: sp.Expr) -> sp.Expr:
 
 # ---- the rows ----
 
-_D = SECOND.x - FIRST.x
-_X1, _Y1, _Z1 = (FIRST.A[:, k] for k in range(3))
-_X2, _Y2, _Z2 = (SECOND.A[:, k] for k in range(3))
 
-
-def _displacement(axis: str, direction: sp.Matrix) -> RelativeFunction:
+def _displacement(k: int, axis: str) -> RelativeFunction:
     doc = f"{{markers}} coincide along the {axis} axis of the first"
-    return RelativeFunction(axis, doc, "m", "N", dot(direction, _D))
+    return RelativeFunction(axis, doc, "m", "N", lambda of: of.displacement(k))
 
 
-COINCIDENT = tuple(
-    RelativeFunction(axis, f"{{markers}} coincide along the inertial {axis} axis", "m", "N", component)
-    for axis, component in zip("xyz", _D, strict=True)
-)
+def _coincident(k: int, axis: str) -> RelativeFunction:
+    doc = f"{{markers}} coincide along the inertial {axis} axis"
+    return RelativeFunction(axis, doc, "m", "N", lambda of: of.apart[k])
+
+
+COINCIDENT = tuple(_coincident(k, axis) for k, axis in enumerate("xyz"))
 """The rows of a joint that removes all displacements: inertial components, whose factors do not depend on the state."""
 
 
-def _rotation(axis: str, g: sp.Expr, doc: str) -> RelativeFunction:
-    return RelativeFunction(f"r{axis}", f"{{markers}}: {doc}", "rad", "N m", g)
+def _rotation(axis: str, sign: int, i: int, j: int) -> RelativeFunction:
+    """The product of axis i of the first marker and axis j of the second, with a sign."""
+    doc = f"{{markers}}: {'xyz'[i]} of the first is normal to {'xyz'[j]} of the second"
+    return RelativeFunction(f"r{axis}", doc, "rad", "N m", lambda of: of.along(i, j) if sign > 0 else -of.along(i, j))
 
 
-DISPLACEMENTS = {axis: _displacement(axis, of) for axis, of in (("x", _X1), ("y", _Y1), ("z", _Z1))}
+DISPLACEMENTS = {axis: _displacement(k, axis) for k, axis in enumerate("xyz")}
 """The displacements of the second marker along the axes of the first."""
 
 ROTATIONS: Mapping[str, tuple[RelativeFunction, RelativeFunction]] = {
-    "rx": (
-        _rotation("x", dot(_Z1, _Y2), "z of the first is normal to y of the second"),
-        _rotation("x", -dot(_Y1, _Z2), "y of the first is normal to z of the second"),
-    ),
-    "ry": (
-        _rotation("y", -dot(_Z1, _X2), "z of the first is normal to x of the second"),
-        _rotation("y", dot(_X1, _Z2), "x of the first is normal to z of the second"),
-    ),
-    "rz": (
-        _rotation("z", dot(_Y1, _X2), "y of the first is normal to x of the second"),
-        _rotation("z", -dot(_X1, _Y2), "x of the first is normal to y of the second"),
-    ),
+    "rx": (_rotation("x", 1, 2, 1), _rotation("x", -1, 1, 2)),
+    "ry": (_rotation("y", -1, 2, 0), _rotation("y", 1, 0, 2)),
+    "rz": (_rotation("z", 1, 1, 0), _rotation("z", -1, 0, 1)),
 }
 """Two forms of each rotation about an axis of the first marker, equal to it where the frames are nearly parallel."""
 
@@ -209,21 +238,41 @@ def masked(removes: tuple[str, ...]) -> tuple[RelativeFunction, ...]:
     return (*displacements, *(ROTATIONS[name][form] for name, form in zip(rotations, forms, strict=True)))
 
 
+def _turn(of: RowVariables) -> sp.Expr:
+    from derive.mechanics.time_functions import Atan2
+
+    return Atan2(of.along(1, 0), of.along(0, 0))
+
+
+def _screw(of: RowVariables) -> sp.Expr:
+    from derive.mechanics.time_functions import Wrapped
+
+    return Wrapped(of.displacement(2) - of.lead * TURN.g, of.lead)
+
+
 DISTANCE = RelativeFunction(
-    "distance", "{markers} keep their distance", "m", "N", (dot(_D, _D) - LENGTH**2) / (2 * LENGTH)
+    "distance",
+    "{markers} keep their distance",
+    "m",
+    "N",
+    lambda of: (dot(of.apart, of.apart) - of.length**2) / (2 * of.length),
 )
 
-TURN = RelativeFunction("turn", "", "rad", "N m", Atan2(dot(_Y1, _X2), dot(_X1, _X2)))
+TURN = RelativeFunction("turn", "", "rad", "N m", _turn)
 """The rotation about z from -pi to pi: the angle of x of the second marker in the plane of x and y of the first."""
 
-SCREW = RelativeFunction(
-    "screw", "{markers} move along z by the pitch for each turn", "m", "N", Wrapped(dot(_Z1, _D) - LEAD * TURN.g, LEAD)
-)
+SCREW = RelativeFunction("screw", "{markers} move along z by the pitch for each turn", "m", "N", _screw)
 """The displacement along z less that of the rotation about z, modulo the pitch: the displacement counts the turns."""
 
 DRIVEN_ROTATION = RelativeFunction(
-    "turn", "drive {drive} turns {second}", "rad", "N m", dot(_Y1, _X2) * COS - dot(_X1, _X2) * SIN
+    "turn",
+    "drive {drive} turns {second}",
+    "rad",
+    "N m",
+    lambda of: of.along(1, 0) * of.cos - of.along(0, 0) * of.sin,
 )
 """The rotation about z less the prescribed one: the sine of the difference."""
 
-DRIVEN_DISPLACEMENT = RelativeFunction("along", "drive {drive} displaces {second}", "m", "N", dot(_Z1, _D) - MOTION[0])
+DRIVEN_DISPLACEMENT = RelativeFunction(
+    "along", "drive {drive} displaces {second}", "m", "N", lambda of: of.displacement(2) - of.motion[0]
+)

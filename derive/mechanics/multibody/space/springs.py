@@ -8,18 +8,17 @@ from fractions import Fraction
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
+from derive.mechanics.motion.vectors import dot
 from derive.mechanics.multibody.space.forces import (
-    NONE,
     ActionLoads,
     CountedRotation,
     ElementDefinitions,
     Frames,
     MarkerLoad,
     Values,
+    none,
 )
-from derive.mechanics.multibody.space.frame_motion import dot
-from derive.mechanics.multibody.space.rows import DISPLACEMENTS, FIRST, SECOND, RelativeFunction, derived
-from derive.mechanics.time_functions import Atan2
+from derive.mechanics.multibody.space.rows import DISPLACEMENTS, RelativeFunction, derived, row_variables
 from derive.registry import Registry
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.spatial_forces import (
@@ -50,15 +49,13 @@ def _linear(spring: SpatialSpring, frames: Frames, values: Values, turns: Counte
         coincide = f"the ends of spring {spring.name} coincide"
         name.made[-1] = replace(name.made[-1], divisor=length, divisor_text=coincide)
     pull = over_length * apart
-    loads = (MarkerLoad(spring.second, -pull, NONE), MarkerLoad(spring.first, pull, NONE))
+    loads = (MarkerLoad(spring.second, -pull, none()), MarkerLoad(spring.first, pull, none()))
     potential = values["stiffness"] * extension**2 / 2
     return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
-_ACROSS, _ALONG = (
-    RelativeFunction(label, "", "1", "J", dot(FIRST.A[:, k], SECOND.A[:, 0]))
-    for label, k in (("across", 1), ("along", 0))
-)
+_ACROSS = RelativeFunction("across", "", "1", "J", lambda of: of.along(1, 0))
+_ALONG = RelativeFunction("along", "", "1", "J", lambda of: of.along(0, 0))
 """The components of x of the second marker along y and x of the first."""
 
 
@@ -67,11 +64,13 @@ def _rotational(spring: SpatialSpring, frames: Frames, values: Values, turns: Co
 
     The torques on both markers are those of a potential, also where their z axes are not parallel.
     """
+    from derive.mechanics.time_functions import Atan2
+
     name = ElementDefinitions(spring.name, f"spring {spring.name}")
     if turns is not None and turns.rate is not None:
         return _about_axis(spring, frames, values, turns.angle, turns.rate)
     first, second = frames
-    variables = FIRST.values(first) | SECOND.values(second)
+    variables = row_variables().first.values(first) | row_variables().second.values(second)
     rows = derived(_ACROSS), derived(_ALONG)
     across = name("across", _ACROSS.g.xreplace(variables), "x of the second marker along y")
     along = name("along", _ALONG.g.xreplace(variables), "x of the second marker along x")
@@ -94,8 +93,8 @@ def _rotational(spring: SpatialSpring, frames: Frames, values: Values, turns: Co
         for of in ((rows[0].m1, rows[1].m1), (rows[0].m2, rows[1].m2))
     )
     loads = (
-        MarkerLoad(spring.first, NONE, name.vector("m1", sp.Matrix(m1), "torque on the first marker")),
-        MarkerLoad(spring.second, NONE, name.vector("m2", sp.Matrix(m2), "torque on the second marker")),
+        MarkerLoad(spring.first, none(), name.vector("m1", sp.Matrix(m1), "torque on the first marker")),
+        MarkerLoad(spring.second, none(), name.vector("m2", sp.Matrix(m2), "torque on the second marker")),
     )
     potential = values["stiffness"] * extension**2 / 2
     return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
@@ -107,22 +106,19 @@ def _about_axis(spring: SpatialSpring, frames: Frames, values: Values, angle: sp
     extension = angle - values["rest"]
     torque = name("torque", values["stiffness"] * extension + values["damping"] * rate, "torque")
     vector = name.vector("inertial", frames[0].axes[:, 2] * torque, "torque on the first marker")
-    loads = (MarkerLoad(spring.first, NONE, vector), MarkerLoad(spring.second, NONE, -vector))
+    loads = (MarkerLoad(spring.first, none(), vector), MarkerLoad(spring.second, none(), -vector))
     potential, dissipation = values["stiffness"] * extension**2 / 2, -values["damping"] * rate**2
     return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
-def _axial(i: int, j: int) -> sp.Expr:
+def _axial(axis: str, i: int, j: int) -> RelativeFunction:
     """Half the difference of two entries of A1^T A2: for small rotations the rotation about the third axis."""
-    return (dot(FIRST.A[:, i], SECOND.A[:, j]) - dot(FIRST.A[:, j], SECOND.A[:, i])) / 2
+    return RelativeFunction(f"r{axis}", "", "rad", "N m", lambda of: (of.along(i, j) - of.along(j, i)) / 2)
 
 
 BUSHING_ROWS = (
     *DISPLACEMENTS.values(),
-    *(
-        RelativeFunction(f"r{axis}", "", "rad", "N m", _axial(i, j))
-        for axis, i, j in (("x", 2, 1), ("y", 0, 2), ("z", 1, 0))
-    ),
+    *(_axial(axis, i, j) for axis, i, j in (("x", 2, 1), ("y", 0, 2), ("z", 1, 0))),
 )
 """The displacements along the axes of the first marker, and the rotations about them, up to third order in these."""
 
@@ -131,7 +127,7 @@ def _bushing(spring: SpatialSpring, frames: Frames, values: Values, turns: Count
     """Springs with dampers along and about the axes of the first marker; their forces are those of a potential."""
     name = ElementDefinitions(spring.name, f"spring {spring.name}")
     first, second = frames
-    variables = FIRST.values(first) | SECOND.values(second)
+    variables = row_variables().first.values(first) | row_variables().second.values(second)
     K, C = values["stiffness"], values.get("damping", sp.zeros(6, 6))
     moved, rate = ([sp.S.Zero] * 6 for _ in range(2))
     for number, row in enumerate(BUSHING_ROWS):
