@@ -18,7 +18,7 @@ import pytest
 
 import derive
 from conftest import QUICK, ROOT
-from derive import cache, generated_models
+from derive import cache, generated_models, kept_objects
 from derive.backends.model_files import fingerprint
 from derive.cli.main import main
 from derive.generated_models import generated
@@ -243,11 +243,11 @@ def test_models_are_made_anew_where_anything_else_is_different(monkeypatch: pyte
     with pytest.raises(AssertionError, match="made anew"):
         generated(replace(beam, name="other"))
     with monkeypatch.context() as patch:
-        patch.setattr(generated_models, "package_hash", lambda: "other sources")
+        patch.setattr(kept_objects, "package_hash", lambda: "other sources")
         with pytest.raises(AssertionError, match="made anew"):
             generated(beam)
     with monkeypatch.context() as patch:
-        patch.setattr(generated_models, "version", lambda name: "another version")
+        patch.setattr(kept_objects, "version", lambda name: "another version")
         with pytest.raises(AssertionError, match="made anew"):
             generated(beam)
     for registry in generated_models.OPEN:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from derive.mechanics.time_integrals.kept import kept_integral
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import Drive
 from derive.spec.model.time_function import TimeFunction
@@ -21,13 +22,11 @@ def drive_motion(drive: Drive) -> TimeFunction:
 
     Raises NoClosedForm where the speed has no known integral; reading a specification refuses such a speed.
     """
-    from derive.mechanics.time_integrals.closed_form import time_integral
-
     if drive.motion is not None:
         return drive.motion
     speed = drive_speed(drive)
     assert speed is not None, "a drive has a motion or a speed"
-    integral = time_integral(speed)
+    integral = kept_integral(speed)
     return integral if drive.offset == 0 else TimeFunction("add", (integral, _constant(drive.offset)))
 
 

@@ -225,10 +225,6 @@ class Identity:
             self.parameter,
         )
 
-    def of(self, owner: str) -> Identity:
-        """The identity of the same quantity of a body of a mechanism."""
-        return replace(self, owner=owner)
-
     @property
     def symbol(self) -> Symbol:
         """The symbol of this identity."""
@@ -287,6 +283,11 @@ def vector(family: Family, dimension: int, derivative: int = 0, shapes: Iterable
 def amplitude(shape: ShapeIndex, derivative: int = 0) -> Symbol:
     """The amplitude alpha of a shape, or its time derivative."""
     return quantity(Family.AMPLITUDE, derivative=derivative, shapes=(shape,))
+
+
+def amplitude_of(owner: str, shape: int, derivative: int = 0) -> Identity:
+    """The identity of an amplitude of a body of a mechanism."""
+    return Identity(Family.AMPLITUDE, (shape,), derivative=derivative, owner=owner)
 
 
 def pair(family: Family, i: int, j: int, *components: int) -> Symbol:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.errors import TisserandError
-from derive.generated_models import package_hash
+from derive.kept_objects import package_hash
 from docs.gallery.entries import ROOT, Entry
 from docs.gallery.recording import MESSAGES, OUTPUT, RESULT, record
 

@@ -211,10 +211,14 @@ def exponential(wave: WaveNumber, real: int, imaginary: int, coefficient: Real) 
 
 
 def rational(number: Real) -> sp.Rational:
-    """A number in the derivation: a fraction as it is, any other as the double next to it, the same on any machine."""
-    if isinstance(number, Fraction):
-        return sp.Rational(number.numerator, number.denominator)
-    return sp.Rational(float(number))
+    """A number in the derivation, see `fraction`."""
+    exact = fraction(number)
+    return sp.Rational(exact.numerator, exact.denominator)
+
+
+def fraction(number: Real) -> Fraction:
+    """An exact number: a fraction as it is, any other as the double next to it, the same on any machine."""
+    return number if isinstance(number, Fraction) else Fraction(float(number))
 
 
 def _polynomial_text(coefficients: Polynomial) -> str:

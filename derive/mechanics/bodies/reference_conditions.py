@@ -14,7 +14,6 @@ from functools import cache
 from math import lcm
 from typing import assert_never
 
-from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.mechanics.bodies.beam_functions import (
     LEFT,
@@ -24,10 +23,11 @@ from derive.mechanics.bodies.beam_functions import (
     XI,
     BeamFunction,
     Real,
+    fraction,
     polynomial,
-    rational,
 )
 from derive.mechanics.bodies.shape_families import family_shapes
+from derive.mechanics.exact_nullspace import nullspace
 from derive.spec.model.beam_parts import FAMILY_FRAMES, AssumedDeflection, Ends, Frame, Polynomial, ShapeFamily
 
 
@@ -187,8 +187,8 @@ def _solve(ansatz: list[BeamFunction], imposed: tuple[Condition, ...]) -> list[B
     """A basis of the part of span(ansatz) on which all conditions hold; the leading ansatz terms are eliminated."""
     if not imposed:
         return ansatz
-    values = sp.Matrix([[rational(condition.on(p)) for p in ansatz] for condition in imposed])
-    return [_combination(ansatz, map(_fraction, vector)) for vector in values.nullspace()]
+    values = [[fraction(condition.on(p)) for p in ansatz] for condition in imposed]
+    return [_combination(ansatz, vector) for vector in nullspace(values, len(ansatz))]
 
 
 def _combination(functions: list[BeamFunction], weights: Iterable[Fraction]) -> BeamFunction:
@@ -245,13 +245,9 @@ def dependencies(polynomials: list[BeamFunction]) -> list[str]:
 def _null_vectors(polynomials: list[BeamFunction]) -> list[list[Fraction]]:
     """The integer weights of all independent combinations that vanish identically (exact rank)."""
     height = max(1, *(len(p.coefficients) for p in polynomials))
-    columns = [[*map(rational, p.coefficients), *[0] * (height - len(p.coefficients))] for p in polynomials]
-    vectors = (list(map(_fraction, vector)) for vector in sp.Matrix(columns).T.nullspace())
+    columns = [[*p.coefficients, *[Fraction(0)] * (height - len(p.coefficients))] for p in polynomials]
+    vectors = nullspace([*zip(*columns, strict=True)], len(polynomials))
     return [[w * lcm(*(x.denominator for x in vector)) for w in vector] for vector in vectors]
-
-
-def _fraction(number: sp.Rational) -> Fraction:
-    return Fraction(int(number.p), int(number.q))
 
 
 def _sum_text(weights: Iterable[Fraction], names: list[str]) -> str:

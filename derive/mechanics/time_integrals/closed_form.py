@@ -16,10 +16,10 @@ from math import factorial
 from sympy.core.symbol import Str
 
 from derive.algebra import sp
-from derive.errors import TisserandError
 from derive.mechanics.quantity import function
 from derive.mechanics.time_expressions import NoTimeFunction, time_function
 from derive.mechanics.time_functions import Lookup, Maximum, Minimum, Select, SmoothStep
+from derive.mechanics.time_integrals.kept import NoClosedForm
 from derive.mechanics.time_integrals.linear_arguments import Linear, at, linear_in_t
 from derive.mechanics.time_integrals.smooth_products import smooth_integral
 from derive.mechanics.time_integrals.switches import selection
@@ -28,14 +28,6 @@ from derive.spec.model.time_function import TimeFunction, parts
 
 MAX_CHOICES = 64
 """The largest number of choices of two expressions in an integral; products of many switches exceed it."""
-
-
-class NoClosedForm(TisserandError):
-    """A function of time whose integral no rule knows; `part` is the product without a rule."""
-
-    def __init__(self, part: TimeFunction | None) -> None:
-        super().__init__("the integral has no closed form")
-        self.part = part
 
 
 @lru_cache(maxsize=256)

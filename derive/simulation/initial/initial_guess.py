@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from derive.mechanics.multibody.bodies.beam import piece_name
-from derive.mechanics.symbols import Family, amplitude, owned, quantity
+from derive.mechanics.symbols import Family, Identity, amplitude_of
 from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -52,8 +52,8 @@ def _guess_beam(values: dict[str, float], rates: dict[str, float], beam: BeamBod
         values[angle] += float(part.slope) / half
         rates[angle] += float(rate.slope) / half
         for i, (value, value_rate) in enumerate(zip(part.amplitudes, rate.amplitudes, strict=True), 1):
-            symbol = owned(amplitude(i), name).identity.shown
-            values[symbol], rates[symbol] = float(value), float(value_rate)
+            coordinate = amplitude_of(name, i).shown
+            values[coordinate], rates[coordinate] = float(value), float(value_rate)
 
 
 def _guess_frame(
@@ -91,5 +91,4 @@ def _guess_displacement(
 
 def _name(body: str, family: Family, *components: int) -> str:
     """The name of a coordinate of a body."""
-    name: str = owned(quantity(family, *components), body).identity.shown
-    return name
+    return Identity(family, components=components, owner=body).shown

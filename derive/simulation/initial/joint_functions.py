@@ -11,7 +11,7 @@ import numpy as np
 from derive.algebra import sp
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.kinematics import Kinematics, Linear
 from derive.simulation.observables.beams import fields_of, half_length
@@ -100,7 +100,7 @@ def _on_beam(beam: BeamBody, marker: str, native: NativeScene) -> Callable[[Kine
     """
     at = next(m.at for m in beam.beam.markers if m.name == marker)
     piece, place, fields = piece_name(beam, piece_of(at, beam.pieces)), place_in_piece(at, beam.pieces), fields_of(beam)
-    columns = [native.coordinates.index(owned(amplitude(i), piece).identity.shown) for i in range(1, len(fields) + 1)]
+    columns = [native.coordinates.index(amplitude_of(piece, i).shown) for i in range(1, len(fields) + 1)]
     gradients = np.zeros((2, native.nq))  # of du/dx and dv/dx
     for field, column in zip(fields, columns, strict=True):
         gradients[field.axis - 1, column] = float(field.of.derivative().at(place)) / half_length(beam)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from derive.mechanics.multibody.bodies.beam import piece_name
-from derive.mechanics.symbols import Family, owned, quantity
+from derive.mechanics.symbols import Family, Identity
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import coordinates_with
@@ -105,5 +105,5 @@ class LooseBodies:
 
 def _coordinates(names: Sequence[str], piece: str) -> list[int]:
     """The numbers of the coordinates c1, c2 and phi of a piece of a beam."""
-    families = (quantity(Family.TRANSLATION, 1), quantity(Family.TRANSLATION, 2), quantity(Family.ANGLE))
-    return [names.index(owned(of, piece).identity.shown) for of in families]
+    of_frame = ((Family.TRANSLATION, 1), (Family.TRANSLATION, 2), (Family.ANGLE,))
+    return [names.index(Identity(family, components=tuple(k), owner=piece).shown) for family, *k in of_frame]

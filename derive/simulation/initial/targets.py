@@ -12,7 +12,7 @@ from derive.mechanics.bodies.deflection_projection import projection
 from derive.mechanics.bodies.reference_conditions import PieceDeflection
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.joint_functions import Function, driven_coordinate
 from derive.simulation.initial.kinematics import Kinematics, Linear
@@ -154,7 +154,7 @@ def _amplitudes(beam: BeamBody, curve: tuple[Fraction, ...] | None) -> Iterator[
     """The names of the modal amplitudes of all pieces, and their values."""
     for k, part in enumerate(piece_deflections(beam, curve)):
         for i, value in enumerate(part.amplitudes, 1):
-            yield owned(amplitude(i), piece_name(beam, k)).identity.shown, float(value)
+            yield amplitude_of(piece_name(beam, k), i).shown, float(value)
 
 
 def _origin(pieces: tuple[_Piece, ...], i: int) -> Function:

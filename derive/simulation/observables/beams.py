@@ -12,7 +12,7 @@ from derive.mechanics.bodies.beam_integrals import BeamField
 from derive.mechanics.bodies.displacement_fields import displacement_fields, shortening
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import amplitude_of
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
 from derive.spec.model.beam_parts import AssumedDeflection
 from derive.spec.model.body import DisplacementOrder
@@ -75,7 +75,7 @@ def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
 
 def field_amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
     """All amplitudes of a piece (n, fields), m."""
-    names = [owned(amplitude(i + 1), piece).identity.shown for i in range(len(fields_of(beam)))]
+    names = [amplitude_of(piece, i + 1).shown for i in range(len(fields_of(beam)))]
     values: Array = motion.q[:, [motion.native.coordinates.index(name) for name in names]]
     return values
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.multibody.space.rows import ROTATIONS
-from derive.mechanics.symbols import Family, amplitude, owned, quantity
+from derive.mechanics.symbols import Family, Identity, amplitude_of
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
@@ -63,8 +63,8 @@ def _possible(body: SpatialBody) -> Iterator[str]:
         (Family.GUIDE, ((), *((k,) for k in axes))),
     ]
     for family, components in families:
-        yield from (owned(quantity(family, *of), body.name).identity.shown for of in components)
-    yield from (owned(amplitude(i), body.name).identity.shown for i in range(1, MAX_MODES + 1))
+        yield from (Identity(family, components=tuple(of), owner=body.name).shown for of in components)
+    yield from (amplitude_of(body.name, i).shown for i in range(1, MAX_MODES + 1))
 
 
 def _origin(body: SpatialBody) -> Vector:

@@ -9,7 +9,7 @@ import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, JointStart
 from derive.mechanics.multibody.space.rows import ROTATIONS
-from derive.mechanics.symbols import Family, owned, quantity
+from derive.mechanics.symbols import Family, Identity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import quaternion_of, rotation_vector
@@ -38,7 +38,7 @@ def joint_coordinate(joint: SpatialJoint, freedom: Freedom, native: NativeScene)
         return None
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
     for marker, sign in ((joint.second, 1), (joint.first, -1)):
-        q, v = (owned(quantity(family, derivative=d), marker.body).identity.shown for d in (0, 1))
+        q, v = (Identity(family, derivative=d, owner=marker.body).shown for d in (0, 1))
         if q in native.coordinates:
             return JointColumn(native.coordinates.index(q), native.velocities.index(v), sign)
     return None

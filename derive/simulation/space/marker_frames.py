@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from derive.mechanics.bodies.modal_body import ModalFrame
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
@@ -85,8 +85,8 @@ def deformed_frame(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) 
     of = _modal_frames(body)[marker.marker]
     point, native = of.point, poses.native
     modes = range(1, len(point.shapes) + 1)
-    alpha = poses.q[[native.coordinates.index(owned(amplitude(i), body.name).identity.shown) for i in modes]]
-    columns = tuple(native.velocities.index(owned(amplitude(i, 1), body.name).identity.shown) for i in modes)
+    alpha = poses.q[[native.coordinates.index(amplitude_of(body.name, i).shown) for i in modes]]
+    columns = tuple(native.velocities.index(amplitude_of(body.name, i, 1).shown) for i in modes)
     bent = np.zeros_like(point.shapes) if point.second is None else np.einsum("j,ijk->ik", alpha, point.second)
     position = point.position + alpha @ (point.shapes + bent / 2)
     theta = alpha @ of.twists

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix
@@ -99,9 +99,7 @@ def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
         if values:
             rate = key == "amplitude_rates"
             columns = tuple(_amplitude(native, body.name, i) for i in range(1, len(values) + 1))
-            places = tuple(
-                native.coordinates.index(owned(amplitude(i), body.name).identity.shown) for i, _ in enumerate(values, 1)
-            )
+            places = tuple(native.coordinates.index(amplitude_of(body.name, i).shown) for i, _ in enumerate(values, 1))
             yield SpatialTarget(
                 table, key, values, given, False, rate, _amplitudes(places, columns, np.array(values), rate), columns
             )
@@ -115,7 +113,7 @@ def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
 
 def _amplitude(native: NativeScene, body: str, i: int) -> int:
     """The number of the velocity of an amplitude."""
-    return native.velocities.index(owned(amplitude(i, 1), body).name)
+    return native.velocities.index(amplitude_of(body, i, 1).name)
 
 
 def _amplitudes(

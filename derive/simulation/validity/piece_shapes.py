@@ -8,7 +8,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from derive.mechanics.symbols import Family, amplitude, owned, quantity
+from derive.mechanics.symbols import Family, Identity, amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.observables.beams import function_values, half_length, shape_functions
@@ -93,12 +93,12 @@ class PieceShapes:
 
     def amplitudes_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the coordinates of a scene that are the amplitudes of a piece."""
-        return [_index(native, owned(amplitude(i + 1), piece).identity.shown) for i in range(len(self.stiffness))]
+        return [_index(native, amplitude_of(piece, i + 1).shown) for i in range(len(self.stiffness))]
 
     @staticmethod
     def rotation_in(native: ConstrainedSystem, piece: str) -> int:
         """The number of the coordinate that is the rotation of a piece."""
-        return _index(native, owned(quantity(Family.ANGLE), piece).identity.shown)
+        return _index(native, Identity(Family.ANGLE, owner=piece).shown)
 
 
 def _index(native: ConstrainedSystem, name: str) -> int:

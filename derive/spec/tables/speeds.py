@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, PlainValidator, ValidationInfo, WithJsonSchema
 
+from derive.mechanics.time_integrals.kept import NoClosedForm, kept_integral
 from derive.spec.model.time_function import TimeFunction, value_at
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
@@ -19,15 +20,13 @@ from derive.spec.tables.shared import plain_or_table
 
 def _speed(value: object, info: ValidationInfo) -> Fraction | TimeFunction:
     """A number, or a function of the time whose integral is known."""
-    from derive.mechanics.time_integrals.closed_form import NoClosedForm, time_integral
-
     if not isinstance(value, (str, TimeFunction)):
         return values.number(value)
     function = scene_values.function(value, info.context)
     if function.kind == "number":
         return function.value
     try:
-        value_at(time_integral(function), 0.0)
+        value_at(kept_integral(function), 0.0)
     except (ArithmeticError, ValueError):
         raise values.WrongValueError(
             f"the integral of {function_text(function)} has no value at t = 0 with the defaults of the parameters, "

@@ -11,7 +11,7 @@ from typing import Any
 
 from derive.backends.model_files import fingerprint
 from derive.errors import Problem, SpecError
-from derive.generated_models import package_hash
+from derive.kept_objects import package_hash
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import load_scene, model_library
