@@ -69,7 +69,7 @@ class IndexedSum:
     @property
     def section(self) -> str:
         """The name of the moment without its indices, which names a section of the generated code."""
-        return self.symbol.identity.section
+        return identity(self.symbol).section
 
     def described(self, i: ShapeIndex) -> str:
         """The description of the symbol for mode i."""
@@ -78,7 +78,7 @@ class IndexedSum:
     @property
     def indexed(self) -> bool:
         """Whether the symbol has the generic index i, so that the sum exists once for each mode."""
-        return self.symbol.identity.indexed
+        return is_indexed(self.symbol)
 
 
 def component_doc(doc: str, symbol: Symbol) -> str:

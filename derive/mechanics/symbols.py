@@ -251,7 +251,8 @@ def identity(symbol: sp.Basic) -> Identity:
     """The identity of a symbol. Raises TypeError for a symbol that has none."""
     if not isinstance(symbol, _class()):
         raise TypeError(f"{symbol} is no symbol of the derivation")
-    return symbol.identity
+    known: Identity = symbol.identity
+    return known
 
 
 def is_indexed(symbol: sp.Basic) -> bool:

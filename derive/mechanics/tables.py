@@ -84,7 +84,7 @@ class CoefficientTable:
     @property
     def name(self) -> str:
         """The printed name of the whole table."""
-        return self.symbol.identity.name
+        return Identity(self.family, point=self.point).name
 
     @property
     def counted(self) -> int:

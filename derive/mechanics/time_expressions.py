@@ -8,6 +8,7 @@ from functools import reduce
 
 from derive.algebra import sp
 from derive.errors import TisserandError
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.quantity import function_constant
 from derive.mechanics.time_functions import (
     Absolute,
@@ -21,7 +22,6 @@ from derive.mechanics.time_functions import (
     SmoothStep,
     Tanh,
 )
-from derive.mechanics.typed_symbol import t
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.time_function import Spline, TimeFunction
 

@@ -1,6 +1,6 @@
-"""The class of the symbols of the derivation, with the two of them that most modules use.
+"""The class of the symbols of the derivation.
 
-It is apart from its identities, which name the coordinates of a model where no equations are derived.
+It is apart from the identities, which name the coordinates of a model also where nothing is derived.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Any
 
 from derive.algebra import sp
-from derive.mechanics.symbols import Family, Identity, quantity, time
 
 
 class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
@@ -19,11 +18,12 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
     """
 
     __slots__ = ("identity",)
-    identity: Identity
+    identity: Any
+    """The Identity, which makes its symbol itself."""
 
     __hash__ = object.__hash__  # equal symbols are the same object; SymPy's own is called a million times
 
-    def __new__(cls, identity: Identity, **assumptions: bool | None) -> Symbol:
+    def __new__(cls, identity: Any, **assumptions: bool | None) -> Symbol:
         """Return the symbol of an identity, the same object for equal arguments."""
         given = tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)) if assumptions else ()
         known = _SYMBOLS.get((identity, given))
@@ -36,7 +36,8 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
     @property
     def name(self) -> str:
         """The printed name, which is composed when it is needed: names of most entries that vanish are never used."""
-        return self.identity.name
+        name: str = self.identity.name
+        return name
 
     @name.setter
     def name(self, _: str) -> None:
@@ -45,16 +46,10 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
     def _hashable_content(self) -> tuple[Any, ...]:
         return (*super()._hashable_content(), self.identity)
 
-    def __getnewargs_ex__(self) -> tuple[tuple[Identity], dict[str, bool]]:
+    def __getnewargs_ex__(self) -> tuple[tuple[Any], dict[str, bool]]:
         """Return the arguments for copying and pickling."""
         return (self.identity,), self._assumptions_orig
 
 
-_SYMBOLS: dict[tuple[Identity, tuple[tuple[str, bool], ...]], Symbol] = {}
+_SYMBOLS: dict[tuple[Any, tuple[tuple[str, bool], ...]], Symbol] = {}
 """All symbols by their identity and their assumptions."""
-
-t = time()
-"""The time."""
-
-MASS = quantity(Family.MASS)
-"""The mass of the body."""

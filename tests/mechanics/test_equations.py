@@ -7,9 +7,9 @@ import sympy as sp
 
 import beams
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.motion.kinematics import PHI, R
 from derive.mechanics.motion.moments import PlanarMoments, total
-from derive.mechanics.typed_symbol import MASS
 from paper import brute_force
 from plain_symbols import plain
 

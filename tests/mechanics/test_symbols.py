@@ -15,7 +15,7 @@ import sympy as sp
 import beams
 import derive
 from conftest import ROOT
-from derive.mechanics.equations import Reason
+from derive.mechanics.fixed_symbols import MASS, t
 from derive.mechanics.symbols import (
     Family,
     I,
@@ -34,7 +34,8 @@ from derive.mechanics.symbols import (
     state_rate,
     vector,
 )
-from derive.mechanics.typed_symbol import MASS, Symbol, t
+from derive.mechanics.terms import Reason
+from derive.mechanics.typed_symbol import Symbol
 from plain_symbols import plain
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from derive.mechanics.time_integrals.closed_form import time_integral
-from derive.mechanics.time_integrals.kept import NoClosedForm
+from derive.mechanics.time_integrals.no_closed_form import NoClosedForm
 from derive.spec.files.splines import cubic_spline
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.time_function import TimeFunction, break_times, value_at

@@ -8,9 +8,9 @@ import pytest
 import sympy as sp
 
 from derive.mechanics.expanded_sums import expanded_moments, expanded_sums
+from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family, identity, vector
-from derive.mechanics.typed_symbol import MASS
 from derive.mechanics.virtual_work_equations import linear_momentum
 from paper.printed_general import General, PrintedVector, axial, equation_15, equation_20, first, gram
 from paper.test_general_body import ROTATION, derived, derived_rows, differing

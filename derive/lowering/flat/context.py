@@ -24,9 +24,9 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.flat.shared_sums import SharedSums
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.symbols import local, state_rate
 from derive.mechanics.terms import Intermediate, ModelConstant, rotation_symbols
-from derive.mechanics.typed_symbol import t
 
 
 @dataclass(frozen=True)

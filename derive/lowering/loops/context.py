@@ -13,11 +13,11 @@ from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.gradient import Gradient, derivative
 from derive.lowering.loops.program import Program
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ALPHADDOT
 from derive.mechanics.symbols import Family, I, amplitude, local, quantity, state_rate
 from derive.mechanics.tables import TableKind
-from derive.mechanics.typed_symbol import t
 
 ALPHAS = tuple(amplitude(I, derivative).identity.array for derivative in range(3))
 """The arrays of the amplitudes, their velocities and their accelerations."""

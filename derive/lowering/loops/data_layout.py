@@ -33,12 +33,12 @@ from derive.ir.statements import (
     StoreStrided,
 )
 from derive.lowering.terms import model_terms
+from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import Family, parameter
 from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.mechanics.typed_symbol import MASS
 from derive.roles import Role, Source
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"

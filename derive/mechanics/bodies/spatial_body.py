@@ -25,7 +25,7 @@ from derive.mechanics.bodies.spatial_tables import (
 )
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.symbols import Family
+from derive.mechanics.symbols import Family, identity
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.tables import CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
@@ -158,7 +158,7 @@ def _source(table: CoefficientTable) -> str:
 
 def _as_parameter(entry: Symbol) -> Symbol:
     """The run-time parameter that is the value of an entry."""
-    return replace(entry.identity, parameter=True).symbol
+    return replace(identity(entry), parameter=True).symbol
 
 
 def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:

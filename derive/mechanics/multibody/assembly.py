@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.coordinates import CoordinateMap, free_coordinates
 from derive.mechanics.multibody.forces.force_type import define
@@ -36,7 +37,6 @@ from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, element
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
 from derive.mechanics.time_functions import TimeOperation
-from derive.mechanics.typed_symbol import t
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity

@@ -15,6 +15,7 @@ from derive.display import html
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.prescribed_motion import drive_motion
@@ -34,7 +35,6 @@ from derive.mechanics.terms import (
     Term,
 )
 from derive.mechanics.time_functions import tried
-from derive.mechanics.typed_symbol import t
 from derive.short_text import counted, listed, summary
 from derive.spec.model.scene import Redundant
 from derive.spec.model.scene_functions import splines, time_functions

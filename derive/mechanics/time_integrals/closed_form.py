@@ -16,14 +16,14 @@ from math import factorial
 from sympy.core.symbol import Str
 
 from derive.algebra import sp
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.quantity import function
 from derive.mechanics.time_expressions import NoTimeFunction, time_function
 from derive.mechanics.time_functions import Lookup, Maximum, Minimum, Select, SmoothStep
-from derive.mechanics.time_integrals.kept import NoClosedForm
 from derive.mechanics.time_integrals.linear_arguments import Linear, at, linear_in_t
+from derive.mechanics.time_integrals.no_closed_form import NoClosedForm
 from derive.mechanics.time_integrals.smooth_products import smooth_integral
 from derive.mechanics.time_integrals.switches import selection
-from derive.mechanics.typed_symbol import t
 from derive.spec.model.time_function import TimeFunction, parts
 
 MAX_CHOICES = 64

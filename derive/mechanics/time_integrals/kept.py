@@ -5,17 +5,8 @@ from __future__ import annotations
 from dataclasses import astuple
 from functools import lru_cache
 
-from derive.errors import TisserandError
 from derive.kept_objects import kept_object
 from derive.spec.model.time_function import TimeFunction
-
-
-class NoClosedForm(TisserandError):
-    """A function of time whose integral no rule knows; `part` is the product without a rule."""
-
-    def __init__(self, part: TimeFunction | None) -> None:
-        super().__init__("the integral has no closed form")
-        self.part = part
 
 
 @lru_cache(maxsize=256)

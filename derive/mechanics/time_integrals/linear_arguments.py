@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from derive.algebra import sp
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.time_expressions import folded
-from derive.mechanics.typed_symbol import t
 
 Linear: TypeAlias = "tuple[sp.Expr, sp.Expr]"
 """The coefficients c and d of an argument c t + d."""

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from math import factorial
 
 from derive.algebra import sp
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.time_functions import Absolute, Exp, Log, Select, Tanh, TimeOperation
 from derive.mechanics.time_integrals.linear_arguments import Linear, at, linear_in_t
-from derive.mechanics.typed_symbol import t
 
 SMALLEST = 1e-18
 """The bound below which terms of a series are left out."""

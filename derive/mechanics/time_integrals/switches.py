@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from derive.algebra import sp
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.time_functions import Absolute, Maximum, Minimum, Select, SmoothStep
 from derive.mechanics.time_integrals.linear_arguments import linear_in_t
-from derive.mechanics.typed_symbol import t
 
 SWITCHES = (Select, SmoothStep, Absolute, Minimum, Maximum)
 """The functions that change to another expression at a time."""

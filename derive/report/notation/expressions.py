@@ -11,11 +11,12 @@ from dataclasses import dataclass, field
 
 from derive.algebra import sp
 from derive.mechanics.equations import Equations
+from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, I, Identity, amplitude, identity
 from derive.mechanics.time_expressions import KINDS
 from derive.mechanics.time_functions import Absolute, Lookup, Select, Sign, SmoothStep, Wrapped
-from derive.mechanics.typed_symbol import MASS, Symbol
+from derive.mechanics.typed_symbol import Symbol
 from derive.report.document.formula import (
     Call,
     Fenced,

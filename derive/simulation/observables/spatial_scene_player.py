@@ -10,7 +10,7 @@ import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import spring_type
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import amplitude_of
 from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.csv_writer import Column
@@ -74,7 +74,7 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
     paths = []
     for body in drawn:
         pose = motion.pose(body.name)
-        names = (owned(amplitude(i), body.name).identity.shown for i in range(1, len(body.phi) + 1))
+        names = (amplitude_of(body.name, i).shown for i in range(1, len(body.phi) + 1))
         places = [motion.native.coordinates.index(name) for name in names]
         paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
     return paths

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, PlainValidator, ValidationInfo, WithJsonSchema
 
-from derive.mechanics.time_integrals.kept import NoClosedForm, kept_integral
+from derive.mechanics.time_integrals.kept import kept_integral
+from derive.mechanics.time_integrals.no_closed_form import NoClosedForm
 from derive.spec.model.time_function import TimeFunction, value_at
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.typed_symbol import MASS, Symbol
+from derive.mechanics.fixed_symbols import MASS
+from derive.mechanics.typed_symbol import Symbol
 from derive.report.document.formula import (
     Call,
     Fenced,

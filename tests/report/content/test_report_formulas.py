@@ -14,9 +14,9 @@ from formula_number import Draw, magnitude, number, total
 
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.bodies.spatial_tables import DOCS
+from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, amplitude, identity, owned, quantity
-from derive.mechanics.typed_symbol import MASS
 from derive.report.document.formula import Call, Equation, FormulaRow, Matrix, Name
 from derive.report.notation.expressions import notation
 from derive.report.notation.families import WRITERS, written

@@ -6,6 +6,7 @@ import pytest
 import sympy as sp
 
 from derive.mechanics import time_functions
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.time_functions import (
     Absolute,
     Atan2,
@@ -22,7 +23,6 @@ from derive.mechanics.time_functions import (
     TimeOperation,
     Wrapped,
 )
-from derive.mechanics.typed_symbol import t
 from derive.report.notation.expressions import Notation
 from derive.report.notation.spoken_math import words
 

@@ -18,6 +18,7 @@ from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
 from derive.lowering.instances.classes.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
+from derive.mechanics.fixed_symbols import t
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.gathering import functions_of_time
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
@@ -27,7 +28,6 @@ from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion,
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
-from derive.mechanics.typed_symbol import t
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines
