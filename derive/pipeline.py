@@ -7,18 +7,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 from warnings import warn
 
 from derive.artifacts import File
 from derive.backends.model_files import emit
-from derive.derivation import AnyMechanism, derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
-from derive.mechanics.equations import Equations
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.toml.read import read, with_lines
+
+if TYPE_CHECKING:
+    from derive.derivation import AnyMechanism
+    from derive.mechanics.equations import Equations
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,8 @@ class Built:
     @property
     def equations(self) -> Equations:
         """The form of the equations from which the model was lowered: with sums over the modes, or expanded."""
+        from derive.derivation import lowered_form
+
         return lowered_form(self.derived, self.model)
 
 
@@ -87,6 +92,8 @@ def generate(
     sensitivities: see `lower`. backends: names in `BACKENDS`. start_needed: whether it is an error that a scene has no
     initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with `start_needed`.
     """
+    from derive.derivation import derive, lower
+
     stages = stages or Stages()
     with stages.stage("derive", "deriving the equations of motion"):
         derived, first = derive(spec), _foreseen(spec)
@@ -152,6 +159,7 @@ def _started(scene: AnyScene, model: Model, needed: bool = False, resolved: bool
     resolved: whether the model is that of the scene with redundant joints resolved. It is the other one of the two if
     joints prove to be redundant in the initial state, or if that does not help.
     """
+    from derive.derivation import derive, lower
     from derive.simulation.initial.start_state import start_state
     from derive.simulation.linear.run_time_inputs import with_zero_inputs
     from derive.simulation.redundant_joints import with_redundant_joints

@@ -22,6 +22,7 @@ from derive import cache, generated_models, kept_objects
 from derive.backends.model_files import fingerprint
 from derive.cli.main import main
 from derive.generated_models import generated
+from derive.mechanics.time_integrals import closed_form, kept
 from derive.registry import Registry
 from derive.runtime import loading
 
@@ -267,6 +268,24 @@ def test_all_registries_that_change_models_are_known() -> None:
     found = {id(value): value for module in modules for value in vars(module).values() if isinstance(value, Registry)}
     kinds = {registry.kind for registry in found.values()} - others
     assert kinds == {registry.kind for registry in generated_models.OPEN} and len(kinds) > 8
+
+
+def test_the_integral_of_a_speed_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is found once; that of another speed, and of one of another package, is found anew."""
+    speed = derive.time_function("t*sin(3*t)")
+    expected = closed_form.time_integral(speed)
+    kept.kept_integral.cache_clear()
+    assert kept.kept_integral(speed) == expected
+    assert len([*folder.iterdir()]) == 1
+    monkeypatch.setattr(closed_form, "time_integral", forbidden)
+    kept.kept_integral.cache_clear()
+    assert kept.kept_integral(speed) == expected
+    with pytest.raises(AssertionError, match="made anew"):
+        kept.kept_integral(derive.time_function("t*sin(4*t)"))
+    kept.kept_integral.cache_clear()
+    with monkeypatch.context() as patch, pytest.raises(AssertionError, match="made anew"):
+        patch.setattr(kept_objects, "package_hash", lambda: "other sources")
+        kept.kept_integral(speed)
 
 
 class Planted:

@@ -18,7 +18,7 @@ import derive
 from conftest import QUICK
 from derive import ModalBody, Model, NodalBody
 from derive.backends.c.source import CBackend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.mechanics.bodies.spatial_body import parameters
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.runtime.compiled_model import Native

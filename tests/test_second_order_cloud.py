@@ -21,7 +21,7 @@ import pytest
 import derive
 from derive import Model
 from derive.backends.c.source import CBackend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.lowering.cost_model import flat_operations
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.mechanics.bodies.spatial_body import modal_body

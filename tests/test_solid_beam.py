@@ -22,7 +22,7 @@ import derive
 from conftest import ROOT
 from derive import ModalBody
 from derive.backends.c.source import CBackend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.simulation.errors import MassMatrixNotDefinite
 from free_block import drifts, march
 

@@ -27,6 +27,9 @@ markers = { left = -1, middle = 0, right = 1 }
 [joints.hinge]
 kind = "revolute"
 between = ["ground.hook", "rod.left"]
+[drives.motor]
+joint = "hinge"
+speed = "sin(5*t)*t"
 [simulation]
 duration = 0.02
 output = 0.002
@@ -43,7 +46,7 @@ code = main(sys.argv[1:])
 print(*sys.modules if not code else [], file=sys.stderr)
 sys.exit(code)
 """
-UNUSED = ("casadi", "scipy.interpolate", "scipy.optimize", "scipy.integrate")
+UNUSED = ("sympy", "casadi", "scipy.interpolate", "scipy.optimize", "scipy.integrate")
 
 
 LOOPS = ("derive.lowering.instances.lower", "derive.lowering.loops.body_functions")
@@ -64,6 +67,45 @@ def test_a_kept_model_is_simulated_without_the_libraries_that_derive(tmp_path: P
     assert "casadi" in loaded(*arguments)  # to derive the model, which is then kept
     assert not set(UNUSED) & set(loaded(*arguments))
     assert "deviation" in (tmp_path / "out/swing/bending.svg").read_text()
+
+
+SPATIAL = """
+name = "top"
+[scene]
+gravity = [0, 0, -9.81]
+[ground.markers]
+hook = { at = [0, 0, 0] }
+[bodies.rotor]
+mass = 2
+inertia = [0.1, 0.2, 0.3, 0, 0, 0]
+markers.tip = { at = [0, 0, -1] }
+[joints.ball]
+kind = "spherical"
+between = ["ground.hook", "rotor.tip"]
+[outputs.turn]
+kind = "rotation"
+marker = "rotor.tip"
+[simulation]
+duration = 0.02
+output = 0.002
+"""
+
+
+@pytest.mark.long
+def test_a_kept_model_in_space_is_simulated_without_them(tmp_path: Path) -> None:
+    (tmp_path / "top.toml").write_text(SPATIAL)
+    arguments = ("simulate", str(tmp_path / "top.toml"), "--out", str(tmp_path / "out"))
+    assert "sympy" in loaded(*arguments)
+    assert not set(UNUSED) & set(loaded(*arguments))
+
+
+def test_the_pipeline_is_imported_without_what_it_may_not_need() -> None:
+    """It derives and writes when it is called."""
+    code = "import sys, derive.pipeline; print(*sys.modules)"
+    modules = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    parts = {".".join(name.split(".")[:2]) for name in modules}
+    assert "derive.pipeline" in modules
+    assert not {"sympy", "casadi", "scipy", "jinja2", "derive.lowering", "derive.mechanics"} & parts
 
 
 def test_a_beam_is_built_without_scipy_and_what_reduces_finite_elements(tmp_path: Path) -> None:

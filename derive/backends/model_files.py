@@ -12,11 +12,9 @@ from typing import Any
 
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI, CBackend
-from derive.backends.c.stack_use import stack_bytes
 from derive.backends.description import MODEL_HASH
-from derive.backends.merged_instances import merged_instances
 from derive.backends.protocol import Backend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
@@ -133,6 +131,9 @@ def _fields(value: Any) -> dict[str, Any]:
 
 def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:
     """The manifest: specification, tools, operation counts, non-zeros, and the hashes of the files."""
+    from derive.backends.c.stack_use import stack_bytes
+    from derive.backends.merged_instances import merged_instances
+
     mass, jacobian = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
     content = {
         "generator": f"{MARK}. Do not edit.",

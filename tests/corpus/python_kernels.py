@@ -9,7 +9,7 @@ import numpy as np
 
 from corpus.commands import Finding
 from corpus.summed_terms import summed_terms, worst
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 
 TOLERANCE = 1e-14
 SOLVED = 1e-10

@@ -9,7 +9,7 @@ import pytest
 
 import derive
 from corpus.generator import corpus_scene
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 
 SEEDS = {
     65: "the energy of a body with a drive of constant speed, which is known but does not depend on the time",

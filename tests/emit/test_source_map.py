@@ -18,7 +18,7 @@ from derive.artifacts import MARK, File
 from derive.backends.c.source import CBackend
 from derive.backends.model_files import BACKENDS, emit
 from derive.backends.protocol import Backend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.backends.source_map import (
     FunctionLines,
     SourceBuilder,

@@ -12,7 +12,7 @@ import beams
 from derive.backends.c.batch import batch_function
 from derive.backends.c.batch_block import StateBlock
 from derive.backends.c.source import CBackend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.ir.analysis import expressions, operations, reads
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel

@@ -16,7 +16,7 @@ import pytest
 import derive
 from conftest import QUICK
 from derive.backends.c.source import CBackend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.ir.expansion import expand
 from derive.ir.interpreter import RequirementError, interpret, interpret_batch
 from derive.ir.loop_nests import every

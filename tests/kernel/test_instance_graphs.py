@@ -25,7 +25,7 @@ import derive
 from conftest import QUICK, random_cases
 from corpus.summed_terms import summed_terms, worst
 from derive.backends.c.source import CBackend
-from derive.backends.python.module import PythonBackend
+from derive.backends.python.backend import PythonBackend
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model

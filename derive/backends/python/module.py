@@ -1,4 +1,4 @@
-"""The backend of Python: the same functions and patterns as the C, over leading batch axes."""
+"""The text of Python: the same functions and patterns as the C, over leading batch axes."""
 
 from __future__ import annotations
 
@@ -51,42 +51,32 @@ class Failure(Enum):
     IGNORED = "ignored"
 
 
-class PythonBackend:
-    """A Python module that needs NumPy alone; arrays of any array-API namespace will do."""
-
-    name = "python"
-
-    def file_names(self, model: str) -> tuple[str, ...]:
-        """The path of the module of a model below the output folder."""
-        return (f"{model}/{model}.py",)
-
-    def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
-        """`NAME.py` with its source map; `fingerprint` is that of the specification."""
-        values = {
-            "mark": f"# {MARK} from a specification with SHA-256\n# {fingerprint}. Do not edit.\n# {LICENCE}",
-            "hash": MODEL_HASH,
-            "model": model,
-            "description": "\n".join(prefixed(description(model_text(model)), "")),
-            "patterns": pattern_texts(model, "        "),
-            "tables": tables(model),
-            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else splines(model),
-            "grouped": any(text.groups for text in pattern_texts(model, "        ")),
-            "constant_arrays": list(map(constant_array, model.constant_arrays)),
-            "defaults": defaults(model),
-            "elements": model.lowering != "loops",
-            "marker_classes": list(map(marker_class, model.marker_classes)),
-        }
-        builder = SourceBuilder(model)
-        builder.text(render("python/prologue.py.jinja", values))
-        for kernel in model.kernels:
-            numbers = model.lowering != "loops" and kernel.name != "setup"
-            builder.text("\n")
-            builder.function(kernel, python_function(kernel, model.lowering != "loops", numbers))
-            builder.text("\n")
-        values["of_numbers"] = [kernel.name for kernel in model.kernels if kernel.name != "setup"]
-        builder.text(render("python/epilogue.py.jinja", values))
-        (path,) = self.file_names(model.name)
-        return (builder.file(self.name, path),)
+def module(model: Model, fingerprint: str, path: str) -> File:
+    """The module of a model, with its source map; `fingerprint` is that of the specification."""
+    values = {
+        "mark": f"# {MARK} from a specification with SHA-256\n# {fingerprint}. Do not edit.\n# {LICENCE}",
+        "hash": MODEL_HASH,
+        "model": model,
+        "description": "\n".join(prefixed(description(model_text(model)), "")),
+        "patterns": pattern_texts(model, "        "),
+        "tables": tables(model),
+        "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else splines(model),
+        "grouped": any(text.groups for text in pattern_texts(model, "        ")),
+        "constant_arrays": list(map(constant_array, model.constant_arrays)),
+        "defaults": defaults(model),
+        "elements": model.lowering != "loops",
+        "marker_classes": list(map(marker_class, model.marker_classes)),
+    }
+    builder = SourceBuilder(model)
+    builder.text(render("python/prologue.py.jinja", values))
+    for kernel in model.kernels:
+        numbers = model.lowering != "loops" and kernel.name != "setup"
+        builder.text("\n")
+        builder.function(kernel, python_function(kernel, model.lowering != "loops", numbers))
+        builder.text("\n")
+    values["of_numbers"] = [kernel.name for kernel in model.kernels if kernel.name != "setup"]
+    builder.text(render("python/epilogue.py.jinja", values))
+    return builder.file("python", path)
 
 
 def python_function(

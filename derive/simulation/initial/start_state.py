@@ -15,7 +15,6 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from derive.derivation import derive, lower
 from derive.errors import TisserandError
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model, StartState
@@ -59,6 +58,8 @@ def start_state(spec: AnyScene | NodalBody, model: Model) -> StartState:
     model: its kernels. Run-time inputs have their values at the start of a simulation, since a prescribed motion may be
     one of them. Raises SpecError where an input has no value, what `initial_state` raises, and NoStartState.
     """
+    from derive.derivation import derive, lower
+
     if isinstance(spec, NodalBody):
         state = spatial_state(model, spec.start)
         return StartState(tuple(state.q.tolist()), tuple(state.v.tolist()))
