@@ -42,11 +42,12 @@ test-hosts: $(VENV)/installed-hosts
 docs: $(VENV)/installed-docs
 	$(BIN)/python -m docs.gallery
 	$(BIN)/python docs/website/assemble.py build/docs/source
+	rm -rf site
 	$(BIN)/sphinx-build --quiet --jobs 2 --fail-on-warning --keep-going -c docs -d build/docs/doctrees build/docs/source site
 	@echo "The site is site/index.html."
 
 test-docs: docs $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m docs
+	$(BIN)/pytest --numprocesses 2 --durations 20 -m docs tests/site
 
 release: $(VENV)/installed-release
 	$(BIN)/python tools/release.py
@@ -81,4 +82,4 @@ $(VENV)/installed-release: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@
 
 clean:
-	rm -rf $(VENV) build dist site
+	rm -rf $(VENV) build dist site jupyter_execute

@@ -93,8 +93,8 @@ def write(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
 
     Raises:
         ForeignFile: before anything is written, when a path holds a file without our mark.
-        UnusableFolder: when the folder cannot be made, because a file is in its place.
-        OSError: as the system does, such as on a full disk.
+        TypeError: for anything but files.
+        OSError: as the system does, such as where the folder is a file, or on a full disk.
 
     Examples:
         >>> import derive
@@ -105,8 +105,19 @@ def write(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
         >>> sorted(path.name for path in Path("generated/beam").iterdir())
         ['beam.c', 'beam.h', 'beam.py', 'manifest.json']
     """
+    check_files(files)
     check_targets(files, folder)
     _replace([(Path(folder) / file.path, file.data) for file in files], Path(folder))
+
+
+def check_files(files: object) -> None:
+    """Raise TypeError for anything but generated files, such as a model or a path."""
+    given = isinstance(files, Sequence) and all(hasattr(file, "path") and hasattr(file, "data") for file in files)
+    if not given:
+        raise TypeError(
+            f"the files that derive.model_files(model, spec) returns are needed, not {type(files).__name__}; those of "
+            "a specification are derive.model_files(derive.lower(derive.derive(spec)), spec)"
+        )
 
 
 def check_targets(files: Sequence[File | BinaryFile], folder: str | Path) -> None:

@@ -8,7 +8,7 @@ over the modes; `lower` unrolls them or generates loops, as the specification re
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
+from typing import assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,6 @@ from derive.lowering import cost_model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.lower import lower_instances
-from derive.lowering.loops.body_functions import lower_loops
 from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
@@ -112,6 +110,8 @@ def modal(spec: NodalBody) -> ModalBody:
         >>> (body.stiffness / body.c8) ** 0.5  # natural frequency, rad/s
         array([[10.]])
     """
+    if not isinstance(spec, NodalBody):
+        raise TypeError(f"a finite-element body is needed, as derive.nodal_body returns it, not {type(spec).__name__}")
     from derive.reduction import reduce  # only a body of nodes needs it, and SciPy's rotations
 
     return reduce(spec)
@@ -164,7 +164,17 @@ def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowe
         >>> [velocity.name for velocity in model.velocities]
         ['c1dot', 'c2dot', 'c3dot', 'omega1', 'omega2', 'omega3', 'alpha1dot']
     """
+    _check_modal(body)
+    if lowering not in get_args(Lowering):
+        raise ValueError(f'the lowering is one of {", ".join(get_args(Lowering))}, not "{lowering}"')
+    if gravity is not None and len(gravity) != 3:
+        raise ValueError(f"gravity has three components, not {len(gravity)}")
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
+
+
+def _check_modal(body: object) -> None:
+    if not isinstance(body, ModalBody):
+        raise TypeError(f"the shape integrals that derive.modal(spec) returns are needed, not {type(body).__name__}")
 
 
 def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
@@ -194,6 +204,9 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
         >>> [(parameter.name, float(value)) for parameter, value in zip(model.parameters, p)][:3]
         [('m', 4.0), ('C3_11_', 4.0), ('C3_12_', 0.0)]
     """
+    _check_modal(body)
+    if not isinstance(spec, SymbolicBody):
+        raise TypeError(f"a symbolic body is needed, as derive.symbolic_body returns it, not {type(spec).__name__}")
     if body.modes != spec.modes:
         raise ValueError(f"{spec.name} has {spec.modes} modes and {body.name} {body.modes}")
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
@@ -240,13 +253,19 @@ def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explic
         raise SpecError(
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
         )
-    return lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_loops(derived, reason)
+    if flat:
+        return lower_flat(derived.expanded(), reason, sensitivities=sensitivities)
+    from derive.lowering.loops.body_functions import lower_loops  # most models are straight-line code
+
+    return lower_loops(derived, reason)
 
 
 def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) -> Model:
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
     costs = estimate_mechanism_costs(mechanism)
     if costs.selected(requested) == "instances":
+        from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
+
         return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve")
     reason = "" if requested == "auto" else costs.reason(requested)
     try:

@@ -6,6 +6,7 @@ IPython is not imported here: in a notebook it is there already.
 from __future__ import annotations
 
 import sys
+from html import escape
 from typing import Any
 
 
@@ -20,15 +21,16 @@ class NotebookLine:
         if self._handle is None:
             if text:
                 display = sys.modules["IPython.display"].display
-                self._handle = display(_plain(text), raw=True, display_id=True)
+                self._handle = display(_content(text), raw=True, display_id=True)
             return
-        self._handle.update(_plain(text), raw=True)
+        self._handle.update(_content(text), raw=True)
         if not text:
             self._handle = None
 
 
-def _plain(text: str) -> dict[str, str]:
-    return {"text/plain": text}
+def _content(text: str) -> dict[str, str]:
+    """A text as an output; the HTML of an empty one leaves no box on a page."""
+    return {"text/plain": text, "text/html": f"<pre>{escape(text)}</pre>" if text else ""}
 
 
 LINE = NotebookLine()

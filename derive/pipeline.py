@@ -114,6 +114,7 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
 
     Raises:
         UnknownNameError: for a backend that is not registered.
+        TypeError: for anything but a model and a specification.
 
     Examples:
         >>> import derive
@@ -126,6 +127,9 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
         beam/beam.py
         beam/manifest.json
     """
+    if not isinstance(model, Model):
+        kind = type(model).__name__
+        raise TypeError(f"the model that derive.lower(derive.derive(spec)) returns is needed, not {kind}")
     if isinstance(spec, (Scene, SpatialScene)) and model.start is None:
         model, unstarted = _started(spec, model)
         if unstarted:

@@ -36,9 +36,10 @@ class UnknownNameError(TisserandError, KeyError):
         names = ", ".join(self.known[:MOST_LISTED]) or "none"
         if len(self.known) > MOST_LISTED:
             names += f" and {len(self.known) - MOST_LISTED} more"
-        near = difflib.get_close_matches(name[:40], self.known, n=1)
+        text = str(name)  # a number or a tuple, as of columns, is given as well
+        near = difflib.get_close_matches(text[:40], self.known, n=1)
         hint = f"did you mean {quoted(near[0])}? " if near else ""
-        self.message = f"there is no {kind} {quoted(name)}; {hint}known: {names}"
+        self.message = f"there is no {kind} {quoted(text)}; {hint}known: {names}"
         super().__init__(self.message)
 
     def __str__(self) -> str:

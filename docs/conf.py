@@ -12,6 +12,7 @@ author = "The authors of Tisserand"
 project_copyright = ""
 version = release = VERSION
 language = "en"
+smartquotes = False  # quotation marks are often those of code
 python_maximum_signature_line_length = 80
 add_module_names = False
 html_title = "Tisserand"
@@ -30,7 +31,7 @@ html_math_renderer = "mathml"
 html_static_path = ["website/static"]
 html_extra_path = ["../build/docs/extra"]  # players and reports, which are complete pages
 html_css_files = ["site.css", "gallery.css"]
-html_js_files = ["scroll.js"]
+html_js_files = ["keyboard.js"]
 html_show_sphinx = False
 html_show_copyright = False
 html_show_search_summary = False  # needs a server; pages open from disk

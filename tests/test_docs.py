@@ -29,7 +29,7 @@ def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
     tree = copy_tree(tmp_path)
     committed = {p: p.read_bytes() for folder in ("generated", "docs") for p in (tree / folder).rglob("*.*")}
     outputs = run_page(page, tree)
-    assert len(outputs) >= 2
+    assert outputs
     assert {p: p.read_bytes() for p in committed} == committed
 
 
@@ -100,8 +100,14 @@ REPLACED = (
     "drift of rates",
     "filled in",
     "held by nothing",
+    "That the files can",
+    "stand in the file",
+    "know nothing of",
+    "knows nothing of",
+    "Of the C library",
+    "Not modelled",
 )
-"""Phrases for which the field has other words."""
+"""Phrases for which the field or plain English has other words."""
 
 
 @pytest.mark.parametrize("phrase", REPLACED)

@@ -4,6 +4,7 @@ import builtins
 import dataclasses
 import doctest
 import inspect
+import pydoc
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import derive
+from conftest import ROOT
 from derive.registry import Registry
 from derive.spec.model.documentation import SECTIONS
 
@@ -106,6 +108,24 @@ def _error(name: str) -> Any:
             return of
         remaining += of.__subclasses__()
     raise AssertionError(f"there is no error {name}")
+
+
+@pytest.mark.parametrize("name", [name for name in PUBLIC if dataclasses.is_dataclass(getattr(derive, name))])
+def test_signatures_show_types_without_the_declarations_of_keys(name: str) -> None:
+    assert "Annotated" not in str(inspect.signature(getattr(derive, name)))
+
+
+def test_the_schema_describes_tables_without_sections_of_docstrings() -> None:
+    schema = (ROOT / "scenes/schema.json").read_text(encoding="utf-8")
+    assert "A rigid body in the plane" in schema
+    assert [section for section in SECTIONS if f"{section}:" in schema] == []
+
+
+@pytest.mark.parametrize("name", [name for name in PUBLIC if isinstance(getattr(derive, name), Registry)])
+def test_help_of_a_registry_is_its_own(name: str) -> None:
+    text = pydoc.render_doc(getattr(derive, name), renderer=pydoc.plaintext)
+    assert f"derive.{name}.register(name, member)" in text
+    assert "in the order of their registration" not in text
 
 
 @pytest.mark.parametrize("name", RUN)

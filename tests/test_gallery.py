@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import importlib
+import re
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+import derive
 from conftest import ROOT
-from docs.gallery import entries, numbers, pages, runs, sources, written
+from derive.simulation.observables.motion import SceneMotion
+from docs.gallery import entries, numbers, pages, runs, sources, stroboscope, written
 from docs.gallery.entries import Entry
 
 SCRIPT = '''"""Twice a number.
@@ -121,7 +126,26 @@ def test_an_example_without_its_package_is_shown_and_not_run(tmp_path: Path) -> 
     (run,) = runs.results([Entry(str(script), needs="no_such_package")], tmp_path / "runs")
     assert run.data is None and not (tmp_path / "runs").exists()
     page = pages.example_page(run)
-    assert "needs `no_such_package`" in page and SCRIPT % (3, 3) in page
+    assert "needs the package `no_such_package`" in page and SCRIPT % (3, 3) in page
+
+
+def test_a_motion_in_one_picture_shows_the_bodies_at_several_instants() -> None:
+    markers = {"top": [-0.5, 0], "tip": [0.5, 0]}
+    scene = derive.scene("fall", bodies={"rod": {"mass": 1, "inertia": 1, "markers": markers}})
+    native = SimpleNamespace(bodies=["rod"], poses=lambda t, q, k: np.array([q]))
+    t = np.linspace(0, 1, 101)
+    q = np.stack([0 * t, -(t**2), np.pi / 2 * t], axis=1)  # it falls by 1 m and turns by 90 degrees
+    motion = SceneMotion(scene, native, np.zeros(0), t, q, 0 * q)  # type: ignore[arg-type]
+    lines = re.findall(r'opacity="(.*?)" d="M(.*?)L(.*?)L', stroboscope.stroboscope(motion))
+    assert len(lines) == stroboscope.INSTANTS
+    assert [float(opacity) for opacity, _, _ in lines] == sorted(float(opacity) for opacity, _, _ in lines)
+    first, last = ([tuple(map(float, point.split())) for point in line[1:]] for line in (lines[0], lines[-1]))
+    (x0, y0), (x1, y1) = first
+    assert y0 == y1 and x1 > x0
+    (x2, y2), (x3, y3) = last
+    length = x1 - x0
+    assert x2 == x3 == pytest.approx((x0 + x1) / 2, abs=0.1)
+    assert (y2, y3) == pytest.approx((y0 + 1.5 * length, y0 + 0.5 * length), abs=0.2)
 
 
 def test_files_of_examples_that_are_gone_go_as_well(tmp_path: Path) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,6 +15,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import TisserandError
 from derive.notebook_line import in_notebook
+from derive.remaining_time import ElapsedTime, RemainingTime
 from derive.terminal import (
     DelayedLine,
     SampleProgress,
@@ -91,6 +94,45 @@ def test_the_remaining_time_follows_from_the_speed_since_the_first_step(
     ]
 
 
+def test_the_remaining_time_of_steps_follows_from_those_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is stated at first; after three of eight steps in 12 s, five take 20 s."""
+    clock = iter([100.0, 100.0, 100.1, 110.0, 112.0, 200.0, 200.0])
+    monkeypatch.setattr("derive.remaining_time.time.monotonic", lambda: next(clock))
+    remaining = RemainingTime(8)
+    texts = [remaining.named("model") for _ in range(4)]
+    assert texts == [
+        "model (1 of 8)",
+        "model (2 of 8)",
+        "model (3 of 8, about 30 s left)",
+        "model (4 of 8, about 20 s left)",
+    ]
+    assert RemainingTime(1).named("model") == "model"
+
+
+def test_work_without_a_number_of_steps_states_the_time_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([10.0, 10.5, 85.0])
+    monkeypatch.setattr("derive.remaining_time.time.monotonic", lambda: next(clock))
+    elapsed = ElapsedTime()
+    assert [elapsed.text, elapsed.text] == ["", ", 1 min 15 s so far"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
+def test_several_specifications_are_counted_on_a_terminal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A real pseudo-terminal gets one line, which is removed at the end."""
+    block = str(ROOT / "scenes/block.toml")
+    main_end, terminal = os.openpty()
+    with os.fdopen(terminal, "w") as stderr:
+        monkeypatch.setattr("sys.stderr", stderr)
+        assert main(["build", BEAM, block, "--out", str(tmp_path)]) == 0
+        stderr.flush()
+        text = os.read(main_end, 100_000).decode()
+    os.close(main_end)
+    lines = [line.removesuffix("\x1b[K") for line in text.split("\r")]
+    counted = [line for line in lines if "deriving the equations" in line]
+    assert [line.split(")")[0].split(",")[0] for line in counted] == [f"{BEAM} (1 of 2", f"{block} (2 of 2"]
+    assert "\n" not in text and lines[-1] == ""
+
+
 @pytest.mark.parametrize(
     ("seconds", "text"), [(0.2, "1 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (200, "3 min 20 s"), (7500, "2 h 5 min")]
 )
@@ -103,9 +145,11 @@ class FakeHandle:
 
     def __init__(self, data: dict[str, str]) -> None:
         self.texts = [data["text/plain"]]
+        assert data["text/html"] == f"<pre>{escape(data['text/plain'])}</pre>"
 
     def update(self, data: dict[str, str], raw: bool) -> None:
         assert raw
+        assert data["text/html"] or not data["text/plain"]
         self.texts.append(data["text/plain"])
 
 

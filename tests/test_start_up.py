@@ -46,6 +46,10 @@ sys.exit(code)
 UNUSED = ("casadi", "scipy.interpolate", "scipy.optimize", "scipy.integrate")
 
 
+LOOPS = ("derive.lowering.instances.lower", "derive.lowering.loops.body_functions")
+"""The lowerings that straight-line code does without."""
+
+
 def loaded(*arguments: str) -> list[str]:
     """The modules that a command loads."""
     done = subprocess.run([sys.executable, "-c", LOADED, *arguments], capture_output=True, text=True, check=False)
@@ -65,7 +69,7 @@ def test_a_kept_model_is_simulated_without_the_libraries_that_derive(tmp_path: P
 def test_a_beam_is_built_without_scipy_and_what_reduces_finite_elements(tmp_path: Path) -> None:
     (tmp_path / "beam.toml").write_text('name = "b"\n[beam]\nframe = "mean"\nansatz = ["1", "xi", "xi^2"]\n')
     modules = loaded("build", str(tmp_path / "beam.toml"), "--out", str(tmp_path))
-    assert "casadi" in modules and not {"derive.reduction", "scipy"} & set(modules)
+    assert "casadi" in modules and not {"derive.reduction", "scipy", *LOOPS} & set(modules)
 
 
 @pytest.mark.parametrize("given", [None, "2"])

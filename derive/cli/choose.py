@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from derive.artifacts import File, check_folder
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError, TisserandError
+from derive.remaining_time import ElapsedTime
 from derive.simulation.inputs import with_functions
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.toml.read import parse, with_lines
@@ -42,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
         if not beam_bodies(scene):
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
         plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
-        runs = ModelRuns(with_functions(scene, {}), plots, show_progress, available_workers())
+        runs = ModelRuns(with_functions(scene, {}), plots, _shown(), available_workers())
         screened = screening(runs)
         choice = choose(runs, options.error, show_result)
     except SpecError as error:
@@ -64,6 +66,12 @@ def run(options: argparse.Namespace) -> int:
         if written:
             print("\n".join(["", f"wrote {target}", *(f"  {note}" for note in written.notes)]))
     return 0 if written else 1
+
+
+def _shown() -> Callable[[str], None]:
+    """The line of progress of a search, whose number of steps is not known before: with the time so far."""
+    elapsed = ElapsedTime()
+    return lambda text: show_progress(f"{text.removesuffix(' ...')}{elapsed.text} ...")
 
 
 def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:

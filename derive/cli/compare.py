@@ -12,6 +12,7 @@ import numpy as np
 
 from derive.artifacts import File, write
 from derive.cli.specifications import build_all
+from derive.remaining_time import RemainingTime
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import UNOPTIMISED
@@ -30,8 +31,9 @@ def run(options: argparse.Namespace) -> int:
     """Print mass matrix and forces of each model from the compiled C; every model gets the same kind of state."""
     built = build_all(options.specs)
     natives = []
+    remaining = RemainingTime(len(built))
     for b in built:
-        show_progress(f"{b.model.name}: compiling the C ...")
+        show_progress(f"{remaining.named(b.model.name)}: compiling the C ...")
         natives.append(load(b.files, UNOPTIMISED))
     show_progress()
     results = [_evaluate(native) for native in natives]

@@ -34,6 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Dense matrices are small: threads would wait for each other, for a sixth of the time of a simulation, and the last
     # digits may depend on their number. NumPy reads this when it is loaded; what the user has set stays.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Derivations return to more expressions than SymPy keeps by default, for a tenth of their time.
+    os.environ.setdefault("SYMPY_CACHE_SIZE", "10000")
     # Models are millions of objects that live to the end: the garbage collector looks through them less often.
     gc.set_threshold(100_000)
     if options.command == "sweep":  # its workers share the processors, where threads of linear algebra only wait

@@ -184,5 +184,5 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
             File(f"{main.name}/{pictures[plot.name]}", svg(plot_chart(main.name, plot, text, curves)))
             for plot, text, curves in texts
         ),
-        File(motion_page_path(main.name), motion_page(main, columns).text),
+        File(motion_page_path(main.name), motion_page(main, columns, main.warnings).text),
     ]

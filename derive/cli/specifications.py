@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
+from derive.remaining_time import RemainingTime
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
@@ -127,9 +128,12 @@ def build_all(paths: Sequence[Path], sensitivities: bool = False) -> list[Built]
     built: list[Built] = []
     errors: list[SpecError] = []
     paths_by_name: dict[str, Path] = {}
-    for path in dict.fromkeys(paths):
+    every = dict.fromkeys(paths)
+    remaining = RemainingTime(len(every))
+    for path in every:
+        label = remaining.named(str(path))
         try:
-            result = build(path, partial(_show_stage, path), sensitivities)
+            result = build(path, partial(_show_stage, label), sensitivities)
         except SpecError as error:
             errors.append(error)
             continue
@@ -143,8 +147,8 @@ def build_all(paths: Sequence[Path], sensitivities: bool = False) -> list[Built]
     return built
 
 
-def _show_stage(path: Path, stage: str) -> None:
-    show_progress(f"{path}: {stage} ...")
+def _show_stage(label: str, stage: str) -> None:
+    show_progress(f"{label}: {stage} ...")
 
 
 def _name_conflict(name: str, paths_by_name: dict[str, Path]) -> str:

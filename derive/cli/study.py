@@ -12,6 +12,7 @@ from derive.cli.result_files import print_result
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.lowering.elimination_orders import EliminationRule
+from derive.remaining_time import RemainingTime
 from derive.simulation.inputs import with_functions
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
@@ -64,9 +65,11 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     along = period(scene)[1]
     numbers = options.pieces or sorted({beam.pieces for beam in beam_bodies(scene)})
     results = []
+    remaining = RemainingTime(len(numbers) * len(options.frames))
     for n in numbers:
         first, second = (
-            frame_stability(variant(scene, n, name), options.states, options.numberings) for name in options.frames
+            frame_stability(variant(scene, n, name), options.states, options.numberings, f"model {remaining.next()}: ")
+            for name in options.frames
         )
         results.append((n, (first, second)))
     show_progress()

@@ -78,6 +78,7 @@ def interpret(
     Raises:
         RequirementError: if a requirement does not hold, such as a positive mass.
         ValueError: for an argument that is missing or has a wrong length.
+        TypeError: for anything but a kernel.
 
     Examples:
         >>> import derive
@@ -88,6 +89,10 @@ def interpret(
         >>> M[:3]  # m, m, m l^2/12
         [Fraction(3, 1), Fraction(3, 1), Fraction(1, 1)]
     """
+    if not isinstance(kernel, Kernel):
+        raise TypeError(f'a kernel is needed, such as model.kernel("mass"), not {type(kernel).__name__}')
+    if missing := [argument.name for argument in kernel.arguments if argument.name not in arguments]:
+        raise ValueError(f"{kernel.name} needs {', '.join(missing)} as well")
     call = {**ARITHMETIC, **LIBRARY}
     call |= {Operator(name): function for name, function in (functions or {}).items()}
     run = _Run(kernel, arguments, number, call, check, tables or {})

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from derive.ir.analysis import names_read
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import LANES, ElementIndex, Of, constant
-from derive.ir.loop_nests import Assign, For, If, Local, Node, Sines, every
+from derive.ir.loop_nests import Assign, For, If, Integer, Local, Node, Sines, every
 from derive.ir.statements import Let
 
 LEAST = 2
@@ -127,8 +127,9 @@ def _of_one(loop: Node, written: Set[str]) -> Node:
         for node in loop.body
     ]
     read = {*names_read(body)}
-    kept = (node for node in body if not isinstance(node, Let) or node.name in read or node.name not in lets)
-    return replace(loop, body=(*calls, *kept))
+    integers = [node for node in body if isinstance(node, Integer)]  # which may place the angles
+    kept = (n for n in body if not isinstance(n, Integer) and (not isinstance(n, Let) or n.name in read))
+    return replace(loop, body=(*integers, *calls, *kept))
 
 
 def _waits(loop: For) -> bool:

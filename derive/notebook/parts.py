@@ -16,8 +16,11 @@ MOST_ROWS = 24
 """The largest number of rows of a table; further ones are counted."""
 LARGEST_PLAYER = 1_500_000
 """The largest player, in bytes, that is put into the output of a notebook, which keeps it with its text."""
-PLAYER_HEIGHT = 620
-"""The height of a player, in pixels."""
+PLAYER_HEIGHT, STRIP_HEIGHT, MOST_STRIPS = 640, 120, 3
+"""The height of a player and that of each curve below it, in pixels, and the most curves for which there is room."""
+NARROW = '"max-width: 100%; height: auto"'
+"""The style of pictures, which are no wider than a page."""
+PADDING = "padding: 2px 10px"
 
 
 def head(name: str, text: str = "") -> str:
@@ -51,12 +54,14 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[object]], left: int = 
 
 
 def _cell(tag: str, content: object, left: bool) -> str:
-    return f'<{tag} style="text-align: {"left" if left else "right"}">{escape(str(content))}</{tag}>'
+    style = f"text-align: {'left' if left else 'right'}; {PADDING}"
+    return f'<{tag} style="{style}">{escape(str(content))}</{tag}>'
 
 
 def picture(svg: str, alt: str) -> str:
     """A picture that a page keeps apart from its other elements; `alt` says what it shows."""
-    return f"<div>{inline(svg, f't{digest(svg)}', alt)}</div>"
+    drawn = inline(svg, f"t{digest(svg)}", alt)
+    return f"<div>{drawn.replace('<svg ', f'<svg style={NARROW} ', 1)}</div>"
 
 
 def digest(text: str) -> str:
@@ -69,10 +74,11 @@ def folded(title: str, content: str) -> str:
     return f"<details><summary>{escape(title)}</summary>{content}</details>" if content else ""
 
 
-def player(page: str, title: str) -> str:
+def player(page: str, title: str, curves: int = 0) -> str:
     """A page that plays a motion, in a frame of its own, which runs scripts and reaches nothing outside of itself.
 
-    Of a page that is too large for the output of a notebook there is a sentence instead.
+    curves: how many there are below the motion. Of a page that is too large for the output of a notebook there is a
+    sentence instead.
     """
     size = len(page.encode())
     if size > LARGEST_PLAYER:
@@ -80,7 +86,8 @@ def player(page: str, title: str) -> str:
             f"The player of this motion has {size / 1e6:.1f} MB, which is too much for a notebook; the command "
             "`tisserand simulate` writes it as a page of its own."
         )
-    style = f"width: 100%; height: {PLAYER_HEIGHT}px; border: 0"
+    height = PLAYER_HEIGHT + STRIP_HEIGHT * min(curves, MOST_STRIPS)
+    style = f"width: 100%; height: {height}px; border: 0"
     return (
         f'<iframe title="{escape(title)}" sandbox="allow-scripts" loading="lazy" style="{style}" '
         f'srcdoc="{escape(page)}"></iframe>'

@@ -43,9 +43,10 @@ def trajectory_html(motion: Trajectory) -> str:
 
 def _player(motion: Trajectory) -> str:
     """The player of a motion, with a note if it shows some instants alone."""
-    page, rows = motion_page(motion, list(_curves(motion))), len(motion.t)
+    curves, rows = list(_curves(motion)), len(motion.t)
+    page = motion_page(motion, curves, ())
     note = f"The player shows {page.instants} of the {rows} instants; the columns have all of them."
-    shown = player(page.text, f"The motion of {motion.name}")
+    shown = player(page.text, f"The motion of {motion.name}", len(curves))
     return shown + (paragraph(note) if page.instants < rows else "")
 
 

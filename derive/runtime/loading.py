@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import json
-import os
 import platform
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from derive import cache
-from derive.artifacts import File, write
+from derive.artifacts import File, check_files, write
 from derive.runtime.compiler import FLAGS, OWN_SYMBOLS, compile_shared, compiler_identity
 from derive.runtime.native_scene import NativeScene
 
@@ -39,11 +38,7 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
         >>> native.accel(0.0, [0, 0, 0.5, 0.01, 0], [0, 0, 3, 0, 0], k).round(2) + 0.0
         array([   0.  ,    0.  ,    0.  , -215.91,    0.  ])
     """
-    if isinstance(files, (str, os.PathLike)) or not isinstance(files, Iterable):
-        raise TypeError(
-            f"the files that derive.model_files(model, spec) returns are needed, not {type(files).__name__}; those of "
-            "a specification are derive.model_files(derive.lower(derive.derive(spec)), spec)"
-        )
+    check_files(files)
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         write(files, Path(folder))
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]

@@ -48,7 +48,7 @@ from derive.spec.model.spatial_forces import (
     SpatialTorque,
 )
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
-from derive.spec.model.specification import Specification
+from derive.spec.model.specification import Specification, check_specification
 from derive.spec.parsing.names import element_name_problem
 
 Number = int | float | Fraction | str
@@ -389,6 +389,7 @@ def validated(spec: S) -> S:
         >>> derive.validated(dataclasses.replace(beam, mass="1/3")).mass
         Fraction(1, 3)
     """
+    check_specification(spec)
     return validated_tables(spec, specification_tables(spec))
 
 

@@ -16,6 +16,7 @@ from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.lower import lower
 from derive.mechanics.equations import Equations
+from derive.remaining_time import RemainingTime
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
@@ -84,16 +85,18 @@ def _frames(
     scene: Scene, pieces: Sequence[int], frames: tuple[str, str], runs: int, elimination: EliminationRule
 ) -> tuple[FrameComparison, ...]:
     with ThreadPoolExecutor(2) as pool:
-        pending = [_build(variant(scene, n, frame), elimination, pool) for n in pieces for frame in frames]
-        built = [_compiled(*item) for item in pending]
-    return tuple(_comparison(n, built[2 * i], built[2 * i + 1], runs) for i, n in enumerate(pieces))
+        remaining = RemainingTime(2 * len(frames) * len(pieces) + len(pieces))
+        pending = [_build(variant(scene, n, frame), elimination, pool, remaining) for n in pieces for frame in frames]
+        built = [_compiled(*item, remaining) for item in pending]
+    pairs = enumerate(pieces)
+    return tuple(_comparison(n, built[2 * i], built[2 * i + 1], runs, remaining) for i, n in pairs)
 
 
 def _build(
-    variant: SceneVariant, elimination: EliminationRule, pool: ThreadPoolExecutor
+    variant: SceneVariant, elimination: EliminationRule, pool: ThreadPoolExecutor, remaining: RemainingTime
 ) -> tuple[SceneVariant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """Generate a variant and submit its compilation to the pool."""
-    show_progress(f"deriving and lowering: {_label(variant)}")
+    show_progress(f"step {remaining.next()}: deriving and lowering: {_label(variant)} ...")
     marks = [time.perf_counter()]
     equations = derive(variant.scene).expanded()
     marks.append(time.perf_counter())
@@ -123,23 +126,29 @@ def _lowered(equations: Equations, scene: Scene, elimination: EliminationRule) -
 
 
 def _compiled(
-    variant: SceneVariant, counts: OperationCounts, seconds: dict[str, float], host: Future[tuple[FixedStep, float]]
+    variant: SceneVariant,
+    counts: OperationCounts,
+    seconds: dict[str, float],
+    host: Future[tuple[FixedStep, float]],
+    remaining: RemainingTime,
 ) -> _Built:
-    show_progress(f"compiling: {_label(variant)}")
+    show_progress(f"step {remaining.next()}: compiling: {_label(variant)} ...")
     compiled, took = host.result()
     return _Built(variant, compiled, counts, {**seconds, "compile": took})
 
 
-def _comparison(pieces: int, first: _Built, second: _Built, runs: int) -> FrameComparison:
+def _comparison(pieces: int, first: _Built, second: _Built, runs: int, remaining: RemainingTime) -> FrameComparison:
     both = (first, second)
     starts = tuple(start_state(b.variant.scene, b.host.native, b.host.native.setup()) for b in both)
     simulation = first.variant.scene.simulation
     assert simulation is not None
 
-    def progress(run: int) -> None:
-        show_progress(f"timing {beam_count(pieces)}: run {run + 1} of {runs}")
+    step = f"step {remaining.next()}: timing {beam_count(pieces)}"
 
-    show_progress(f"timing {beam_count(pieces)}")
+    def progress(run: int) -> None:
+        show_progress(f"{step}: run {run + 1} of {runs} ...")
+
+    show_progress(f"{step} ...")
     hosts = (first.host, second.host)
     times = interleaved_times(hosts, (starts[0], starts[1]), simulation.duration, runs, progress)
     costs = [_cost(b, q) for b, (_, q, _) in zip(both, starts, strict=True)]

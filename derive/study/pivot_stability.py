@@ -91,21 +91,21 @@ class FrameStability:
     broken: dict[str, float]
 
 
-def frame_stability(variant: SceneVariant, count: int, numberings: int) -> FrameStability:
-    """The pivots of a variant in `count` states of each kind.
+def frame_stability(variant: SceneVariant, count: int, numberings: int, step: str = "") -> FrameStability:
+    """The pivots of a variant in `count` states of each kind. step: the text of this variant among others.
 
     Raises SpecError, CompilerError, SimulationError; RedundantJoints where joints are redundant.
     """
     try:
-        return _frame_stability(variant, count, numberings)
+        return _frame_stability(variant, count, numberings, step)
     except DependentConstraints as error:
         raise RedundantJoints(f"{SINGULAR}. {error}") from None
     except RedundantConstraints as error:
         raise RedundantJoints(f"{SINGULAR}: {'; '.join(map(str, error.redundant))}") from None
 
 
-def _frame_stability(variant: SceneVariant, count: int, numberings: int) -> FrameStability:
-    label = f"{variant.scene.name}, {variant.frame} frame: "
+def _frame_stability(variant: SceneVariant, count: int, numberings: int, step: str) -> FrameStability:
+    label = f"{step}{variant.scene.name}, {variant.frame} frame: "
     show_progress(f"{label}deriving and compiling")
     equations = derive(variant.scene).expanded()
     model = lower(equations, explicit=True)

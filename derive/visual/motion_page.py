@@ -20,19 +20,19 @@ class MotionPage:
     instants: int
 
 
-def motion_page(motion: Trajectory, curves: Sequence[Column]) -> MotionPage:
-    """The page that plays a motion; `curves` are drawn over time below the scene."""
+def motion_page(motion: Trajectory, curves: Sequence[Column], warnings: Sequence[str]) -> MotionPage:
+    """The page that plays a motion, with warnings above it; `curves` are drawn over time below the scene."""
     if motion.body:
         from derive.simulation.observables.spatial_player_data import spatial_player_data
 
         data = spatial_player_data(motion.body, motion.t, motion.q, curves)
-        text = spatial_player_page(data, motion.warnings)
+        text = spatial_player_page(data, warnings)
     elif isinstance(motion.scene, SpatialScene):
         from derive.simulation.observables.spatial_scene_player import spatial_scene_player_data
 
         data = spatial_scene_player_data(motion.scene, motion.motion, curves)
-        text = spatial_player_page(data, motion.warnings)
+        text = spatial_player_page(data, warnings)
     else:
         data = player_data(motion.motion, curves)
-        text = player_page(data, motion.warnings)
+        text = player_page(data, warnings)
     return MotionPage(text, len(data["time"]["values"]))

@@ -73,6 +73,11 @@ def _scripts(*names: str) -> tuple[Entry, ...]:
     return tuple(Entry(f"examples/{name}.py") for name in names)
 
 
+def _moving(*names: str) -> tuple[Entry, ...]:
+    """Scripts whose card shows the motion."""
+    return tuple(Entry(f"examples/{name}.py", card="drawing") for name in names)
+
+
 def _stability(name: str, parameter: str, *more: str) -> Entry:
     """A scene whose study of stability runs over the values of a parameter, with few models."""
     few = ("--shapes", "2", "--pieces", "2")
@@ -85,7 +90,8 @@ GROUPS = (
         "A body, its equations and its code.",
         (
             Entry("examples/equations_of_motion.py", card="output"),
-            *_scripts("mean_or_point_frame", "gravity_pendulum", "damped_oscillator", "parameter_sweep"),
+            *_moving("gravity_pendulum"),
+            *_scripts("mean_or_point_frame", "damped_oscillator", "parameter_sweep"),
         ),
     ),
     Group(
@@ -103,15 +109,12 @@ GROUPS = (
         "Mechanisms",
         "Joints, drives, forces and springs in the plane.",
         (
-            Entry("scenes/crank_slider_3.toml", (("simulate",), ("report",)), card="picture"),
-            *_scripts("four_bar_rigid", "slider_crank_rigid"),
+            Entry("scenes/crank_slider_3.toml", (("simulate",), ("report",)), card="drawing"),
+            *_moving("four_bar_rigid", "slider_crank_rigid"),
             Entry("examples/andrews_squeezer.py", shown=("examples/andrews_squeezer.toml",), card="drawing"),
-            *_scripts(
-                "double_pendulum_energy", "pendulum_reaction", "motor_run_up", "joint_of_my_own", "force_of_my_own"
-            ),
-            Entry("examples/chain_100.toml"),
-            Entry("examples/chain_1000.toml"),
-            Entry("examples/four_bars.toml"),
+            *_moving("double_pendulum_energy"),
+            *_scripts("pendulum_reaction", "motor_run_up", "joint_of_my_own", "force_of_my_own"),
+            *(Entry(f"examples/{name}.toml", card="drawing") for name in ("chain_100", "chain_1000", "four_bars")),
         ),
     ),
     Group(
@@ -133,7 +136,9 @@ GROUPS = (
             ),
             _stability("pinned_column", "P=0:30:13", "--orders", "first", "--exact", "9.8696"),
             _stability("beck_column", "P=0:30:13", "--orders", "truncated", "--exact", "20.0509"),
-            *_scripts("monomial_conditioning", "dop853_or_ida", "runge_kutta_step_limit", "dense_and_sparse"),
+            *_scripts("monomial_conditioning"),
+            Entry("examples/dop853_or_ida.py", needs="sksundae"),
+            *_scripts("runge_kutta_step_limit", "dense_and_sparse"),
         ),
     ),
     Group(

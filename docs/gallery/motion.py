@@ -5,16 +5,14 @@ from __future__ import annotations
 import derive
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.default_plots import default_plots
-from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.observables.spatial_scene_player import (
     body_paths,
     drawn_bodies,
     ground_points,
-    spatial_scene_player_data,
     ties,
 )
-from derive.visual.player import player_page, spatial_player_page
+from derive.visual.motion_page import motion_page
 from derive.visual.spatial_mechanism import spatial_picture
 from docs.gallery.stroboscope import stroboscope
 
@@ -28,9 +26,7 @@ def player(trajectory: derive.Trajectory) -> str:
         for plot, text in plots
         for curve in plot_curves(plot, trajectory, "")
     ]
-    if isinstance(scene, derive.SpatialScene):
-        return spatial_player_page(spatial_scene_player_data(scene, trajectory.motion, columns), trajectory.warnings)
-    return player_page(player_data(trajectory.motion, columns), trajectory.warnings)
+    return motion_page(trajectory, columns).text
 
 
 def drawing(trajectory: derive.Trajectory) -> str:

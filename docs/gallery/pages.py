@@ -37,16 +37,15 @@ def example_page(run: Run) -> str:
     blocks = [f"# {literal(description.title)}"]
     blocks += [part if part.startswith("    ") else literal(part) for part in description.paragraphs]
     if run.data is None:
-        blocks.append(f"The example needs `{entry.needs}`; `make test-hosts` runs it.")
+        blocks.append(f"The example needs the package `{entry.needs}`, which was missing when this page was made.")
     if run.numbers:
         blocks += _number_block(run, description.number)
-    blocks += [f"![{literal(_alt(run, path))}]({file_name(run, path)})" for path in run.pictures]
-    if motion := run.file("motion"):
-        address = file_name(run, motion)
-        frame = f'<iframe class="gallery-motion" src="{address}" title="Player of the motion" loading="lazy"></iframe>'
-        blocks += ["## Motion", _html(frame), _html(_link(address, "The player on a page of its own"))]
-    elif drawing := run.file("drawing"):
-        blocks.append(f"![The mechanism at the beginning]({file_name(run, drawing)})")
+    pictures = [f"![{literal(_alt(run, path))}]({file_name(run, path)})" for path in run.pictures]
+    motion = _motion(run)
+    if entry.kind == "toml":  # a scene is there for its motion, a script for its picture
+        blocks += [*motion, *(["## Curves"] if motion and pictures else []), *pictures]
+    else:
+        blocks += [*pictures, *motion]
     if report := run.file("report"):
         text = "The report: every equation, term and zero, and the line of C that computes it"
         blocks += ["## Report", _html(_link(file_name(run, report), text))]
@@ -80,7 +79,7 @@ def _own_pages(runs: list[Run]) -> list[str]:
         run = by_name.get(name)
         path, drawing = (run.file(kind), run.file("drawing")) if run else (None, None)
         if run and path and drawing:
-            image = f'<img alt="" src="{file_name(run, drawing)}">'
+            image = f'<img alt="Drawing:" src="{file_name(run, drawing)}">'
             link = f'<a class="reference" href="{file_name(run, path)}">{image} {title}</a>'
             cards.append(f'<div class="gallery-card"><p>{link}</p></div>')
     text = "`tisserand report` and `tisserand simulate` write pages that need nothing but a browser."
@@ -94,18 +93,18 @@ def _card(run: Run) -> str:
     shows = run.entry.card or _card_kind(run)
     title, front = literal(description.title), ""
     if shows == "picture":
-        front = f"![]({file_name(run, run.pictures[0])}) "
+        front = f"![Picture:]({file_name(run, run.pictures[0])}) "
     elif shows == "drawing":
         drawing = run.file("drawing")
         assert drawing is not None, run.entry.path
-        front = f"![]({file_name(run, drawing)}) "
+        front = f"![Drawing:]({file_name(run, drawing)}) "
     elif shows == "number" and run.numbers:
         front = f"**{', '.join(text for _, text in run.numbers)}** "
     body = f"[{front}{title}]({target})"
     if shows == "output":
         lines = (run.output or (ROOT / run.entry.path).read_text()).splitlines()[:CARD_LINES]
         body = code("\n".join(line[:CARD_COLUMNS] for line in lines)) + "\n\n" + body
-    return f"```````{{container}} gallery-card gallery-{shows}\n{body}\n```````"
+    return f"```````{{container}} gallery-card\n{body}\n```````"
 
 
 def _card_kind(run: Run) -> str:
@@ -118,6 +117,16 @@ def _number_block(run: Run, meaning: str) -> list[str]:
     lines = [f"{literal(label)}: **{text}**" if label else f"**{text}**" for label, text in run.numbers]
     text = "\n\n".join([*lines, literal(meaning[:1].upper() + meaning[1:]) + "."])
     return [f"```{{container}} gallery-number\n{text}\n```"]
+
+
+def _motion(run: Run) -> list[str]:
+    """The player inside the page, and a link to it."""
+    motion = run.file("motion")
+    if motion is None:
+        return []
+    address = file_name(run, motion)
+    frame = f'<iframe class="gallery-motion" src="{address}" title="Player of the motion" loading="lazy"></iframe>'
+    return ["## Motion", _html(frame), _html(_link(address, "The player on a page of its own"))]
 
 
 def _source(path: str) -> list[str]:

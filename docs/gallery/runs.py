@@ -10,7 +10,7 @@ import shutil
 import sys
 import traceback
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
@@ -86,7 +86,7 @@ def _missing(entry: Entry) -> bool:
 
 def key(entry: Entry) -> str:
     """The hash of all that a result depends on: the sources of the example, of the scenes, of the runs, the package."""
-    digest = hashlib.sha256(package_hash().encode() + repr(entry).encode())
+    digest = hashlib.sha256(package_hash().encode() + repr(replace(entry, card=None)).encode())
     files = [ROOT / path for path in (entry.path, *entry.shown)]
     files += [path for path in sorted((ROOT / "scenes").iterdir()) if path.suffix in (".toml", ".csv", ".npz")]
     files += [Path(__file__).with_name(f"{module}.py") for module in RECORDING]

@@ -19,7 +19,7 @@ FEW = 100
 STYLE = """\
   <style>
     path { fill: none; stroke-linecap: round; stroke-linejoin: round; }
-    .flexible { stroke: #1f7fab; stroke-width: 2.2; } .rigid { stroke: #5c6975; stroke-width: 2.6; }
+    .flexible { stroke: #1f7fab; stroke-width: 2.8; } .rigid { stroke: #5c6975; stroke-width: 3.2; }
     @media (prefers-color-scheme: dark) { .flexible { stroke: #58b4dc; } .rigid { stroke: #9ba7b1; } }
   </style>"""
 

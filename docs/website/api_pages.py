@@ -113,11 +113,11 @@ def _class_text(name: str, shown: type, text: str) -> str:
             types[field.name] = _annotation(field.type)
             keys = [key for key in getattr(hints.get(field.name), "__metadata__", ()) if isinstance(key, Key)]
             if field.name not in {one for group in described for one in group.split(", ")}:
-                rest.append((field.name, types[field.name], " ".join(key.description for key in keys)))
+                rest += [(field.name, types[field.name], key.description) for key in keys[:1] if key.description]
     elif issubclass(shown, Enum):
         rest = [(member.name, "", str(member.value)) for member in shown]
     result = markdown(text, lambda code: _link(code, name), types)
-    if rest and (any(words for _, _, words in rest) or issubclass(shown, Enum)):
+    if rest:
         title = "Members" if issubclass(shown, Enum) else "Fields"
         result += f"\n\n**{title}**\n\n{definitions(rest, lambda code: _link(code, name))}"
     return result

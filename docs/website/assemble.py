@@ -15,6 +15,8 @@ if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent.parent.parent)]
 
 from website.api_pages import pages as api_pages
+from website.command_page import page as command_page
+from website.first_example import with_output
 from website.links import with_links
 from website.navigation import toctrees
 from website.pages import ROOT, SHOWN, is_shown, pages, place
@@ -62,12 +64,15 @@ def site_files() -> dict[str, bytes]:
             result[target] = source_page(path).encode()
         result[target.removesuffix(".md")] = content
     result |= {page: text.encode() for page, text in api_pages().items()}
+    result["command_line.md"] = command_page().encode()
     if GENERATED.exists():
         for file in GENERATED.rglob("*"):
             if file.is_file():
                 result[file.relative_to(GENERATED).as_posix()] = file.read_bytes()
     documents = [str(PurePosixPath(name).with_suffix("")) for name in result if name.endswith((".md", ".ipynb"))]
-    result["index.md"] += toctrees(documents).encode()
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    start = with_output(result["index.md"].decode(), readme, ROOT)
+    result["index.md"] = (start + toctrees(documents)).encode()
     return result
 
 

@@ -73,7 +73,7 @@ def definitions(items: list[tuple[str, str, str]], link: Link) -> str:
     result = []
     for name, kind, text in items:
         term = ", ".join(f"`{one}`" for one in name.split(", "))
-        result.append(f"{term}{f' : *{prose(kind, link)}*' if kind else ''}\n: {prose(text, link) or '&nbsp;'}")
+        result.append(f"{term}{f' : *{prose(kind, link)}*' if kind else ''}\n: {prose(text, link)}")
     return "\n\n".join(result)
 
 

@@ -9,7 +9,7 @@ SECTIONS = {
     "Tutorials": ("first_steps", "tutorial_mechanism", "tutorial_body", "tutorial_c", "tutorial_*", "notebooks/*"),
     "Gallery": ("gallery/index", "examples"),
     "How-to": ("how_to/*", "hosts"),
-    "Reference": ("commands", "reference_toml", "api/index", "generated_code"),
+    "Reference": ("commands", "command_line", "reference_toml", "api/index", "generated_code"),
     "Theory": ("theory", "monitors", "second_order"),
     "Results": ("where_methods_fail", "benchmarks"),
     "Development": ("contributing", "changelog", "code_of_conduct", "security"),

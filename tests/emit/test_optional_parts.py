@@ -121,6 +121,7 @@ def test_an_explicit_model_has_the_same_bits_and_names_what_it_does_not_have(
     vdot, lam = native.solve(0.1, q, v, pushed)
     out = native.evaluate_outputs(0.1, q, v, vdot, lam, pushed)
     assert np.array_equal(out, complete.evaluate_outputs(0.1, q, v, vdot, lam, fully))
+    assert f"    return {NAME}_solve(" in own[1].text, "compiled once, with that of the multipliers"
     assert model.explicit and not derive.lower(derive.derive(scene)).explicit
     with pytest.raises(CompilerError, match="no jacobian in this library, whose model is for explicit integration"):
         native.jacobian(0.0, np.zeros(0), np.zeros(0), 1.0, k)

@@ -238,3 +238,11 @@ def test_batches_keep_the_components_of_an_instance_together() -> None:
     stored = [n.target for n in every(batch(kernel).nodes) if isinstance(n, Assign)]
     assert [t.index for t in stored if isinstance(t, Element)] == [variable("n", -2, 6), variable("n", -2, 7)]
     assert batch(kernel).arrays.get("w") == 8
+
+
+def test_rates_of_bodies_in_the_plane_are_one_copy() -> None:
+    kernel = looped("chain_5").kernel("rates")
+    (loop,) = kernel.statements
+    assert isinstance(loop, ForEach) and len(loop.body) == 1
+    given = arguments(kernel)
+    assert interpret(kernel, given)["qdot"] == [*given["v"]]

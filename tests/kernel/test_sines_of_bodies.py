@@ -120,6 +120,17 @@ def test_functions_of_one_instance_have_one_call_for_both() -> None:
         assert interpret(kernel, given, nodes=nodes) == interpret(kernel, given)
 
 
+def test_integers_that_place_the_angle_come_before_its_sine() -> None:
+    place = Integer("place", "places", variable("n"))
+    loop = replace(
+        body(0, 0, 1, Element("x", variable("place")), place), start=variable("number"), stop=variable("number", 1, 1)
+    )
+    ((result,),) = with_sines_of_bodies([(replace(loop, body=(place, *(n for n in loop.body if n != place))),)])
+    assert isinstance(result, For)
+    kinds = [type(node) for node in result.body]
+    assert kinds[:4] == [Integer, Local, Local, Sines] and not has_calls([result])
+
+
 def test_batches_call_one_function_of_sines() -> None:
     """Compilers take long for sines, which several parts of a batch need for the states of a block."""
     _, source = CBackend().files(looped("chain_5"), "test")

@@ -13,6 +13,8 @@ import derive
 from conftest import ROOT
 from derive.notebook.linear import modes_html
 from derive.short_text import LINES, WIDTH
+from derive.simulation.conversions import data_set
+from derive.simulation.observables.csv_writer import Column
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.trajectory import column_docs, column_units
 from derive.spec.toml.read import parse
@@ -131,6 +133,8 @@ def test_a_motion_becomes_a_data_set_of_xarray_with_units_and_descriptions(motio
     for name in motion.columns[1:]:
         assert np.array_equal(data[name], motion[name])
         assert data[name].attrs["units"] == (motion.units[name] or "1")
+    ratio = data_set("a", [Column("t", "s", np.ones(2)), Column("r", "", np.ones(2))], {"t": "time", "r": "ratio"})
+    assert ratio["r"].attrs == {"units": "1", "long_name": "ratio"}
     angle = motion.model.coordinates[0]
     assert data["bar_phi"].attrs["long_name"] == angle.doc
     assert float(data["bar_phi"].sel(time=1.0)) == motion["bar_phi"][500]

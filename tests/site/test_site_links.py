@@ -11,7 +11,10 @@ import pytest
 from bs4 import Tag
 from built_site import PAGES, SITE, anchors, document, missing
 
+import derive
 from conftest import ROOT
+from derive.cli.arguments.command_line import parser
+from website.command_page import commands
 from website.pages import pages
 
 pytestmark = pytest.mark.docs
@@ -73,7 +76,10 @@ def test_nothing_is_loaded_from_elsewhere(page: str) -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_pictures_have_words(page: str) -> None:
-    assert all(picture.get("alt") for picture in document(page).find_all("img"))
+    """A picture has a description, or it is part of a link whose text says more."""
+    for picture in document(page).find_all("img"):
+        link = picture.find_parent("a")
+        assert picture.get("alt") or (picture.has_attr("alt") and link and link.get_text(strip=True)), picture
 
 
 def test_every_page_is_reached_from_the_start() -> None:
@@ -103,3 +109,19 @@ def test_formulas_are_formulas(page: str) -> None:
 def test_theory_has_its_formulas() -> None:
     formulas = (ROOT / "docs/theory.md").read_text(encoding="utf-8").count("$$") // 2
     assert formulas > 10 and len(document("theory.html").select(".formula math")) == formulas
+
+
+def test_the_reference_has_every_public_name() -> None:
+    pages = [page for page in PAGES if page.startswith("api/") and page != "api/index.html"]
+    places = [anchor for page in pages for anchor in anchors(page) if anchor.count(".") == 1]
+    assert sorted(places) == sorted(f"derive.{name}" for name in derive.__all__)
+    assert {link.get_text() for link in document("api/index.html").select("table a")} == {*derive.__all__}
+
+
+def test_the_reference_has_every_command_and_option() -> None:
+    text = document("command_line.html")
+    headings = {heading.get_text().rstrip("¶") for heading in text.find_all("h2")}
+    options = {term.get_text().split()[0] for term in text.select("dt code")}
+    for name, command, _ in commands(parser()):
+        assert name in headings
+        assert {option for action in command._actions for option in action.option_strings[:1]} - {"-h"} <= options

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-_SAID = {"$schema", "$defs", "description", "title", "default", "discriminator"}
+_SAID = {"$schema", "$comment", "$defs", "description", "title", "default", "discriminator"}
 _TYPES = {
     "object": lambda v: isinstance(v, dict),
     "array": lambda v: isinstance(v, list),

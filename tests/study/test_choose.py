@@ -195,7 +195,8 @@ def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.M
     monkeypatch.setattr(references, "MOST_BEAMS", 2)
     monkeypatch.setattr(references, "MOST_SHAPES", 2)
     with pytest.raises(
-        NotConverged, match=r"is so accurate: 2 beams, P2, P3, truncated differs by .* from that with fewer shapes"
+        NotConverged,
+        match=r"accurate enough: 2 beams, P2, P3, truncated differs by .* from the model with fewer shapes",
     ):
         trusted_reference(runs_of(scene), 1e-3, quiet)
 
@@ -375,4 +376,7 @@ def test_errors_that_vanish_and_runs_that_fail_are_in_the_text() -> None:
     known = TrustedReference((), FINE, (Agreement("larger steps", 0.0),))
     text = choice_text("a", ["it"], (), Choice(0.01, known, (exact, failed)))
     assert "100  fails: tolerance 1e-05: too many steps" in text
-    assert "step down: 1 beam, P2, truncated, tolerance 0.001: 0.5 times the operations, an error of 0.4 %" in text
+    assert (
+        "step down: 1 beam, P2, truncated, tolerance 0.001, takes 0.5 times the operations and has an error of 0.4 %"
+        in text
+    )

@@ -74,6 +74,16 @@ def test_a_model_cannot_matter_whose_kind_no_longer_improves_where_a_cheaper_one
     assert ladder_run_of(scene, *stays, better).dispensable(LadderModel(Shapes.POLYNOMIALS, 6, TRUNCATED)) == ""
 
 
+def test_a_run_that_is_timed_once_runs_alone(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others are timed again after the ladder."""
+    calls: list[str] = []
+    rigid = compiled(scene, LadderModel(Shapes.RIGID))
+    measured(rigid, scene.plots[:1], (1e-3,), lambda: calls.append("short"))
+    monkeypatch.setattr("derive.study.accuracy.measurement.LONG", 1e-9)
+    measured(rigid, scene.plots[:1], (1e-3,), lambda: calls.append("long"))
+    assert calls == ["long"]
+
+
 def test_tolerances_beyond_the_error_of_the_model_are_left_out(scene: Scene) -> None:
     rigid = compiled(scene, LadderModel(Shapes.RIGID))
     line = measured(rigid, scene.plots[:1], (1e-3, 1e-4, 1e-6, 1e-8))
@@ -114,7 +124,8 @@ def test_an_interruption_leaves_what_there_is(
     assert "3 models, about " in text.err and "model 1 of 3: rigid: 47 % in " in text.err
     rows = list(csv.DictReader((tmp_path / "accuracy.csv").read_text().splitlines()))
     assert {row["model"] for row in rows} == {"rigid"}
-    assert json.loads((tmp_path / "accuracy.json").read_text())["notes"] == ["interrupted: 2 models were not run"]
+    data = json.loads((tmp_path / "accuracy.json").read_text())
+    assert data["notes"] == ["interrupted: 2 models were not run"] and " -O1 " in data["machine"]
     assert (tmp_path / "accuracy.svg").exists()
     assert "interrupted: 2 models were not run" in (tmp_path / "accuracy.html").read_text()
 

@@ -9,7 +9,7 @@ from itertools import accumulate, groupby
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
-from derive.backends.c.beginnings import beginnings, calling
+from derive.backends.c.beginnings import beginnings, by_solution, calling, calling_solution
 from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.forms import shared_forms
 from derive.backends.c.functions_of_kernels import (
@@ -71,7 +71,9 @@ class CBackend:
         builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
         shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
-        sections = shared_sections(model, [kernel for kernel in model.kernels if kernel.name not in shared])
+        solved = by_solution(model)
+        written = [kernel for kernel in model.kernels if kernel.name not in (*shared, *solved)]
+        sections = shared_sections(model, written)
         for section in sections.values():
             builder.text("".join(f"{line.text}\n" for line in [*section.function(), *plain("")]))
         for table in sums.tables:
@@ -85,6 +87,8 @@ class CBackend:
                     builder.function(kernel, calling(model, kernel, whole))
                 elif kernel in shared.values():
                     builder.text("".join(f"{line.text}\n" for line in calling(model, kernel, kernel)))
+                elif whole := solved.get(kernel.name):
+                    builder.function(kernel, calling_solution(model, kernel, whole))
                 elif of := forms.get(kernel.name):
                     if kernel is of.kernels[0]:
                         builder.text("".join(f"{line.text}\n" for line in function_of_forms(model, of)))

@@ -23,7 +23,7 @@ def casadi_function(host: HostModel) -> ca.Function:
         host: `host_model(spec, sensitivities=True)`, which has the names and start values of x = [q; v], u, p and y.
 
     Raises:
-        CompilerError: if there is no compiler, or if the model was made without sensitivities.
+        CompilerError: if there is no compiler.
         TypeError: for anything but a host model.
 
     Examples:
@@ -34,6 +34,8 @@ def casadi_function(host: HostModel) -> ca.Function:
         >>> xdot.full().ravel()
         array([  3.,   4.,   0.,   0., -10.,   0.])
     """
+    if not isinstance(host, HostModel):
+        raise TypeError(f"derive.host_model(spec, sensitivities=True) is needed, not {type(host).__name__}")
     with tempfile.TemporaryDirectory(prefix="tisserand-") as name:
         folder = Path(name)
         files = casadi_files(host)

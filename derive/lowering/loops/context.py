@@ -68,7 +68,8 @@ class LoopContext:
         self.k = self.layout.argument
         every = (self.t, self.q, self.v, self.k, self.y, self.ydot, self.cj)
         self.inputs: Mapping[str, Argument] = {argument.name: argument for argument in every}
-        self.left = {row: eq.sum_of(row) for row in (*self.rows, SHAPE)}
+        self.left = {row: eq.sum_of(row) for row in self.rows}
+        self.left[SHAPE] = eq.sum_of(SHAPE) if self.n else sp.S.Zero
         self.coupling = self._coupling()
 
     def program(self, *arguments: Argument) -> Program:

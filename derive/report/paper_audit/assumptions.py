@@ -10,9 +10,9 @@ ASSUMPTIONS = (
     Assumption(
         "No body force, $b = 0$",
         "under (7)",
-        "No weight unless it is asked for.",
+        "No weight unless the specification has gravity.",
         ("beam.gravity", "body.gravity", "scene.gravity"),
-        "Uniform gravity. Other forces per volume: none yet.",
+        "Uniform gravity. Other forces per volume are not available.",
     ),
     Assumption(
         "No load on the surface, $q = 0$",
@@ -20,7 +20,7 @@ ASSUMPTIONS = (
         "The sum of each row of the equations of motion is zero.",
         ("beam.markers", "body.markers", "forces", "torques", "springs"),
         "In part: forces at markers (the functions `load_NAME` of the generated code), and in scenes forces, torques "
-        "and springs there. Loads spread over the surface: none yet.",
+        "and springs there. Loads that are spread over the surface are not available.",
     ),
     Assumption(
         "No stress in the reference configuration",
@@ -33,7 +33,7 @@ ASSUMPTIONS = (
         "$U$ is quadratic in $alpha$, with constant stiffness $K$.",
         ("body.nodes", "body.damping"),
         "Isotropic: any stiffness matrix of a finite-element program, also of anisotropic or layered bodies. Elastic: "
-        "viscous damping of the modes. Linear: none yet.",
+        "viscous damping of the modes. Nonlinear materials are not available.",
     ),
     Assumption(
         "Strain energy by an approximation in place of (13)",
@@ -43,7 +43,9 @@ ASSUMPTIONS = (
     Assumption(
         "Displacements linear in the amplitudes",
         "(14)",
-        "Fields of first order: a deflection does not foreshorten the body, so that spin softens where it stiffens.",
+        "A deflection does not foreshorten the body, so the model softens under spin where a real body stiffens.",
+        ("beam.order", "body.order"),
+        "With order 2 the displacements are quadratic in the amplitudes.",
     ),
     Assumption(
         "A combination of assumed fields, few of them",
@@ -56,11 +58,11 @@ ASSUMPTIONS = (
     Assumption(
         "Independent fields without rigid body motion",
         "before (16)",
-        "An ansatz that is dependent, or that a frame leaves nothing of, is refused, and so is rigid motion that is "
-        "left; the message names the combination.",
+        "Three things are refused: an ansatz with dependent fields, a frame that leaves no field, and fields with a "
+        "rigid motion. The message names the combination.",
         ("beam.frame", "body.frame"),
-        "The frames take rigid motion out of any fields. `given` takes fields as they stand, and refuses them where "
-        "they hold a rigid motion.",
+        "The frames remove rigid motion from any fields. `given` takes fields as they are, and refuses them if they "
+        "contain a rigid motion.",
     ),
     Assumption(
         "Fixed at one point, its rotation too",
@@ -73,7 +75,7 @@ ASSUMPTIONS = (
     Assumption(
         "Mean conditions weighted with the density",
         "under (19)",
-        "(17) and (19) as they stand. Other weights: none yet.",
+        "(17) and (19) as they stand. Other weights are not available.",
     ),
     Assumption(
         "Centre of mass in O",
@@ -81,14 +83,14 @@ ASSUMPTIONS = (
         "In the mean frame $c_1 = 0$.",
         ("body.frame", "bodies.*.centre"),
         "Bodies of nodes: O is the centre of mass in the frame `mean`, the node in the frame `point`, and the origin "
-        "of the positions in `given`. Rigid bodies of a scene: anywhere. A beam: O is its centre.",
+        "of the positions in `given`. In rigid bodies of a scene O may be anywhere. In a beam O is its centre.",
     ),
     Assumption(
         "Motion in a plane",
         "before (21)",
         "Coordinates $c_1$, $c_2$ and $phi$.",
         (NODES, "body.integrals"),
-        "Bodies in space, of nodes or with shape integrals as parameters. Scenes: in the plane alone.",
+        "Bodies in space, of nodes or with shape integrals as parameters; scenes in the plane and in space.",
     ),
     Assumption(
         "Cubic deflection",
@@ -102,28 +104,28 @@ ASSUMPTIONS = (
         "before (21)",
         "$int_Omega rho dOmega$ is $(m/2) int_{-1}^1 dxi$.",
         (NODES,),
-        "A body of nodes may have any shape. Of a beam: none yet.",
+        "A body of nodes may have any shape. A beam may have attached masses, but is uniform otherwise.",
     ),
     Assumption(
         "Bernoulli-Euler theory: no shear, the axis alone",
         "before (21)",
-        "$u$ of the axis is all there is.",
+        "The displacement of the axis determines that of every point.",
         (NODES,),
-        "A body of nodes shears as its elements do. Of a beam: none yet.",
+        "A body of nodes shears as its elements do. A beam does not shear.",
     ),
     Assumption(
         "Inextensible axis",
         "before (21)",
         "No displacement along the axis, so inextensible to first order.",
-        (NODES,),
-        "A body of nodes may stretch. Of a beam: none yet, and no foreshortening either.",
+        (NODES, "beam.axial", "beam.order"),
+        "A body of nodes may stretch, and so may a beam with axial shapes. With order 2 a beam shortens as it bends.",
     ),
     Assumption(
         "Rotary inertia of the cross-section neglected",
         "before (22)",
         "The mass lies on the axis.",
         (NODES,),
-        "A body of nodes has it. Of a beam: none yet.",
+        "A body of nodes has rotary inertia. A beam has none, except that of attached masses.",
     ),
     Assumption(
         "Small curvature in (22)",

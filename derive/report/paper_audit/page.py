@@ -39,10 +39,11 @@ SUBTITLE = (
     "experiencing large displacements. Journal of Applied Mechanics 55 (1988), 676-680"
 )
 MEANINGS: dict[Verdict, str] = {
-    "equal": "The equation as the text shows it is what is derived, and a test compares the two.",
-    "equal after the correction": "So it is, once the faults of the recognised text are mended; a test compares it.",
-    "definition": "It says what a name means; the place that says so here is named.",
-    "assumption": "It is chosen: here the specification chooses.",
+    "equal": "The derivation gives the equation as the text shows it; a test compares the two.",
+    "equal after the correction": "The derivation gives the equation once the errors of the recognised text are "
+    "corrected; a test compares the two.",
+    "definition": "The statement defines a name; the place of the definition in Tisserand is given.",
+    "assumption": "The statement is a choice; in Tisserand the specification makes it.",
 }
 MARKS: dict[str, Mark] = {
     "equal": "good",
@@ -73,19 +74,19 @@ def counts(rows: Sequence[AuditRow]) -> dict[Verdict, int]:
 def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
     yield Paragraph(
         marked_text(
-            "Every equation of the paper and every line of its appendix, beside what this tool derives. The text of "
-            "the paper went through character recognition, which loses dots and mistakes letters: it is written down "
-            "as it came out. The printed equations are used by nothing that derives; what is derived comes out of $x "
-            "= c + Q . (X + u)$ and virtual work, and the column that shows it is computed for this page: terms in "
-            "components are read back as products of vectors, and have the same components."
+            "This page compares every equation of the paper, and every line of its appendix, with what Tisserand "
+            "derives. The text of the paper went through character recognition, which loses dots and mistakes letters; "
+            "this page shows it as it came out. No derivation uses the printed equations: they follow from $x = c + Q "
+            ". (X + u)$ and virtual work. The column of derived equations is computed for this page; terms in "
+            "components are read back as products of vectors, which have the same components."
         )
     )
     yield Paragraph(
         marked_text(
-            "A row is called equal only where a test compares the equation; another test checks that each named test "
-            "exists and uses the equation, and evaluates every formula shown, with its correction, against what they "
-            "compare. Tests are named as `file::name` in the folder `tests/paper`. Where the derivation does "
-            "without an equation, a test derives it. Vectors and columns are bold italic, tensors and matrices bold."
+            "A row is called equal only if a test compares the equation. Another test checks that each named test "
+            "exists and uses the equation, and evaluates every formula shown, with its correction. Tests are named as "
+            "`file::name` in the folder `tests/paper`. If the derivation does not need an equation, a test derives it. "
+            "Vectors and columns are bold italic, tensors and matrices bold."
         )
     )
     result = counts(rows)
@@ -184,9 +185,7 @@ def _listed(words: Sequence[str]) -> Text:
 
 def _statements(statements: Sequence[Statement]) -> Iterator[Block]:
     yield Heading("Statements in words", "statements")
-    yield Paragraph(
-        ("What the paper says besides its equations, where this tool can tell whether it holds, and where not.",)
-    )
+    yield Paragraph(("These are statements of the paper besides its equations, each with whether it holds.",))
     for s in statements:
         first = (Strong(s.place[0].upper() + s.place[1:]), f": {s.verdict}. The text: ")
         yield Paragraph((*first, *marked_text(s.shown), " Here: ", *marked_text(s.holds), " ", *tests(s.tests)))
@@ -196,8 +195,8 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
     yield Heading("Assumptions", "assumptions")
     yield Paragraph(
         (
-            "What the paper assumes, mostly in words, and the option of a specification that lifts it, where there is "
-            "one.",
+            "The table lists the assumptions of the paper, most of them in words, with the option of a specification "
+            "that lifts each of them, if there is one.",
         )
     )
     yield TableBlock(
@@ -206,7 +205,7 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
         tuple(
             (
                 Cell((*marked_text(a.name), f"; {a.place}. ", *marked_text(a.here))),
-                Cell(_listed(a.options) or ("none yet",)),
+                Cell(_listed(a.options) or ("none",)),
                 Cell(marked_text(a.lifts)),
             )
             for a in assumptions

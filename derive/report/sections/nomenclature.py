@@ -69,10 +69,10 @@ FRAMES: tuple[Entry, ...] = (
     ("w", "angular velocity of the floating frame in components of the inertial frame", "(5)"),
     ("s", "vector Q r from O to a marker, in the inertial frame", "(2)"),
     ("A", "axes of a marker frame as columns, in the inertial frame", "markers"),
-    ("v", "velocity of a marker against its floating frame, in the inertial frame", "(5)"),
+    ("v", "velocity of a marker relative to its floating frame, in the inertial frame", "(5)"),
     ("theta", "rotation vector of the section at a marker by deformation", "markers"),
     ("sigma", "scale of the rotation tensor of that section, 1/(1 + theta . theta / 4)", "markers"),
-    ("nu", "angular velocity of that section against the floating frame, in the inertial frame", "markers"),
+    ("nu", "angular velocity of that section relative to the floating frame, in the inertial frame", "markers"),
 )
 BOLD: dict[str, Name] = {
     "M": Name("M", style="tensor"),

@@ -125,6 +125,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     Raises:
         SpecError: with given values that contradict each other, and with drives whose speed jumps at t = 0.
         SimulationError: with the constraints that cannot be met.
+        TypeError: for a body alone, whose initial state is its `start`.
         ExcessiveDeformation: where they can be met only by beams that bend beyond what linear displacements describe.
 
     Examples:
@@ -139,6 +140,8 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         >>> derive.initial_state(pendulum, native).v.round(9)  # 2 m/s at 0.5 m from the hinge
         array([4.])
     """
+    if not isinstance(scene, AnyScene):
+        raise TypeError(f"a scene is needed, not {type(scene).__name__}; derive.simulate starts a body alone")
     check_start(scene)
     constants = native.setup() if k is None else k
     guess, _, _ = initial_guess(scene, native, constants)

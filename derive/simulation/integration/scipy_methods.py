@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_double, c_void_p, cast
-from typing import Any, Literal, assert_never
+from typing import Any, Literal, assert_never, get_args
 
 import numpy as np
 
 from derive.runtime.compiled_model import Native
-from derive.runtime.native_call import ModelError, Vector
+from derive.runtime.native_call import ModelError, Vector, checked_vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
@@ -20,6 +20,7 @@ from derive.simulation.integration.time_segments import smooth_ends
 from derive.simulation.integration.tolerances import absolute_tolerances, rounding_note
 
 MAX_STEPS_PER_ROW = 20_000
+Method = Literal["DOP853", "RK45"]
 """The largest mean number of steps for each row; an integration that needs more is stopped."""
 
 
@@ -30,7 +31,7 @@ def integrate(
     v: Vector,
     times: Sequence[float] | Vector,
     *,
-    method: Literal["DOP853", "RK45"] = "DOP853",
+    method: Method = "DOP853",
     tolerance: float = 1e-9,
     size: float = 1.0,
     drift: float = 1e-9,
@@ -63,7 +64,7 @@ def integrate(
         DriveCannotBeFollowed: where a drive moves a joint beyond one.
         DriftTooLarge: if constraints are violated by more than `drift`.
         IntegrationStopped: if the method fails.
-        ValueError: if arrays have other lengths.
+        ValueError: if arrays have other lengths, and for another method.
 
     Examples:
         >>> import derive
@@ -73,7 +74,10 @@ def integrate(
         >>> solution.q[:, 1].round(6) + 0.0
         array([0. , 0.8, 0. ])
     """
+    if method not in get_args(Method):
+        raise ValueError(f'the method is one of {", ".join(get_args(Method))}, not "{method}"')
     began = time.process_time()
+    q, v = checked_vector(native.nq, q, "q"), checked_vector(native.nv, v, "v")
     solver_type = _solver_type(method)
     instants = row_times(times)
     evaluator = Evaluator(native, k)
@@ -116,7 +120,7 @@ def integrate(
     return rows.solution(evaluator.cost(steps, began), notes)
 
 
-def _solver_type(method: Literal["DOP853", "RK45"]) -> Any:
+def _solver_type(method: Method) -> Any:
     """The class of SciPy, or one derived from it, that takes the steps; SciPy's integrators are loaded here alone."""
     match method:
         case "DOP853":

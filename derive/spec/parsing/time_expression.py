@@ -68,6 +68,8 @@ def time_function(text: str, known: Known | None = None, max_power: int = MAX_PO
         >>> function.kind, [part.kind for part in function.args]
         ('add', ['mul', 'sin'])
     """
+    if not isinstance(text, str):
+        raise TypeError(f'a text is needed, such as "2*pi*t", not {type(text).__name__}')
     return _Functions(text, known or Known(), max_power).parse()
 
 

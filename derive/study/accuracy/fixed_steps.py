@@ -11,6 +11,7 @@ from statistics import median
 import numpy as np
 
 from derive.errors import TisserandError, first_line
+from derive.remaining_time import RemainingTime
 from derive.simulation.initial.initial_state import scene_size
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.registry import INTEGRATORS
@@ -40,13 +41,15 @@ def fixed_step_lines(
 ) -> list[Line]:
     """The lines of compiled models with these integrators. Their warnings are those of the adaptive runs."""
     lines, clocks = [], list[Callable[[], float]]()
+    every = RemainingTime(len(ready) * len(integrators))
     for of in ready:
         for name in integrators:
-            progress(f"running {of.model.label} with {name}")
+            progress(f"line {every.next()}: {of.model.label} with {name} ...")
             line, runnable = _line(of, name, plots)
             lines.append(line)
             clocks += runnable
-    rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
+    remaining = RemainingTime(runs)
+    rows = interleaved(clocks, runs, lambda _: progress(f"timing, run {remaining.next()} ...")) if clocks else []
     times = iter([(median(of), min(of), max(of)) for of in zip(*rows, strict=True)])
     return [replace(of, points=tuple(replace(p, seconds=next(times)) for p in of.points)) for of in lines]
 

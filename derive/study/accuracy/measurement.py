@@ -15,6 +15,7 @@ from derive.errors import TisserandError, first_line
 from derive.generated_models import generated, generated_explicit
 from derive.ir.model import Model
 from derive.percentages import percent
+from derive.remaining_time import RemainingTime
 from derive.runtime.compiler import QUICK_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
@@ -300,7 +301,8 @@ def retimed(
     """The lines with the CPU times of interleaved runs; runs that take long are not repeated, and keep their time."""
     timed = [(line, p) for line in lines for p in line.points if p.seconds[0] < LONG]
     clocks = [partial(_seconds, ready[line.model], p.tolerance) for line, p in timed]
-    rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
+    remaining = RemainingTime(runs)
+    rows = interleaved(clocks, runs, lambda _: progress(f"timing, run {remaining.next()} ...")) if clocks else []
     times = {
         (line.model, p.tolerance): (median(of), min(of), max(of))
         for (line, p), of in zip(timed, zip(*rows, strict=True), strict=True)

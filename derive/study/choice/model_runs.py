@@ -52,6 +52,7 @@ class ModelRuns:
         variant = self._variant(model, monitored)
         models = self.ready if variant.monitored else self._unwatched
         if model not in models:
+            self.progress(f"deriving and compiling {model.label} ...")
             models[model] = opened(self._ahead.result(variant))
         return models[model]
 
@@ -82,7 +83,9 @@ class ModelRuns:
     def curves(self, model: LadderModel, tolerance: float, monitored: bool = False) -> Curves:
         """The curves of a run of a model, see `compiled`; its time is kept."""
         if (model, tolerance) not in self._curves:
-            moved = motion(self.compiled(model, monitored), tolerance)
+            of = self.compiled(model, monitored)
+            self.progress(f"running {model.label} ...")
+            moved = motion(of, tolerance)
             self._seconds[model] = moved.solution.cost.seconds
             self._curves[model, tolerance] = curves_of(self.bare, moved)
         return self._curves[model, tolerance]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from derive.display import html
 from derive.enumerations import enumeration
+from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
 from derive.simulation.errors import SimulationError
 from derive.study.accuracy.models import LadderModel, refinements
@@ -118,8 +119,9 @@ def ladder_stability(
     before, richest = refinements()[-2:]
     every = list(dict.fromkeys((*models, before, richest)))
     paths: dict[LadderModel, ModelPath] = {}
-    for n, model in enumerate(every, 1):
-        progress(f"model {n} of {len(every)}: {model.label}")
+    remaining = RemainingTime(len(every))
+    for model in every:
+        progress(f"model {remaining.next()}: {model.label} ...")
         paths[model] = model_path(parameter, model)
     if all(path.failure for path in paths.values()):
         reasons = dict.fromkeys(path.failure for path in paths.values())

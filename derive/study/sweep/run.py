@@ -14,7 +14,7 @@ from derive.spec.model.specification import Specification
 from derive.study.sweep.executors import KILLS, chunk_size, outcomes
 from derive.study.sweep.plan import Plan, RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
-from derive.study.sweep.samples import Samples
+from derive.study.sweep.samples import Samples, SamplesError
 from derive.study.sweep.store import SampleStore
 from derive.study.sweep.worker import Outcome, monitored
 from derive.terminal import PATIENCE, SampleProgress, progress_of
@@ -33,7 +33,7 @@ class SweepFailed(TisserandError):
 def sweep(
     spec: Specification,
     samples: Samples,
-    outputs: Sequence[str],
+    outputs: Sequence[str] | str,
     *,
     duration: float | None = None,
     interval: float | None = None,
@@ -51,7 +51,7 @@ def sweep(
     Arguments:
         spec: the scene or the beam.
         samples: `grid`, `listed` or `random_samples` of parameters or keys, as `--set` knows them.
-        outputs: such as "peak:slider_s", "rms:deflection" or "final:rod_phi", of a column or of a plot.
+        outputs: such as "peak:slider_s", "rms:deflection" or "final:rod_phi", of columns or of plots, one or several.
         duration: the time that is simulated, s; by default that of the `simulation` of the specification.
         interval: that between rows, in which peaks are determined, s; by default likewise.
         tolerance: as for `simulate`.
@@ -84,6 +84,10 @@ def sweep(
         >>> result["peak:ball_c2"].round(6)  # v^2 / (2 g), m
         array([ 5., 20.])
     """
+    if not isinstance(samples, Samples):
+        kind = type(samples).__name__
+        raise SamplesError(f"samples are those of derive.grid, derive.listed or derive.random_samples, not {kind}")
+    outputs = (outputs,) if isinstance(outputs, str) else outputs
     plan = make_plan(spec, samples, outputs, RunOptions(duration, interval, tolerance, until))
     with progress_of(progress, lambda: SampleProgress(plan.name, PATIENCE)) as report:
         return run_plan(plan, executor, workers, chunk, store, resume, report)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from derive import short_text
 from derive.errors import TisserandError
+from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 
 MOST_SAMPLES = 1_000_000
@@ -69,6 +70,8 @@ class Samples:
             >>> samples.axis("EI")
             array([10., 20.])
         """
+        if name not in self.names:
+            raise UnknownNameError("name of the samples", name, self.names)
         column = self.values[:, self.names.index(name)]
         return np.array(list(dict.fromkeys(column.tolist())))
 
@@ -136,6 +139,7 @@ def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
                [10.,  2.],
                [20.,  1.]])
     """
+    _check_names(axes)
     columns = [np.atleast_1d(np.asarray(_values(name, given), dtype=np.float64)) for name, given in axes.items()]
     for name, column in zip(axes, columns, strict=True):
         if len(set(column.tolist())) < len(column):
@@ -143,6 +147,12 @@ def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
     _check_count(math.prod(map(len, columns)))
     values = np.array(list(itertools.product(*columns)), dtype=np.float64).reshape(-1, len(columns))
     return Samples(tuple(axes), values, tuple(map(len, columns)))
+
+
+def _check_names(given: object) -> None:
+    """Raise SamplesError for anything but a mapping from names to values, which is not empty."""
+    if not isinstance(given, Mapping) or not given:
+        raise SamplesError('samples need names with their values, such as {"EI": [10, 20]}')
 
 
 def _check_count(count: int) -> None:
@@ -176,6 +186,7 @@ def listed(columns: Mapping[str, ArrayLike]) -> Samples:
                [20.,  2.],
                [40.,  2.]])
     """
+    _check_names(columns)
     try:
         rows = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, dtype=np.float64)) for c in columns.values()))
     except ValueError:
@@ -205,6 +216,9 @@ def random_samples(axes: Mapping[str, Random | float | str], count: int, seed: i
         >>> samples.values.mean(axis=0).round(1)
         array([52.8,  1. ])
     """
+    _check_names(axes)
+    if not isinstance(count, int) or count < 1:
+        raise SamplesError(f"the number of samples is a whole number from 1 on, not {count}")
     _check_count(count)
     generator, known = random.Random(seed), [_distribution(name, axis) for name, axis in axes.items()]
     rows = [[axis.quantile(max(generator.random(), 2.0**-53)) for axis in known] for _ in range(count)]

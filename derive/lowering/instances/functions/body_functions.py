@@ -5,14 +5,14 @@ from __future__ import annotations
 import casadi as ca
 
 from derive.ir.expressions import Element, Operator
-from derive.ir.indices import constant
+from derive.ir.indices import constant, variable
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.loop_code.class_code import ClassCode, LoopTarget
+from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode, LoopTarget
 from derive.lowering.instances.loop_code.context import (
     ZERO,
     InstanceContext,
@@ -157,17 +157,21 @@ def momentum(context: InstanceContext, function: ModelFunction) -> Kernel:
 
 
 def rates(context: InstanceContext, function: ModelFunction) -> Kernel:
-    """The kernel of qdot."""
+    """The kernel of qdot: a copy of v as a whole where the rates of all bodies are their velocities."""
 
     def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
         values = [symbols(rate) for rate in of.context.equations.rates]
         return [*stores("qdot", values)], {"qdot": of.target("qdot", of.coordinate)}
 
+    count = len(context.rows)
+    copies = all([*of.context.equations.rates] == [*of.context.v.symbols] for of in context.classes)
+    copy = StoreElement(Element("qdot", variable(INSTANCE)), Element("v", variable(INSTANCE)))
+    loops = [ForEach(INSTANCE, constant(0), constant(count), (copy,))] if copies else loops_of(context, items, "v")
     return kernel(
         context,
         function,
-        {"qdot": Result(("body by body",), count=len(context.rows))},
-        ("rates", "(1)", "in the plane qdot = v", loops_of(context, items, "v")),
+        {"qdot": Result(("body by body",), count=count)},
+        ("rates", "(1)", "in the plane qdot = v", loops),
     )
 
 

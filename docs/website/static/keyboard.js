@@ -1,5 +1,8 @@
-// What is wider than its box can be scrolled by the keyboard.
 window.addEventListener("DOMContentLoaded", () => {
+  // The first stop skips the menus.
+  document.body.prepend(document.querySelector(".skip-to-content") ?? "");
+
+  // What is wider than its box can be scrolled.
   const observer = new ResizeObserver((entries) => {
     for (const { target: box } of entries) {
       if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;

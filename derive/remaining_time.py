@@ -1,0 +1,49 @@
+"""The remaining time of work in steps, as lines of progress state it."""
+
+from __future__ import annotations
+
+import time
+
+from derive.terminal import duration_text
+
+SOON = 1.0
+"""The time (s) for which nothing is stated: the first steps are too short for an estimate."""
+
+
+class RemainingTime:
+    """The time that is left of a number of steps, at the average speed since the first of them began."""
+
+    def __init__(self, steps: int) -> None:
+        self.steps, self.finished, self._began = steps, 0, time.monotonic()
+
+    def next(self) -> str:
+        """The text of the next step, which begins now: "2 of 5, about 8 s left"."""
+        text = f"{self.finished + 1} of {self.steps}{self.left}"
+        self.finished += 1
+        return text
+
+    def named(self, label: str) -> str:
+        """The label of the next step with its text in brackets, if there are others."""
+        text = self.next()
+        return f"{label} ({text})" if self.steps > 1 else label
+
+    @property
+    def left(self) -> str:
+        """The text of the remaining time, if it can be estimated: ", about 8 s left"."""
+        passed = time.monotonic() - self._began
+        if not 0 < self.finished < self.steps or passed < SOON:
+            return ""
+        return f", about {duration_text((self.steps - self.finished) / self.finished * passed)} left"
+
+
+class ElapsedTime:
+    """The time since the begin of work whose number of steps is not known."""
+
+    def __init__(self) -> None:
+        self._began = time.monotonic()
+
+    @property
+    def text(self) -> str:
+        """The text of the elapsed time: ", 8 s so far"; empty at first."""
+        passed = time.monotonic() - self._began
+        return f", {duration_text(passed)} so far" if passed >= SOON else ""
