@@ -35,6 +35,7 @@ def opened(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     browser.write_text(f"#!{sys.executable}\nimport sys\nopen({str(here / 'opened')!r}, 'a').write(sys.argv[1])\n")
     browser.chmod(0o700)
     monkeypatch.setenv("BROWSER", f"{browser} %s")
+    monkeypatch.setattr("webbrowser._tryorder", None)  # which it keeps after the first look at BROWSER
     return here / "opened"
 
 

@@ -12,8 +12,6 @@ from contextlib import suppress
 from fractions import Fraction
 from typing import Any, TypeVar
 
-import numpy as np
-
 from derive.spec.as_tables import as_table, named, specification_tables, without_none
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import (
@@ -194,10 +192,12 @@ def symbolic_body(
 
 
 def _array(rows: Any) -> Any:
-    """Nested lists of numbers as an array; anything else, such as the name of a file or ragged rows, as it is."""
+    """Nested lists as an array; anything else, such as the name of a file or ragged rows, as it is."""
     if isinstance(rows, (list, tuple)):
-        with suppress(ValueError, TypeError):
-            return np.array(rows, dtype=np.float64)
+        import numpy as np  # beams do without
+
+        with suppress(ValueError):
+            return np.array(rows)
     return rows
 
 

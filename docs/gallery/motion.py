@@ -26,7 +26,7 @@ def player(trajectory: derive.Trajectory) -> str:
         for plot, text in plots
         for curve in plot_curves(plot, trajectory, "")
     ]
-    return motion_page(trajectory, columns).text
+    return motion_page(trajectory, columns, trajectory.warnings).text
 
 
 def drawing(trajectory: derive.Trajectory) -> str:

@@ -111,7 +111,7 @@ def test_independent_iterations_write_elements_of_their_own() -> None:
 
 def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
     model = looped("chain_10")
-    for name in ("mass", "force", "mass_force", "momentum", "rates", "poses"):
+    for name in ("mass", "force", "mass_force", "momentum", "poses"):
         loops = [s for s in model.kernel(name).statements if isinstance(s, ForEach)]
         assert [(each.start.offset, each.stop.offset) for each in loops] == [(0, 10)], name
 

@@ -103,7 +103,7 @@ def test_default_plots_of_many_coordinates_show_some_and_a_note_says_so() -> Non
     assert [len(names) for names in plots.values()] == [SELECTED] * 3
     assert plots["angles"][-1] == "link[69]_phi"
     assert {name[-2:] for name in plots["positions"]} == {"c1", "c2"}
-    assert "angles 12 of 70, positions 12 of 140, deformations 12 of 140" in plots_note(scene, model)[0]
+    assert "12 of 70 of angles, 12 of 140 of positions, 12 of 140 of deformations" in plots_note(scene, model)[0]
     assert plots_note(chain(3), model=lower_instances(mechanism(chain(3)))) == ()
 
 
