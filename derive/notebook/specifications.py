@@ -71,7 +71,7 @@ def _body(body: Any) -> str:
 def _element(element: Any) -> str:
     """The keys of an element that differ from their defaults, with their values."""
     shown = ((name, value) for name, value in changed_fields(element) if name != "name" and value is not None)
-    return ", ".join(f"{name} {short_text(value)}" for name, value in shown)
+    return ", ".join(f"{name} {value if isinstance(value, str) else short_text(value)}" for name, value in shown)
 
 
 def body_html(body: PlanarBeam | NodalBody | SymbolicBody) -> str:

@@ -6,7 +6,15 @@ from collections.abc import Collection
 from fnmatch import fnmatch
 
 SECTIONS = {
-    "Tutorials": ("first_steps", "tutorial_mechanism", "tutorial_body", "tutorial_c", "tutorial_*", "notebooks/*"),
+    "Tutorials": (
+        "first_steps",
+        "tutorial_mechanism",
+        "tutorial_body",
+        "tutorial_c",
+        "tutorial_*",
+        "notebooks/mechanism",
+        "notebooks/*",
+    ),
     "Gallery": ("gallery/index", "examples"),
     "How-to": ("how_to/*", "hosts"),
     "Reference": ("commands", "command_line", "reference_toml", "api/index", "generated_code"),

@@ -9,5 +9,5 @@ window.addEventListener("DOMContentLoaded", () => {
       else box.removeAttribute("tabindex");
     }
   });
-  for (const box of document.querySelectorAll(".formula, .table-wrapper, pre")) observer.observe(box);
+  for (const box of document.querySelectorAll(".formula, .table-wrapper, .cell_output .output, pre")) observer.observe(box);
 });
