@@ -9,6 +9,7 @@ import os
 import shlex
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -75,6 +76,7 @@ def _script(entry: Entry, folder: Path) -> dict[str, Any]:
     spec = importlib.util.spec_from_file_location(entry.name, ROOT / entry.path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.dont_write_bytecode = True  # bytecode is that of a second and a length, which two versions may share
     with house_style():
         spec.loader.exec_module(module)
         value = module.main(".") if inspect.signature(module.main).parameters else module.main()
