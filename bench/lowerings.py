@@ -115,9 +115,10 @@ def _times(models: dict[str, Model], flags: str, repeats: int) -> list[float]:
 
 
 def _compiled(model: Model, form: str, flags: str, folder: Path) -> Path:
-    """The object of the functions `setup` and `accel` of a model; the others are empty."""
+    """The object of the functions `setup` and `accel` of a model, and of `solve`, which `accel` may call."""
     name = f"{model.name}_{form}"
-    kernels = (k if k.name in ("setup", "accel") else replace(k, sections=(), constants=()) for k in model.kernels)
+    kept = ("setup", "accel", "solve")
+    kernels = (k if k.name in kept else replace(k, sections=(), constants=()) for k in model.kernels)
     derive.write(CBackend().files(replace(model, name=name, kernels=tuple(kernels)), "a benchmark"), folder)
     source = folder / name / f"{name}.c"
     target = source.with_suffix(".o")
