@@ -114,6 +114,8 @@ def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
     for name in ("mass", "force", "mass_force", "momentum", "poses"):
         loops = [s for s in model.kernel(name).statements if isinstance(s, ForEach)]
         assert [(each.start.offset, each.stop.offset) for each in loops] == [(0, 10)], name
+    (copied,) = (s for s in model.kernel("rates").statements if isinstance(s, ForEach))  # of coordinates, not of bodies
+    assert (copied.start.offset, copied.stop.offset) == (0, len(model.coordinates)) == (0, 50)
 
 
 def test_first_and_last_body_of_a_batch_have_one_text() -> None:
