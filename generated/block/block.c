@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_512aeef7ac71f7af
+#ifndef BLOCK_HASH_1b4ea272b7c3e826
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -51,6 +51,17 @@
 #  else
 #    define TISSERAND_SHARED static
 #  endif
+#endif
+
+/* The bits of the code of a state, which are 0 for success: those of a block are gathered without a branch. */
+#ifndef TISSERAND_CODE_BITS
+#define TISSERAND_CODE_BITS
+TISSERAND_INLINE unsigned long long tisserand_code_bits(double code)
+{
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
+}
 #endif
 int block_setup(
     const double *TISSERAND_RESTRICT p,
@@ -3339,15 +3350,7 @@ int block_jacobian(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The bits of a code, which are 0 for success. */
-TISSERAND_INLINE unsigned long long block_block_bits(double code)
-{
-    unsigned long long bits;
-    memcpy(&bits, &code, sizeof bits);
-    return bits;
-}
-
-/* NaN for the states of a block that fail. */
+/* NaN for the states of a block that fail. Their codes are positive, or NaN for what is not finite. */
 static void block_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
     for (int b = 0; b < count; b++) {
@@ -3356,11 +3359,13 @@ static void block_block_nan(int count, ptrdiff_t all, int rows, const double *co
     }
 }
 
-/* The code of the first state of a block that fails; there is one. */
-static int block_block_code(const double *codes)
+/* The code of the first state of a block that fails. There is none if x - x = -0, as where numbers are rounded down. */
+static int block_block_code(int count, const double *codes)
 {
-    while (*codes == 0.0) codes++;
-    return (int) *codes;
+    for (int b = 0; b < count; b++) {
+        if (codes[b] != 0.0) return codes[b] > 0.0 ? (int) codes[b] : 2;
+    }
+    return 0;
 }
 
 static void block_mass_states(
@@ -4339,9 +4344,8 @@ static int block_accel_states(
         vdot[12 * all + b] = -t53;
         const double t54 = t35 + d3_8_3 * t44 + d3_8_1 * t46;
         vdot[13 * all + b] = -t54;
-        double code = 0.0;
         const double finite = t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54)));
-        code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
+        double code = finite - finite; /* an acceleration is not finite */
         code = pivot_pi3
             - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
         code = pivot_pi2
@@ -4349,13 +4353,11 @@ static int block_accel_states(
         code = pivot_pi1
             - 5.684341886080802e-14 * J_11 > 0.0 ? code : 1.0; /* the pivot of pi1 vanished */
         codes[b] = code;
-    }
-    TISSERAND_STATES for (int b = 0; b < count; b++) {
-        failures |= block_block_bits(codes[b]);
+        failures |= tisserand_code_bits(code);
     }
     if (!failures) return 0;
     block_block_nan(count, all, 14, codes, vdot);
-    return block_block_code(codes);
+    return block_block_code(count, codes);
 }
 
 /* States in arrays of their own. */
@@ -4433,7 +4435,7 @@ int block_accel_batch(
 {
     if (n == 1) {
         const int code = block_accel(t, q, v, k, vdot);
-for (int e = 0; code && e < 14; e++) vdot[e] = (double) NAN;
+        for (int e = 0; code && e < 14; e++) vdot[e] = (double) NAN;
         return code;
     }
     return block_accel_blocks(n, t, q, v, k, vdot);
@@ -4798,13 +4800,11 @@ static int block_momentum_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-    }
-    TISSERAND_STATES for (int b = 0; b < count; b++) {
-        failures |= block_block_bits(codes[b]);
+        failures |= tisserand_code_bits(code);
     }
     if (!failures) return 0;
     block_block_nan(count, all, 6, codes, momentum);
-    return block_block_code(codes);
+    return block_block_code(count, codes);
 }
 
 /* States in arrays of their own. */
@@ -4878,7 +4878,7 @@ int block_momentum_batch(
 {
     if (n == 1) {
         const int code = block_momentum(q, v, k, momentum);
-for (int e = 0; code && e < 6; e++) momentum[e] = (double) NAN;
+        for (int e = 0; code && e < 6; e++) momentum[e] = (double) NAN;
         return code;
     }
     return block_momentum_blocks(n, q, v, k, momentum);
@@ -4937,13 +4937,11 @@ TISSERAND_INLINE int block_rates_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-    }
-    TISSERAND_STATES for (int b = 0; b < count; b++) {
-        failures |= block_block_bits(codes[b]);
+        failures |= tisserand_code_bits(code);
     }
     if (!failures) return 0;
     block_block_nan(count, all, 15, codes, qdot);
-    return block_block_code(codes);
+    return block_block_code(count, codes);
 }
 
 /* States in arrays of their own. */
@@ -4963,6 +4961,33 @@ TISSERAND_APART int block_rates_copied32(
     return code;
 }
 
+TISSERAND_APART int block_rates_of8(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return block_rates_states(8, 8, q, v, k, qdot);
+}
+
+TISSERAND_APART int block_rates_of2(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return block_rates_states(2, 2, q, v, k, qdot);
+}
+
+TISSERAND_APART int block_rates_of1(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return block_rates_states(1, 1, q, v, k, qdot);
+}
+
 TISSERAND_APART int block_rates_blocks(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4973,16 +4998,6 @@ TISSERAND_APART int block_rates_blocks(
     const ptrdiff_t all = n;
     int left = n, code = 0;
 
-    if (n == 8) {
-        const int failed = block_rates_states(8, 8, q, v, k, qdot);
-        if (code == 0) code = failed;
-        return code;
-    }
-    if (n == 2) {
-        const int failed = block_rates_states(2, 2, q, v, k, qdot);
-        if (code == 0) code = failed;
-        return code;
-    }
     for (; n % 128 == 0 && left > 0; left -= 32) {
         const int failed = block_rates_copied32(all, q, v, k, qdot);
         if (code == 0) code = failed;
@@ -5007,11 +5022,9 @@ int block_rates_batch(
     const double *TISSERAND_RESTRICT k,
     double *qdot)
 {
-    if (n == 1) {
-        const int code = block_rates(q, v, k, qdot);
-for (int e = 0; code && e < 15; e++) qdot[e] = (double) NAN;
-        return code;
-    }
+    if (n == 8) return block_rates_of8(q, v, k, qdot);
+    if (n == 2) return block_rates_of2(q, v, k, qdot);
+    if (n == 1) return block_rates_of1(q, v, k, qdot);
     return block_rates_blocks(n, q, v, k, qdot);
 }
 

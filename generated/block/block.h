@@ -340,8 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "512aeef7ac71f7af"
-#define BLOCK_HASH_512aeef7ac71f7af
+#define BLOCK_HASH "1b4ea272b7c3e826"
+#define BLOCK_HASH_1b4ea272b7c3e826
 
 /* ---- sizes and indices ---- */
 

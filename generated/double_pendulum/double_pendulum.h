@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "ee4f267e193bd3ce"
-#define DOUBLE_PENDULUM_HASH_ee4f267e193bd3ce
+#define DOUBLE_PENDULUM_HASH "0c1854f5028e7437"
+#define DOUBLE_PENDULUM_HASH_0c1854f5028e7437
 
 /* ---- sizes and indices ---- */
 

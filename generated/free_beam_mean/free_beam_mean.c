@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_56d0e90937e93fd6
+#ifndef FREE_BEAM_MEAN_HASH_732387e11c5d2842
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -54,42 +54,65 @@
 #  endif
 #endif
 
+/* The bits of the code of a state, which are 0 for success: those of a block are gathered without a branch. */
+#ifndef TISSERAND_CODE_BITS
+#define TISSERAND_CODE_BITS
+TISSERAND_INLINE unsigned long long tisserand_code_bits(double code)
+{
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
+}
+#endif
+
 /* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
 
-   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
-   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
-   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
-   where compilers may reorder sums or compute with more digits than doubles have. */
+   |n| < 2^16, so |x| <= 1e5 and a little more: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first
+   two have so few digits that their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is
+   below 0.9 units in the last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library,
+   and so is everything where compilers may reorder sums or compute with more digits than doubles have. */
 #ifndef TISSERAND_SINE
 #define TISSERAND_SINE
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
     || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
 #  define TISSERAND_LIBRARY_SINES
 #endif
-/* The first bit of the result is set where the C library computes the sine of x: |x| > 1e5, NaN. */
-TISSERAND_INLINE unsigned long long tisserand_is_far(double x)
+/* x in quarters of a turn, and 1.5 2^52: adding this rounds to an integer n, which the last bits then hold. */
+TISSERAND_INLINE double tisserand_shifted(double x)
+{
+    return x * 0.6366197723675814 + 6755399441055744.0;
+}
+
+/* n + 2^16, of which the bits from 2^17 on are 0; some are set where the C library computes sines: for other n, and NaN. */
+TISSERAND_INLINE unsigned long long tisserand_quarters(double shifted)
 {
 #ifdef TISSERAND_LIBRARY_SINES
-    (void) x;
+    (void) shifted;
     return ~0ull;
 #else
-    unsigned long long of_x;
-    memcpy(&of_x, &x, sizeof of_x);
-    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+    unsigned long long bits;
+    memcpy(&bits, &shifted, sizeof bits);
+    return bits - 0x4337ffffffff0000ull;
 #endif
 }
 
-/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number. */
+/* Whether quarters of one angle, or those of some with all their bits together, are left to the C library. */
+TISSERAND_INLINE int tisserand_is_far(unsigned long long quarters)
+{
+    return quarters >> 17 != 0;
+}
+
+/* The sine s and cosine c of x, and the quarters of x: those of another number where these are far. */
 TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
 {
+    const double shifted = tisserand_shifted(x);
+    const unsigned long long quarters = tisserand_quarters(shifted);
 #ifdef TISSERAND_LIBRARY_SINES
     *s = *c = x;
 #else
-    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
-    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double n = shifted - 6755399441055744.0;
     const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
-    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
-    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double r = left - middle, d = n * 1.0562999066987428e-23 - ((left - r) - middle); /* the reduced angle is r - d */
     const double z = r * r, zz = z * z;
     const double f = (-0.1666666666666663 + z * 0.00833333333332184)
         + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
@@ -100,29 +123,28 @@ TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, dou
     const double half = 0.5 * z, most = 1.0 - half;
     const double sine = r - (d - z * r * f);
     const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
-    unsigned long long of_s, of_c, quadrant, exchanged;
-    memcpy(&quadrant, &shifted, sizeof quadrant);
+    unsigned long long of_s, of_c, exchanged;
     memcpy(&of_s, &sine, sizeof of_s);
     memcpy(&of_c, &cosine, sizeof of_c);
-    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
-    of_s ^= exchanged ^ ((quadrant & 2) << 62);
-    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    exchanged = (of_s ^ of_c) & (0ull - (quarters & 1));
+    of_s ^= exchanged ^ ((quarters & 2) << 62);
+    of_c ^= exchanged ^ (((quarters + 1) & 2) << 62);
     memcpy(s, &of_s, sizeof of_s);
     memcpy(c, &of_c, sizeof of_c);
 #endif
-    return tisserand_is_far(x);
+    return quarters;
 }
 
 TISSERAND_INLINE double tisserand_sin(double x)
 {
     double s, c;
-    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+    return tisserand_is_far(tisserand_sine_core(x, &s, &c)) ? sin(x) : s;
 }
 
 TISSERAND_INLINE double tisserand_cos(double x)
 {
     double s, c;
-    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+    return tisserand_is_far(tisserand_sine_core(x, &s, &c)) ? cos(x) : c;
 }
 
 /* Those of the sines s and cosines c whose angle is far from 0: apart, since the text would be wherever there are sines. */
@@ -130,7 +152,7 @@ TISSERAND_APART void tisserand_far_sines(
     int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
 {
     for (int b = 0; b < count; b++) {
-        if (!(tisserand_is_far(x[b]) >> 63)) continue;
+        if (!tisserand_is_far(tisserand_quarters(tisserand_shifted(x[b])))) continue;
         s[b] = sin(x[b]);
         c[b] = cos(x[b]);
     }
@@ -140,9 +162,9 @@ TISSERAND_APART void tisserand_far_sines(
 TISSERAND_INLINE void tisserand_sines(
     int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
 {
-    unsigned long long outside = 0;
-    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
-    if (outside >> 63) tisserand_far_sines(count, x, s, c);
+    unsigned long long quarters = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) quarters |= tisserand_sine_core(x[b], s + b, c + b);
+    if (tisserand_is_far(quarters)) tisserand_far_sines(count, x, s, c);
 }
 #endif
 int free_beam_mean_setup(
@@ -803,15 +825,7 @@ int free_beam_mean_jacobian(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The bits of a code, which are 0 for success. */
-TISSERAND_INLINE unsigned long long free_beam_mean_block_bits(double code)
-{
-    unsigned long long bits;
-    memcpy(&bits, &code, sizeof bits);
-    return bits;
-}
-
-/* NaN for the states of a block that fail. */
+/* NaN for the states of a block that fail. Their codes are positive, or NaN for what is not finite. */
 static void free_beam_mean_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
     for (int b = 0; b < count; b++) {
@@ -820,11 +834,13 @@ static void free_beam_mean_block_nan(int count, ptrdiff_t all, int rows, const d
     }
 }
 
-/* The code of the first state of a block that fails; there is one. */
-static int free_beam_mean_block_code(const double *codes)
+/* The code of the first state of a block that fails. There is none if x - x = -0, as where numbers are rounded down. */
+static int free_beam_mean_block_code(int count, const double *codes)
 {
-    while (*codes == 0.0) codes++;
-    return (int) *codes;
+    for (int b = 0; b < count; b++) {
+        if (codes[b] != 0.0) return codes[b] > 0.0 ? (int) codes[b] : 2;
+    }
+    return 0;
 }
 
 TISSERAND_INLINE void free_beam_mean_mass_states(
@@ -834,11 +850,12 @@ TISSERAND_INLINE void free_beam_mean_mass_states(
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT M)
 {
+
+
     const double mass = k[0];
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
-
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double alpha1 = q[3 * all + b];
         const double alpha2 = q[4 * all + b];
@@ -868,6 +885,33 @@ TISSERAND_APART int free_beam_mean_mass_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_mass_of8(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    free_beam_mean_mass_states(8, 8, q, k, M);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_mass_of2(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    free_beam_mean_mass_states(2, 2, q, k, M);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_mass_of1(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    free_beam_mean_mass_states(1, 1, q, k, M);
+    return 0;
+}
+
 TISSERAND_APART int free_beam_mean_mass_blocks(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -877,14 +921,6 @@ TISSERAND_APART int free_beam_mean_mass_blocks(
     const ptrdiff_t all = n;
     int left = n;
 
-    if (n == 8) {
-        free_beam_mean_mass_states(8, 8, q, k, M);
-        return 0;
-    }
-    if (n == 2) {
-        free_beam_mean_mass_states(2, 2, q, k, M);
-        return 0;
-    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -905,7 +941,10 @@ int free_beam_mean_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    return n == 1 ? free_beam_mean_mass(q, k, M) : free_beam_mean_mass_blocks(n, q, k, M);
+    if (n == 8) return free_beam_mean_mass_of8(q, k, M);
+    if (n == 2) return free_beam_mean_mass_of2(q, k, M);
+    if (n == 1) return free_beam_mean_mass_of1(q, k, M);
+    return free_beam_mean_mass_blocks(n, q, k, M);
 }
 
 TISSERAND_INLINE void free_beam_mean_force_states(
@@ -918,11 +957,11 @@ TISSERAND_INLINE void free_beam_mean_force_states(
     double *TISSERAND_RESTRICT h)
 {
     (void) t;
+
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
-
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double alpha1 = q[3 * all + b];
         const double alpha2 = q[4 * all + b];
@@ -959,6 +998,39 @@ TISSERAND_APART int free_beam_mean_force_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_force_of8(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    free_beam_mean_force_states(8, 8, t, q, v, k, h);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_force_of2(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    free_beam_mean_force_states(2, 2, t, q, v, k, h);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_force_of1(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    free_beam_mean_force_states(1, 1, t, q, v, k, h);
+    return 0;
+}
+
 TISSERAND_APART int free_beam_mean_force_blocks(
     int n,
     double t,
@@ -970,14 +1042,6 @@ TISSERAND_APART int free_beam_mean_force_blocks(
     const ptrdiff_t all = n;
     int left = n;
 
-    if (n == 8) {
-        free_beam_mean_force_states(8, 8, t, q, v, k, h);
-        return 0;
-    }
-    if (n == 2) {
-        free_beam_mean_force_states(2, 2, t, q, v, k, h);
-        return 0;
-    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
@@ -1000,7 +1064,10 @@ int free_beam_mean_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
-    return n == 1 ? free_beam_mean_force(t, q, v, k, h) : free_beam_mean_force_blocks(n, t, q, v, k, h);
+    if (n == 8) return free_beam_mean_force_of8(t, q, v, k, h);
+    if (n == 2) return free_beam_mean_force_of2(t, q, v, k, h);
+    if (n == 1) return free_beam_mean_force_of1(t, q, v, k, h);
+    return free_beam_mean_force_blocks(n, t, q, v, k, h);
 }
 
 TISSERAND_INLINE void free_beam_mean_mass_force_states(
@@ -1014,13 +1081,13 @@ TISSERAND_INLINE void free_beam_mean_mass_force_states(
     double *TISSERAND_RESTRICT h)
 {
     (void) t;
+
     const double mass = k[0];
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
-
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double alpha1 = q[3 * all + b];
         const double alpha2 = q[4 * all + b];
@@ -1065,6 +1132,42 @@ TISSERAND_APART int free_beam_mean_mass_force_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_mass_force_of8(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    free_beam_mean_mass_force_states(8, 8, t, q, v, k, M, h);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_mass_force_of2(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    free_beam_mean_mass_force_states(2, 2, t, q, v, k, M, h);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_mass_force_of1(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    free_beam_mean_mass_force_states(1, 1, t, q, v, k, M, h);
+    return 0;
+}
+
 TISSERAND_APART int free_beam_mean_mass_force_blocks(
     int n,
     double t,
@@ -1077,14 +1180,6 @@ TISSERAND_APART int free_beam_mean_mass_force_blocks(
     const ptrdiff_t all = n;
     int left = n;
 
-    if (n == 8) {
-        free_beam_mean_mass_force_states(8, 8, t, q, v, k, M, h);
-        return 0;
-    }
-    if (n == 2) {
-        free_beam_mean_mass_force_states(2, 2, t, q, v, k, M, h);
-        return 0;
-    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         free_beam_mean_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
@@ -1108,7 +1203,10 @@ int free_beam_mean_mass_force_batch(
     double *M,
     double *h)
 {
-    return n == 1 ? free_beam_mean_mass_force(t, q, v, k, M, h) : free_beam_mean_mass_force_blocks(n, t, q, v, k, M, h);
+    if (n == 8) return free_beam_mean_mass_force_of8(t, q, v, k, M, h);
+    if (n == 2) return free_beam_mean_mass_force_of2(t, q, v, k, M, h);
+    if (n == 1) return free_beam_mean_mass_force_of1(t, q, v, k, M, h);
+    return free_beam_mean_mass_force_blocks(n, t, q, v, k, M, h);
 }
 
 TISSERAND_INLINE int free_beam_mean_accel_states(
@@ -1121,14 +1219,14 @@ TISSERAND_INLINE int free_beam_mean_accel_states(
     double *TISSERAND_RESTRICT vdot)
 {
     (void) t;
+    double codes[8];
+    unsigned long long failures = 0;
+
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
     const double free_alpha1_alpha1 = k[8];
     const double free_alpha2_alpha2 = k[9];
-    double codes[8];
-    unsigned long long failures = 0;
-
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double alpha1 = q[3 * all + b];
         const double alpha2 = q[4 * all + b];
@@ -1148,17 +1246,14 @@ TISSERAND_INLINE int free_beam_mean_accel_states(
         vdot[3 * all + b] = t5;
         const double t6 = (t4 - free_alpha2_alpha2) * alpha2;
         vdot[4 * all + b] = t6;
-        double code = 0.0;
         const double finite = t3 + (t5 + t6);
-        code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
+        double code = finite - finite; /* an acceleration is not finite */
         codes[b] = code;
-    }
-    TISSERAND_STATES for (int b = 0; b < count; b++) {
-        failures |= free_beam_mean_block_bits(codes[b]);
+        failures |= tisserand_code_bits(code);
     }
     if (!failures) return 0;
     free_beam_mean_block_nan(count, all, 5, codes, vdot);
-    return free_beam_mean_block_code(codes);
+    return free_beam_mean_block_code(count, codes);
 }
 
 /* States in arrays of their own. */
@@ -1179,6 +1274,36 @@ TISSERAND_APART int free_beam_mean_accel_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_accel_of8(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    return free_beam_mean_accel_states(8, 8, t, q, v, k, vdot);
+}
+
+TISSERAND_APART int free_beam_mean_accel_of2(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    return free_beam_mean_accel_states(2, 2, t, q, v, k, vdot);
+}
+
+TISSERAND_APART int free_beam_mean_accel_of1(
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    return free_beam_mean_accel_states(1, 1, t, q, v, k, vdot);
+}
+
 TISSERAND_APART int free_beam_mean_accel_blocks(
     int n,
     double t,
@@ -1190,16 +1315,6 @@ TISSERAND_APART int free_beam_mean_accel_blocks(
     const ptrdiff_t all = n;
     int left = n, code = 0;
 
-    if (n == 8) {
-        const int failed = free_beam_mean_accel_states(8, 8, t, q, v, k, vdot);
-        if (code == 0) code = failed;
-        return code;
-    }
-    if (n == 2) {
-        const int failed = free_beam_mean_accel_states(2, 2, t, q, v, k, vdot);
-        if (code == 0) code = failed;
-        return code;
-    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         const int failed = free_beam_mean_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
@@ -1225,11 +1340,9 @@ int free_beam_mean_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    if (n == 1) {
-        const int code = free_beam_mean_accel(t, q, v, k, vdot);
-for (int e = 0; code && e < 5; e++) vdot[e] = (double) NAN;
-        return code;
-    }
+    if (n == 8) return free_beam_mean_accel_of8(t, q, v, k, vdot);
+    if (n == 2) return free_beam_mean_accel_of2(t, q, v, k, vdot);
+    if (n == 1) return free_beam_mean_accel_of1(t, q, v, k, vdot);
     return free_beam_mean_accel_blocks(n, t, q, v, k, vdot);
 }
 
@@ -1241,13 +1354,14 @@ TISSERAND_INLINE void free_beam_mean_energy_states(
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT energy)
 {
+
+
     const double mass = k[0];
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
-
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double alpha1 = q[3 * all + b];
         const double alpha2 = q[4 * all + b];
@@ -1282,6 +1396,36 @@ TISSERAND_APART int free_beam_mean_energy_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_energy_of8(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    free_beam_mean_energy_states(8, 8, q, v, k, energy);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_energy_of2(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    free_beam_mean_energy_states(2, 2, q, v, k, energy);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_energy_of1(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    free_beam_mean_energy_states(1, 1, q, v, k, energy);
+    return 0;
+}
+
 TISSERAND_APART int free_beam_mean_energy_blocks(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1292,14 +1436,6 @@ TISSERAND_APART int free_beam_mean_energy_blocks(
     const ptrdiff_t all = n;
     int left = n;
 
-    if (n == 8) {
-        free_beam_mean_energy_states(8, 8, q, v, k, energy);
-        return 0;
-    }
-    if (n == 2) {
-        free_beam_mean_energy_states(2, 2, q, v, k, energy);
-        return 0;
-    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -1321,7 +1457,10 @@ int free_beam_mean_energy_batch(
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    return n == 1 ? free_beam_mean_energy(q, v, k, energy) : free_beam_mean_energy_blocks(n, q, v, k, energy);
+    if (n == 8) return free_beam_mean_energy_of8(q, v, k, energy);
+    if (n == 2) return free_beam_mean_energy_of2(q, v, k, energy);
+    if (n == 1) return free_beam_mean_energy_of1(q, v, k, energy);
+    return free_beam_mean_energy_blocks(n, q, v, k, energy);
 }
 
 TISSERAND_INLINE void free_beam_mean_momentum_states(
@@ -1332,11 +1471,12 @@ TISSERAND_INLINE void free_beam_mean_momentum_states(
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT momentum)
 {
+
+
     const double mass = k[0];
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
-
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double c1 = q[b];
         const double c2 = q[all + b];
@@ -1371,6 +1511,36 @@ TISSERAND_APART int free_beam_mean_momentum_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_momentum_of8(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    free_beam_mean_momentum_states(8, 8, q, v, k, momentum);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_momentum_of2(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    free_beam_mean_momentum_states(2, 2, q, v, k, momentum);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_momentum_of1(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    free_beam_mean_momentum_states(1, 1, q, v, k, momentum);
+    return 0;
+}
+
 TISSERAND_APART int free_beam_mean_momentum_blocks(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1381,14 +1551,6 @@ TISSERAND_APART int free_beam_mean_momentum_blocks(
     const ptrdiff_t all = n;
     int left = n;
 
-    if (n == 8) {
-        free_beam_mean_momentum_states(8, 8, q, v, k, momentum);
-        return 0;
-    }
-    if (n == 2) {
-        free_beam_mean_momentum_states(2, 2, q, v, k, momentum);
-        return 0;
-    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -1410,7 +1572,10 @@ int free_beam_mean_momentum_batch(
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    return n == 1 ? free_beam_mean_momentum(q, v, k, momentum) : free_beam_mean_momentum_blocks(n, q, v, k, momentum);
+    if (n == 8) return free_beam_mean_momentum_of8(q, v, k, momentum);
+    if (n == 2) return free_beam_mean_momentum_of2(q, v, k, momentum);
+    if (n == 1) return free_beam_mean_momentum_of1(q, v, k, momentum);
+    return free_beam_mean_momentum_blocks(n, q, v, k, momentum);
 }
 
 TISSERAND_INLINE void free_beam_mean_rates_states(
@@ -1455,6 +1620,36 @@ TISSERAND_APART int free_beam_mean_rates_copied32(
     return code;
 }
 
+TISSERAND_APART int free_beam_mean_rates_of8(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    free_beam_mean_rates_states(8, 8, q, v, k, qdot);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_rates_of2(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    free_beam_mean_rates_states(2, 2, q, v, k, qdot);
+    return 0;
+}
+
+TISSERAND_APART int free_beam_mean_rates_of1(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    free_beam_mean_rates_states(1, 1, q, v, k, qdot);
+    return 0;
+}
+
 TISSERAND_APART int free_beam_mean_rates_blocks(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1465,14 +1660,6 @@ TISSERAND_APART int free_beam_mean_rates_blocks(
     const ptrdiff_t all = n;
     int left = n;
 
-    if (n == 8) {
-        free_beam_mean_rates_states(8, 8, q, v, k, qdot);
-        return 0;
-    }
-    if (n == 2) {
-        free_beam_mean_rates_states(2, 2, q, v, k, qdot);
-        return 0;
-    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
@@ -1494,7 +1681,10 @@ int free_beam_mean_rates_batch(
     const double *TISSERAND_RESTRICT k,
     double *qdot)
 {
-    return n == 1 ? free_beam_mean_rates(q, v, k, qdot) : free_beam_mean_rates_blocks(n, q, v, k, qdot);
+    if (n == 8) return free_beam_mean_rates_of8(q, v, k, qdot);
+    if (n == 2) return free_beam_mean_rates_of2(q, v, k, qdot);
+    if (n == 1) return free_beam_mean_rates_of1(q, v, k, qdot);
+    return free_beam_mean_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif

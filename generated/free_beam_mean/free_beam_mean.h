@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "56d0e90937e93fd6"
-#define FREE_BEAM_MEAN_HASH_56d0e90937e93fd6
+#define FREE_BEAM_MEAN_HASH "732387e11c5d2842"
+#define FREE_BEAM_MEAN_HASH_732387e11c5d2842
 
 /* ---- sizes and indices ---- */
 

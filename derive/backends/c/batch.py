@@ -17,6 +17,7 @@ from derive.ir.batches import state_arguments
 from derive.ir.indices import LANES
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model
+from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
 KERNELS = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
@@ -39,8 +40,11 @@ SHORT = 60
 
 For other kernels the function of single states computes the states that fill no block, from a copy of each.
 """
-KNOWN = (STRAIGHT, 2)
-"""Batches whose number of states, and with it the distance of rows, compilers know: two states take a third less."""
+KNOWN = (STRAIGHT, 2, 1)
+"""Batches whose number of states, and with it the distance of rows, compilers know: two states take a third less.
+
+Each has a function, which keeps no registers for what other batches need.
+"""
 COPIES = {32: 128, 1: None}
 """States that are copied at once, the best first, and the kilobytes of stack that they may take; see `_spacing`."""
 SPACINGS = (64, 128, 256, 512)
@@ -100,6 +104,7 @@ def batch_function(block: StateBlock) -> BatchFunction:
         "parts": "\n".join(line for lines in block.functions() for line in lines),
         "body": "\n".join(block.body()),
         "checked": block.checked,
+        "counted": not block.repeats,
         "copies": [_copying(kernel, count) for count in counts],
         "spacing": _spacing(block),
         "known": KNOWN if short else (),
@@ -158,4 +163,5 @@ def batch_helpers(model: Model, blocks: Mapping[str, StateBlock]) -> str:
     checked = any(block.checked for block in blocks.values())
     sines = sorted({block.width for block in blocks.values() if block.calls_sines})
     values = {"name": model.name, "widths": widths, "sines": sines, "checked": checked, "lanes": range(LANES)}
+    values |= {"not_finite": int(ReturnCode.NOT_FINITE)}
     return render("c/block.c.jinja", values)

@@ -54,8 +54,10 @@ class StateBlock:
         return sum(self.batch.arrays.values()) + len(self.batch.scalars) + self.checked
 
     def body(self) -> Lines:
-        """The statements of the function."""
-        return [line for number, lines in enumerate(self._lines) for line in (self._call(number) or lines)]
+        """The statements of the function. What all states share is named behind sines, which may call a function."""
+        parts = [self._call(number) or lines for number, lines in enumerate(self._lines)]
+        first = sum(part.sines for part in self.parts[:1])
+        return [line for lines in (*parts[:first], self._shared(self._used_here), *parts[first:]) for line in lines]
 
     def functions(self) -> list[Lines]:
         """The static functions of its long parts."""
@@ -117,18 +119,16 @@ class StateBlock:
         return [*result, *([("double *TISSERAND_RESTRICT codes", "codes")] if part.checked else [])]
 
     def declarations(self) -> Lines:
-        """The lines before the statements, which name what these read and declare their arrays."""
+        """The lines before the statements, which declare their arrays."""
         kernel, used = self.kernel, self.kernel.used
         read = {a.name for a in state_arguments(kernel) if used & {*a.elements}}
         read |= {argument for argument, _ in state_views(kernel)}
         unused = [a.name for a in kernel.arguments if a.name not in SHARED and a.name not in read]
         unused += [o.name for o in kernel.outputs if not o.size]
         lines = [f"    (void) {name};" for name in (*unused, *([] if self._has_rows() else ["all"]))]
-        whole = used if not any(part.apart for part in self.parts) else self._used_here
-        lines += self._shared(whole)
         shared = [a for name in SHARED for a in kernel.arguments if a.name == name]
         lines += [f"    (void) {a.name};" for a in reversed(shared) if used.isdisjoint(a.names)]
-        lines += ["    (void) count;"] if whole is not used else []
+        lines += ["    (void) count;"] if any(part.apart for part in self.parts) else []
         scalars = sorted(self.batch.scalars, key=lambda name: (len(name), name))
         lines += declarations([f"{name}[{self.width}]" for name in scalars])
         lines += declarations([f"{name}[{n}][{self.width}]" for name, n in self.batch.arrays.items()])
@@ -141,6 +141,8 @@ class StateBlock:
     @property
     def _used_here(self) -> frozenset[str]:
         """The names that statements outside of functions of parts read."""
+        if not any(part.apart for part in self.parts):
+            return self.kernel.used
         return frozenset(name for part in self.parts if not part.apart for name in part.names)
 
     def _shared(self, used: Collection[str]) -> Lines:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, takewhile
 
 from derive.ir.analysis import names_read
 from derive.ir.expressions import Element
@@ -39,15 +39,21 @@ class BlockPart:
         return frozenset((*names_read(self.nodes), *written))
 
     @property
+    def sines(self) -> bool:
+        """Whether the statements are sines alone."""
+        return all(isinstance(node, Sines) for node in self.nodes)
+
+    @property
     def checked(self) -> bool:
         """Whether the statements may change the codes of states."""
         return any(isinstance(node, Require) for node in every(self.nodes))
 
 
 def block_parts(nodes: Sequence[Node], several: bool) -> list[BlockPart]:
-    """The parts of a block; several: whether functions may be made of them."""
+    """The parts of a block, of which sines at its beginning are one; several: whether functions may be made of them."""
     if not several:
-        return [BlockPart(tuple(nodes), False)]
+        first = len(tuple(takewhile(lambda node: isinstance(node, Sines), nodes)))
+        return [BlockPart(tuple(part), False) for part in (nodes[:first], nodes[first:]) if part]
     return [BlockPart(part, _lines(part) >= LONG) for part in _divided(nodes)]
 
 

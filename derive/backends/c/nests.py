@@ -317,8 +317,16 @@ class CNests:
         lines = self.lines(item for item in node.body if not isinstance(item, Require))
         if not checks:
             return lines
-        lines += plain("    double code = 0.0;", *(text for check in reversed(checks) for text in self._checked(check)))
-        lines += plain(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self._is_coded else ''}code;")
+        *first, last = checks
+        if last.kind is Requirement.FINITE:  # a difference of what is not finite is a NaN, which stands for the code
+            name = next(self._finite)
+            lines += plain(*statement("    ", f"const double {name} = ", self.text(last.expr), ";"))
+            lines += plain(f"    double code = {name} - {name}; /* {last.text} */")
+        else:
+            lines += plain("    double code = 0.0;", *self._checked(last))
+        lines += plain(*(text for check in reversed(first) for text in self._checked(check)))
+        lines += plain(*(["    if (codes[b] != 0.0) code = codes[b];"] if self._is_coded else []))
+        lines += plain("    codes[b] = code;", "    failures |= tisserand_code_bits(code);")
         self._is_coded = True
         return lines
 
