@@ -1,6 +1,6 @@
 """Generated functions of a body in space compared with C written by hand, and with the C that CasADi generates.
 
-python bench/loops_by_hand.py [--sizes 2 8 32 100] [--sparse 8 32] [--accelerations 8 32 100]
+python bench/loops_by_hand.py [--sizes 2 8 32 100] [--sparse 8 32] [--accelerations 8 32 100] [--peer-modes 8]
 
 All implementations of a function run alternately in one process, with one compiler and the same flags; each time is
 the least of many slices. Their values are compared first. Of our own lowerings the cost model selects one, whose time
@@ -37,7 +37,9 @@ GOALS = {"mass": 1.1, "force": 1.1, "jacobian": 1.2, "accel": 1.1}
 SPARSE_GOAL = 1.0
 """The largest ratio of our time to that of CasADi, for the sparse tables of a beam."""
 MAX_PEER_MODES = {"mass": 8, "force": 32, "jacobian": 8}
-"""The largest number of modes of a dense body for which CasADi is measured: beyond, gcc takes minutes."""
+"""The largest number of modes of a dense body for which CasADi is measured: beyond, gcc takes many minutes."""
+FEW_MODES = 8
+"""The largest number of modes of a dense body for which CasADi is measured in `all.py`: h with 32 takes gcc minutes."""
 LIMIT = 600.0
 """Seconds of a derivation or a compilation."""
 DECLARATIONS = """\
@@ -63,16 +65,20 @@ def hand_call(item: str, size: int, count: int) -> TimedCall:
     return TimedCall("hand", f"hand_{item}({arguments[item]}, out);", count)
 
 
-def functions(data: str, size: int, flags: str, repeats: int, with_peers: bool, folder: Path) -> list[Row]:
-    """The rows of M, h and the iteration matrix of a body: dense, or with the sparse tables of a beam."""
-    few = data == "beam" or size <= max(MAX_PEER_MODES.values())
+def functions(data: str, size: int, flags: str, repeats: int, peer_modes: int, folder: Path) -> list[Row]:
+    """The rows of M, h and the iteration matrix of a body: dense, or with the sparse tables of a beam.
+
+    Straight-line code of ours and of CasADi is measured for bodies with at most `peer_modes` modes, if they are dense.
+    """
+    with_peers = peer_modes > 0
+    few = data == "beam" or size <= min(peer_modes, max(MAX_PEER_MODES.values()))
     lowerings = ("flat", "loops") if few and with_peers else ("loops",)
     own, sizes = ours(data, size, LIMIT, folder, lowerings)
     hand = by_hand(size, flags, folder) if data == "dense" else None
     selected = estimate_costs(modal_body(BODIES[data](size), None)).lowering
     result = []
     for item, label in LABELS.items():
-        few = data == "beam" or size <= MAX_PEER_MODES[item]
+        few = data == "beam" or size <= min(peer_modes, MAX_PEER_MODES[item])
         sources = [s for (i, _), s in own.items() if i == item and (s.maker == selected or few)]
         sources += peers(data, size, LIMIT, folder, (item,)).values() if few and with_peers else ()
         options = {s: flags if s.maker == "casadi" else f"{flags} {OWN_OPTION}" for s in sources}
@@ -179,16 +185,17 @@ def rows(
     accels: Sequence[int] = (8, 32, 100),
     flags: str = FLAGS,
     repeats: int = 41,
+    peer_modes: int = FEW_MODES,
     quick: bool = False,
 ) -> list[Row]:
     """The rows of bodies in space, see `rows.py`. quick: a small body, without CasADi, once."""
     if quick:
-        sizes, sparse, accels, flags, repeats = (5,), (), (5,), "-O1", 1
+        sizes, sparse, accels, flags, repeats, peer_modes = (5,), (), (5,), "-O1", 1, 0
     result: list[Row] = []
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for data, counts in (("dense", sizes), ("beam", sparse)):
             for size in counts:
-                result += functions(data, size, flags, repeats, not quick, Path(folder))
+                result += functions(data, size, flags, repeats, peer_modes, Path(folder))
         result += [accelerations(size, flags, repeats, Path(folder)) for size in accels]
     return result
 
@@ -200,11 +207,14 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--accelerations", type=int, nargs="*", default=[8, 32, 100], metavar="SIZE")
     parser.add_argument("--flags", default=FLAGS)
     parser.add_argument("--repeats", type=int, default=41)
+    most = max(MAX_PEER_MODES.values())
+    parser.add_argument("--peer-modes", type=int, default=FEW_MODES, help=f"of dense bodies by CasADi, at most {most}")
     options = parser.parse_args(argv)
     print("\n".join(described("casadi", "sympy", "scipy")))
     print(f"flags     {options.flags}; ns of an evaluation\n")
     print("| | ours | CasADi | by hand | ratio | goal |\n| --- | ---: | ---: | ---: | ---: | ---: |")
-    for r in rows(options.sizes, options.sparse, options.accelerations, options.flags, options.repeats):
+    sizes = (options.sizes, options.sparse, options.accelerations)
+    for r in rows(*sizes, options.flags, options.repeats, options.peer_modes):
         cells = [f"{r[k]:.4g}" if r[k] else "" for k in ("ours_ns", "peer_ns", "hand_ns")]
         ratio = f"{r['ratio']:.2f}" if r["ratio"] else ""
         print(f"| {r['name']} ({r['note']}) | {' | '.join(cells)} | {ratio} | {r['goal']} |", flush=True)
