@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 
 from derive.artifacts import File
 from derive.backends.model_files import BACKENDS, emit, explicit_files, fingerprint
@@ -21,6 +22,16 @@ OPEN = (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, SPATIAL_JOINTS, SPATIAL_SPRIN
 """The registries whose members from outside the package change models."""
 
 Generated = tuple[Model, tuple[File, ...]]
+
+
+MODULES = ("sympy", "casadi", "jinja2", "derive.derivation", "derive.backends.c.source_text")
+"""The modules that derive a model and write its C, with all that they load. A kept model needs none of them."""
+
+
+def load_derivation() -> None:
+    """Load `MODULES`, which takes a second, so that processes that are forked afterwards have them."""
+    for name in MODULES:
+        import_module(name)
 
 
 def generated(spec: Specification) -> Generated:

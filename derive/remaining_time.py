@@ -36,6 +36,15 @@ class RemainingTime:
         return f", about {duration_text((self.steps - self.finished) / self.finished * passed)} left"
 
 
+def remaining_seconds(predicted: float, done: float, passed: float, prior: float) -> float:
+    """The time (s) that work takes whose predicted time is given, after other work.
+
+    done, passed: the predicted and the measured time of the finished work. prior: the predicted time that counts as
+    finished in just this time, so that the first steps, which are short, do not decide alone.
+    """
+    return predicted * (passed + prior) / (done + prior)
+
+
 class ElapsedTime:
     """The time since the begin of work whose number of steps is not known."""
 

@@ -20,12 +20,22 @@ PATIENCE = 2.0
 """The time (s) after which a function that is called in Python shows its progress."""
 
 
+SECOND = 1.0
+"""The time (s) between two texts of `timed_stages`."""
+
+
 def show_progress(text: str = "") -> None:
     """Replace the line of progress; an empty text removes it.
 
     It is an output of the cell in a notebook, and a line on stderr otherwise; nothing is written where stderr is no
     tty.
     """
+    with _STAGE.lock:
+        _STAGE.text = text
+        _write_progress(text)
+
+
+def _write_progress(text: str) -> None:
     if in_notebook():
         LINE.show(text)
     elif sys.stderr.isatty():
@@ -39,6 +49,48 @@ def show_result(text: str) -> None:
         show_progress(text)
     else:
         print(text, file=sys.stderr, flush=True)
+
+
+class _Stage:
+    """The line of progress that is there."""
+
+    def __init__(self) -> None:
+        self.text, self.lock = "", threading.RLock()
+
+
+_STAGE = _Stage()
+
+
+@contextmanager
+def timed_stages() -> Iterator[None]:
+    """Meanwhile a line of progress that ends with " ..." states each second how long it has been there.
+
+    That is for stages whose duration is not known, such as a derivation. It needs a thread, and is not for commands
+    that fork processes. Nothing is done where no line is seen.
+    """
+    if not (in_notebook() or sys.stderr.isatty()):
+        yield
+        return
+    ended = threading.Event()
+    thread = threading.Thread(target=_state_times, args=(ended,), daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def _state_times(ended: threading.Event) -> None:
+    """Add the time so far to a line that has been there for `PATIENCE`, until the event."""
+    text, since = "", time.monotonic()
+    while not ended.wait(SECOND):
+        with _STAGE.lock:
+            if _STAGE.text is not text:
+                text, since = _STAGE.text, time.monotonic() - SECOND
+            passed = time.monotonic() - since
+            if text.endswith(" ...") and passed >= PATIENCE:
+                _write_progress(f"{text.removesuffix(' ...')}, {duration_text(passed)} so far ...")
 
 
 class SimulationProgress:

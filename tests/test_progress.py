@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Callable
 from html import escape
 from pathlib import Path
@@ -15,7 +16,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import TisserandError
 from derive.notebook_line import in_notebook
-from derive.remaining_time import ElapsedTime, RemainingTime
+from derive.remaining_time import ElapsedTime, RemainingTime, remaining_seconds
 from derive.terminal import (
     DelayedLine,
     SampleProgress,
@@ -23,6 +24,7 @@ from derive.terminal import (
     duration_text,
     progress_of,
     show_progress,
+    timed_stages,
 )
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
@@ -116,6 +118,34 @@ def test_work_without_a_number_of_steps_states_the_time_so_far(monkeypatch: pyte
     assert [elapsed.text, elapsed.text] == ["", ", 1 min 15 s so far"]
 
 
+def test_the_first_short_steps_do_not_decide_the_estimate_alone() -> None:
+    """A step predicted as 1 s of 20 s that takes 6 s, mostly of the start, does not make 114 s of the other 19 s."""
+    assert 19 < remaining_seconds(19.0, 1.0, 6.0, 6.0) < 40
+    assert remaining_seconds(10.0, 10.0, 20.0, 0.0) == 20.0
+
+
+def test_a_long_stage_states_the_time_so_far(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A line that ends with dots gets its time; others stay, and a pipe sees nothing."""
+
+    def shown() -> str:
+        with timed_stages():
+            for text in ("deriving ...", "simulating: 3 of 4 s"):
+                show_progress(text)
+                time.sleep(0.1)
+            show_progress()
+        return capsys.readouterr().err
+
+    monkeypatch.setattr("derive.terminal.SECOND", 0.02)
+    monkeypatch.setattr("derive.terminal.PATIENCE", 0.04)
+    assert shown() == ""
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    lines = [line.removesuffix("\x1b[K") for line in shown().split("\r")]
+    assert lines[1:3] == ["deriving ...", "deriving, 1 s so far ..."]
+    assert lines[-2:] == ["simulating: 3 of 4 s", ""]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
 def test_several_specifications_are_counted_on_a_terminal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A real pseudo-terminal gets one line, which is removed at the end."""
@@ -128,8 +158,11 @@ def test_several_specifications_are_counted_on_a_terminal(tmp_path: Path, monkey
         text = os.read(main_end, 100_000).decode()
     os.close(main_end)
     lines = [line.removesuffix("\x1b[K") for line in text.split("\r")]
-    counted = [line for line in lines if "deriving the equations" in line]
-    assert [line.split(")")[0].split(",")[0] for line in counted] == [f"{BEAM} (1 of 2", f"{block} (2 of 2"]
+    counted = [line for line in lines if "deriving the equations" in line]  # repeated with its time if it is long
+    assert list(dict.fromkeys(line.split(")")[0].split(",")[0] for line in counted)) == [
+        f"{BEAM} (1 of 2",
+        f"{block} (2 of 2",
+    ]
     assert "\n" not in text and lines[-1] == ""
 
 

@@ -27,8 +27,8 @@ from derive.terminal import show_progress, show_result
 NAME = "accuracy"
 EXPECTED_SIZE = 1_000_000
 """The approximate size of the files of a study, in bytes."""
-BETWEEN = 10.0
-"""The time (s) between two writings of the part of the ladder that is finished."""
+BETWEEN = 60.0
+"""The time (s) between two writings of the part of the ladder that is finished: charts take a second to draw."""
 INTERRUPTED = 130
 """The exit code after Ctrl-C."""
 

@@ -13,7 +13,7 @@ from derive.study.methods.method_study import method_study
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.methods_table import methods_data, methods_html, methods_text
 from derive.study.methods.scene_methods import Method
-from derive.terminal import show_progress
+from derive.terminal import show_progress, timed_stages
 
 NAME = "methods"
 EXPECTED_SIZE = 1_000_000
@@ -25,7 +25,8 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     chosen = [Method(name) for name in options.integrators]
-    study = method_study(scene, chosen, options.steps, options.states, show_progress)
+    with timed_stages():
+        study = method_study(scene, chosen, options.steps, options.states, show_progress)
     show_progress()
     data, table = methods_data(study), failure_table(failures(study))
     files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})

@@ -35,20 +35,12 @@ def expand(body: Body) -> Equations:
 
     Entries of tables that vanish are left out, so that all terms, definitions and entries of M keep their own reasons.
     """
-    motion, fields, work = body.motion, body.field_motion, body.virtual_work
-    dependent = DependentAmplitudes(motion, fields)
-    forces = generic_forces({c.symbol.identity.family for c in body.constants})
-    needed = (*(work.gravity if body.gravity else ()), *dependent.definitions)
-    first, reasons = zeros.drop_definitions(needed, zeros.reasons_of(body.constants))
-    moments, reasons = _moments(dependent, fields, reasons)
-    of_forces = expanded_sums(motion, chain.from_iterable(force.sums for force in forces), reasons)
-    sums = of_forces | expanded_sums(fields, fields.row_sums, () if dependent.numbers else reasons)
-    inertia = (*work.rigid, *_of_each_mode(fields, work.generic))
-    weight = (*work.rigid_weight, *_of_each_mode(fields, work.generic_weight)) if body.gravity else ()
+    motion, work, expanded = body.motion, body.virtual_work, _Expansion(body)
+    dependent, sums, reasons, forces = expanded.dependent, expanded.sums, expanded.reasons, expanded.forces
+    inertia = (*work.rigid, *_of_each_mode(body.field_motion, work.generic))
+    weight = (*work.rigid_weight, *_of_each_mode(body.field_motion, work.generic_weight)) if body.gravity else ()
     applied = tuple(chain.from_iterable(_of_each_mode(motion, (force.term,)) for force in forces))
-
-    def written(terms: Iterable[Term]) -> Iterator[Term]:
-        return (replace(t, expr=sums.put_in(t.expr)) for t in terms)
+    written = expanded.written
 
     def total(*exprs: sp.Expr) -> sp.Expr:
         return zeros.drop(dependent.put_in(sums.put_in(sp.Add(*exprs))), reasons)
@@ -64,7 +56,7 @@ def expand(body: Body) -> Equations:
         rates=motion.rates,
         parameters=body.parameters,
         coefficients=body.constants,
-        definitions=(*motion.rotation_definitions, *first, *moments),
+        definitions=expanded.definitions,
         terms=terms,
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=mass_matrix(motion.rows, terms),
@@ -77,6 +69,45 @@ def expand(body: Body) -> Equations:
         markers=tuple(marker(motion, point) for point in body.points),
         body=body,
     )
+
+
+class _Expansion:
+    """The sums and amplitudes that terms of all rows of a body contain, and the definitions of moments."""
+
+    def __init__(self, body: Body) -> None:
+        motion, fields, work = body.motion, body.field_motion, body.virtual_work
+        self.dependent = DependentAmplitudes(motion, fields)
+        self.forces = generic_forces({c.symbol.identity.family for c in body.constants})
+        needed = (*(work.gravity if body.gravity else ()), *self.dependent.definitions)
+        first, reasons = zeros.drop_definitions(needed, zeros.reasons_of(body.constants))
+        moments, self.reasons = _moments(self.dependent, fields, reasons)
+        self.definitions = (*motion.rotation_definitions, *first, *moments)
+        of_forces = expanded_sums(motion, chain.from_iterable(force.sums for force in self.forces), self.reasons)
+        of_fields = expanded_sums(fields, fields.row_sums, () if self.dependent.numbers else self.reasons)
+        self.sums = of_forces | of_fields
+
+    def written(self, terms: Iterable[Term]) -> Iterator[Term]:
+        """The terms with their sums expanded."""
+        return (replace(t, expr=self.sums.put_in(t.expr)) for t in terms)
+
+
+def rigid_rows(body: Body) -> tuple[sp.Expr, ...]:
+    """The force (N) and the torque about O (N m) that the motion of a planar body needs, besides its weight.
+
+    In the coordinates and the constants of the body. They are sums of terms of `expand`, which makes those of all rows,
+    energies and momenta in three times as long.
+    """
+    work, expanded = body.virtual_work, _Expansion(body)
+    weight = work.rigid_weight if body.gravity else ()
+    complete = (expanded.dependent.projected(expanded.written(part)) for part in (work.rigid, weight))
+    terms, _ = zeros.drop_terms(tuple(chain.from_iterable(complete)), expanded.reasons)
+    result = []
+    for row in body.motion.rigid_rows:
+        total = sp.Add(*(term.expr for term in terms if term.row == row.name))
+        for definition in reversed(expanded.definitions):
+            total = total.xreplace({definition.symbol: definition.expr})
+        result.append(total)
+    return tuple(result)
 
 
 def _moments(

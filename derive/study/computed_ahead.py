@@ -40,11 +40,14 @@ class ComputedAhead(Generic[Key, Result]):
 
     function: from the argument to the result, both of which can be pickled; it is forked with all that it refers to.
     workers: the number of processes, which begin with the first expected argument; with 0 all is computed when it is
-    asked for. To be closed, as a context.
+    asked for. load: loads the modules that the function needs, before the processes are forked. To be closed, as a
+    context.
     """
 
-    def __init__(self, function: Callable[[Key], Result], workers: int = 0) -> None:
-        self._function, self.workers = function, workers
+    def __init__(
+        self, function: Callable[[Key], Result], workers: int = 0, load: Callable[[], None] = lambda: None
+    ) -> None:
+        self._function, self.workers, self._load = function, workers, load
         self._pool: ProcessPoolExecutor | None = None
         self._processes: set[Any] = set()
         self._expected: dict[Key, Future[Result | None]] = {}
@@ -100,6 +103,7 @@ class ComputedAhead(Generic[Key, Result]):
 
     def _submit(self, key: Key) -> Future[Result | None]:
         if self._pool is None:
+            self._load()
             before = set(multiprocessing.active_children())
             context = multiprocessing.get_context("fork")
             self._pool = ProcessPoolExecutor(self.workers, context, _begin, (self._function,))

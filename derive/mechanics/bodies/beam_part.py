@@ -18,7 +18,6 @@ from derive.mechanics.bodies.beam_integrals import BY_CHANCE, BeamField, BeamInt
 from derive.mechanics.bodies.foreshortening import Foreshortening, field_weights
 from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
 from derive.mechanics.body import Body, planar_body
-from derive.mechanics.expansion import expand
 from derive.spec.model.beam_parts import Frame
 from derive.spec.model.body import DisplacementOrder
 
@@ -87,18 +86,3 @@ def part_body(
         order=order,
         fields=len(fields),
     )
-
-
-def rigid_rows(body: Body) -> tuple[sp.Expr, ...]:
-    """The force along e1, e2 (N) and the torque about O (N m) that the motion of a body needs, besides its weight.
-
-    In the coordinates and the constants of the body.
-    """
-    form = expand(body)
-    result = []
-    for row in form.rows[:3]:
-        total = sp.Add(*(term.expr for term in form.terms if term.row == row.name))
-        for definition in reversed(form.definitions):
-            total = total.xreplace({definition.symbol: definition.expr})
-        result.append(total)
-    return tuple(result)

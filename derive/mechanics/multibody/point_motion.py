@@ -111,8 +111,7 @@ def point_motion(motion: Motion, point: MaterialPoint, rotations: tuple[ModelCon
         total = field.get(ONE, still)
         for name, tensor in field.items():
             if name != ONE:
-                if not (rotation * tensor - tensor * rotation).expand().is_zero_matrix:
-                    raise ArithmeticError("rotations in the plane commute; this tensor does not")
+                _check_commuting(sp.ImmutableMatrix(rotation), sp.ImmutableMatrix(tensor))
                 total = total + tensor * world[name]
         return sp.ImmutableMatrix(total.expand().applyfunc(lambda e: zeros.drop(e, known)))
 
@@ -132,6 +131,13 @@ def point_motion(motion: Motion, point: MaterialPoint, rotations: tuple[ModelCon
         angular_velocity=rotated(row.v, 1),
         angular_acceleration=rotated(row.a, 2),
     )
+
+
+@lru_cache(KEPT)
+def _check_commuting(rotation: sp.ImmutableMatrix, tensor: sp.ImmutableMatrix) -> None:
+    """Raise ArithmeticError unless a tensor commutes with the rotation of a body."""
+    if not (rotation * tensor - tensor * rotation).expand().is_zero_matrix:
+        raise ArithmeticError("rotations in the plane commute; this tensor does not")
 
 
 def _deformation(

@@ -8,6 +8,7 @@ from itertools import islice
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
+from derive.remaining_time import remaining_seconds
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.measurement import (
     CompiledLadderModel,
@@ -32,6 +33,10 @@ BETTER = 0.5
 """Stagnant models are left out if a cheaper model has an error below this part of theirs."""
 PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
 """First estimates: seconds to derive and compile a model, per coordinate of its bodies, and seconds of an operation."""
+
+PRIOR = 0.3
+"""The part of the predicted time of a ladder that counts as if it had been measured: the first models are small, and
+wait until the processes have begun."""
 
 
 class LadderRun:
@@ -78,7 +83,8 @@ class LadderRun:
         """Run models. progress: takes a line on each task; report: a line on each result, with the remaining time;
         record: is called after each model."""
         began, done, left = time.monotonic(), 0.0, ""
-        report(f"{len(models)} models, about {duration_text(sum(map(self.seconds, models)))}")
+        total = sum(map(self.seconds, models))
+        report(f"{len(models)} models, about {duration_text(total)}")
         for n, model in enumerate(models, 1):
             name = f"model {n} of {len(models)}: {model.label}"
             if reason := self.dispensable(model):
@@ -93,7 +99,8 @@ class LadderRun:
             self.cost.add(line)
             done += predicted
             rest = [other for other in models[n:] if not self.dispensable(other)]
-            remaining = sum(map(self.seconds, rest)) * (time.monotonic() - began) / done
+            passed = time.monotonic() - began
+            remaining = remaining_seconds(sum(map(self.seconds, rest)), done, passed, PRIOR * total)
             left = f"; about {duration_text(remaining)} left" if rest else ""
             report(f"{name}: {line.outcome}{left}")
             record()

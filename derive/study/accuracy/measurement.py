@@ -12,7 +12,7 @@ import numpy as np
 
 from derive.artifacts import File
 from derive.errors import TisserandError, first_line
-from derive.generated_models import generated, generated_explicit
+from derive.generated_models import generated, generated_explicit, load_derivation
 from derive.ir.model import Model
 from derive.percentages import percent
 from derive.remaining_time import RemainingTime
@@ -150,7 +150,7 @@ Preparation = ComputedAhead[ModelVariant, PreparedModel]
 
 def preparation(scene: Scene, workers: int = 0) -> Preparation:
     """The models of a scene, prepared in that many processes before they are needed."""
-    return ComputedAhead(partial(prepared, scene), workers)
+    return ComputedAhead(partial(prepared, scene), workers, load_derivation)
 
 
 def compiled(

@@ -116,7 +116,7 @@ def method_study(
 
     Raises SpecError, CompilerError, SimulationError.
     """
-    progress(f"{scene.name}: deriving and compiling")
+    progress(f"{scene.name}: deriving and compiling ...")
     of = method_scene(scene)
     check_memory(of, steps)
     notes: tuple[str, ...] = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)

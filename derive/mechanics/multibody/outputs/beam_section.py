@@ -21,10 +21,11 @@ from derive.mechanics import quantity
 from derive.mechanics.bodies.attached_masses import located_masses
 from derive.mechanics.bodies.beam_damping import retardation_times
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
-from derive.mechanics.bodies.beam_part import part_body, rigid_rows
+from derive.mechanics.bodies.beam_part import part_body
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
 from derive.mechanics.bodies.reference_conditions import on_piece
+from derive.mechanics.expansion import rigid_rows
 from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
