@@ -79,8 +79,8 @@ def component_modes(body: NodalBody, mass: csr_array, x: Array) -> ComponentMode
         static, vibration = _static_modes(k, interface), _held_modes(k, m, interface, body, count)
     else:
         static = _attachment_modes(k, m, interface, basis.reshape(len(basis), -1))
-        vibration = _free_modes(body, mass, x, count).reshape(count, -1)
-    static, vibration = static.reshape(-1, *x.shape), vibration.reshape(-1, *x.shape)
+        vibration = _free_modes(body, mass, x, count).reshape(count, x.size)
+    static, vibration = (fields.reshape(len(fields), *x.shape) for fields in (static, vibration))
     for _ in range(2):
         static, vibration = (projected_out(mass, basis, fields) for fields in (static, vibration))
         if body.component_modes == "attachment":
