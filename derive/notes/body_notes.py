@@ -24,7 +24,9 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
     frame, and which of them have no stiffness."""
     from derive.reduction import body_properties, residuals, zero_stiffness_modes
 
-    notes = [*_of_properties(body_properties(spec)), *_of_component_modes(spec), *_of_geometric_stiffness(spec)]
+    properties = body_properties(spec)
+    notes = [*_of_properties(properties), *_of_component_modes(spec), *_of_geometric_stiffness(spec)]
+    notes += _of_first_order(spec, properties)
     frame = residuals(spec)
     before, after = frame.before, frame.after
     if spec.frame.kind != "point" and spec.modes != 0:
@@ -66,9 +68,10 @@ def _of_component_modes(spec: NodalBody) -> Iterator[str]:
     from derive.reduction.component_mode_table import component_mode_table
 
     rows = component_mode_table(spec)
+    interface = ", ".join(spec.interface)
     counts = ", ".join(f"{sum(row.kind == kind for row in rows)} {kind}" for kind in ("static", "vibration"))
     yield (
-        f"{COMPONENT_MODES[spec.component_modes]} of the interface {', '.join(spec.interface)} ({counts}, by the larger "
+        f"{COMPONENT_MODES[spec.component_modes]} of the interface {interface} ({counts}, by the larger "
         "part of the strain energy); frequencies in Hz, and those of the free body by its full matrices:"
     )
     for number, row in enumerate(rows, 1):
@@ -98,6 +101,9 @@ def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
     yield f"displacements of second order in the amplitudes, from geometric stiffness {given}{zero}"
 
 
+NOTICEABLE_SPIN = 0.1
+"""The part of a natural frequency from which a spin changes the stiffness of a body by 1 % and more."""
+
 FIRST = 6
 """The natural frequencies that `build` prints."""
 
@@ -114,6 +120,18 @@ def _of_properties(body: BodyProperties) -> Iterator[str]:
         first = ", ".join(f"{f:.5g}" for f in body.frequencies[:FIRST])
         more = f" and {len(body.frequencies) - FIRST} more" if len(body.frequencies) > FIRST else ""
         yield f"natural frequencies of the free body: {first} Hz{more}"
+
+
+def _of_first_order(spec: NodalBody, body: BodyProperties) -> Iterator[str]:
+    """Yield the spin from which a body of first order lacks geometric stiffness; a simulation notes that it is
+    reached, also where joints hold the body."""
+    if len(body.frequencies) and not spec.second_order and not spec.data.has_geometric_stiffness:
+        spin = NOTICEABLE_SPIN * 2 * np.pi * body.frequencies[0]
+        yield (
+            "displacements of first order in the amplitudes: there is no geometric stiffness (K0t, K0r, K0omega, K0F), "
+            f"which changes the stiffness by 1 % and more from a spin of {spin:.3g} rad/s, a tenth of the first "
+            "natural frequency, and earlier where a joint holds the body"
+        )
 
 
 def _rounded(values: Array, size: float) -> Array:

@@ -79,13 +79,11 @@ def mass_of_displacements(mass: csr_array) -> csr_array:
     return csr_array(kron(mass, identity(3), format="csr"))
 
 
-def lowest_modes(
-    k: csr_array, m: csr_array, shift: float, count: int, most: int, motions: csr_array | None
-) -> Array:
+def lowest_modes(k: csr_array, m: csr_array, shift: float, count: int, most: int, motions: csr_array | None) -> Array:
     """The vibration modes (displacements, count) of lowest frequency, by the eigenvectors of K + shift M.
 
-    most: the number of modes that there are. motions (displacements, coordinates): displacements u = T y that constraints leave, which have the matrices T^T K T
-    and T^T M T; None if there are no constraints.
+    most: the number of modes that there are. motions (displacements, coordinates): displacements u = T y that
+    constraints leave, which have the matrices T^T K T and T^T M T; None if there are no constraints.
     """
     if motions is not None:
         k, m = csr_array(motions.T @ k @ motions), csr_array(motions.T @ m @ motions)

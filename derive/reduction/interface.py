@@ -48,8 +48,9 @@ class Interface:
 def interface_of(body: NodalBody, x: Array) -> Interface:
     """The interface of a body with nodes at x (nodes, 3). Raises SpecError if its motions do not hold the body."""
     size = float(np.abs(x).max())
-    motions = csr_array(np.concatenate([_motions(x, marker.nodes, set_weights(marker), size) for marker in
-                                        body.interface_markers]))
+    motions = csr_array(
+        np.concatenate([_motions(x, marker.nodes, set_weights(marker), size) for marker in body.interface_markers])
+    )
     rigid = motions @ rigid_fields(x / size).reshape(RIGID_MOTIONS, -1).T
     values = np.linalg.svd(rigid, compute_uv=False)
     if len(values) < RIGID_MOTIONS or values[-1] < ON_A_LINE * values[0]:

@@ -26,7 +26,16 @@ from derive.spec.model.beam_parts import (
     Polynomial,
     ShapeFamily,
 )
-from derive.spec.model.body import BodyFrame, ComponentModes, Damping, Lowering, NodalBody, NodeData, SymbolicBody, SymbolicFrame
+from derive.spec.model.body import (
+    BodyFrame,
+    ComponentModes,
+    Damping,
+    Lowering,
+    NodalBody,
+    NodeData,
+    SymbolicBody,
+    SymbolicFrame,
+)
 from derive.spec.model.documentation import key_entries, with_entries
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier

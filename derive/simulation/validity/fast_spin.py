@@ -3,7 +3,8 @@
 To first order in the amplitudes the centrifugal forces soften a body by spin^2 c8, and the stiffening that belongs to
 them, of K0omega, K0t and the reactions of K0F, is missing. Both are of the size (spin / omega)^2 against the stiffness
 of a mode with the natural frequency omega. That of a body is its lowest one, free or, where a joint fixes a set of its
-nodes, held there.
+nodes, held there. Centrifugal stresses grow with the distance from the axis, so that a shaft has few about its own one:
+the spin that counts is sqrt(w . J w / J_max), with J_max the largest principal moment of inertia.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from derive.mechanics.symbols import amplitude_of
+from derive.notes.body_notes import NOTICEABLE_SPIN
 from derive.percentages import percent
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
@@ -26,8 +28,6 @@ from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
-NOTICEABLE = 0.1
-"""The part of the lowest natural frequency above which a spin changes the stiffness of a body noticeably, by 1 %."""
 RIGID = 6
 
 
@@ -50,16 +50,18 @@ def fast_spin_notes(
     body: the body alone that moves, in an empty scene.
     """
     for of in _bodies(scene, body, native):
-        omega = v[:, of.velocity + 3 : of.velocity + RIGID]
-        spin = float(np.sqrt(np.einsum("nk,nk->n", omega, omega).max(initial=0.0)))
+        turning = slice(of.velocity + 3, of.velocity + RIGID)
+        inertia = mass_matrix(native, _undeformed(native, q[0]), k)[turning, turning]
+        squares = np.einsum("nk,kl,nl->n", v[:, turning], inertia, v[:, turning]) / np.linalg.eigvalsh(inertia)[-1]
+        spin = float(np.sqrt(squares.max(initial=0.0)))
         if spin == 0.0:
             continue
         where, lowest = min(_lowest_frequencies(of, native, k, q[0]), key=lambda pair: pair[1])
-        if spin > NOTICEABLE * lowest:
+        if spin > NOTICEABLE_SPIN * lowest:
             yield (
-                f"{of.spec.name}: it spins at up to {spin:.4g} rad/s, {percent(spin / lowest)} of its lowest natural "
-                f"frequency of {lowest:.4g} rad/s ({where}), and its displacements of first order know no centrifugal "
-                f"stiffening: {_remedy(of.spec)}"
+                f"{of.spec.name}: it spins at up to {spin:.4g} rad/s about axes of large inertia, "
+                f"{percent(spin / lowest)} of its lowest natural frequency of {lowest:.4g} rad/s ({where}), and its "
+                f"displacements of first order know no centrifugal stiffening: {_remedy(of.spec)}"
             )
 
 
@@ -91,7 +93,7 @@ def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: V
 
     Its stiffness is the change of its forces at rest for unit amplitudes, on which they depend linearly.
     """
-    rest, still = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q), np.zeros(native.nv)
+    rest, still = _undeformed(native, q), np.zeros(native.nv)
     modes = _modes(of, native)
     own = slice(of.velocity, of.velocity + RIGID + modes)
     elastic = slice(of.velocity + RIGID, own.stop)
@@ -117,6 +119,11 @@ def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: V
         translation = np.hstack([Q.T, -skew(point.position), point.shapes.T])
         rotation = np.hstack([np.zeros((3, 3)), np.eye(3), frame.twists.T])
         yield f"held at {marker}", _lowest(null_space(np.vstack([translation, rotation])), stiffness, mass)
+
+
+def _undeformed(native: ConstrainedSystem, q: Vector) -> Vector:
+    """A configuration (nq,) without deformation."""
+    return np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
 
 
 def _modes(of: Spinning, native: ConstrainedSystem) -> int:

@@ -42,7 +42,9 @@ def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Itera
         yield from _interface_faults(body, str(kind), names)
 
 
-def _interface_faults(body: Mapping[str, object], kind: str, names: list[object] | tuple[object, ...]) -> Iterator[Fault]:
+def _interface_faults(
+    body: Mapping[str, object], kind: str, names: list[object] | tuple[object, ...]
+) -> Iterator[Fault]:
     """Faults of names of markers, and of a number of modes that does not suffice for them."""
     markers = body.get("markers")
     known: Mapping[str, object] = markers if isinstance(markers, Mapping) else {}
@@ -57,7 +59,8 @@ def _interface_faults(body: Mapping[str, object], kind: str, names: list[object]
         if name in names[:i]:
             yield Fault(("body", "interface", i), f"the marker {name} is named twice; name it once")
             return
-        motions += 6 if isinstance(known[name], Mapping) and "nodes" in known[name] else 3
+        marker = known[name]
+        motions += 6 if isinstance(marker, Mapping) and "nodes" in marker else 3
     least = motions - 6 if kind == "craig_bampton" else motions
     count = readable(values.mode_count, body.get("modes"))
     if count is not None and count < least:

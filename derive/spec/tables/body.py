@@ -98,9 +98,7 @@ def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, An
     return result
 
 
-def interface_markers(
-    names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame]
-) -> tuple[InterfaceMarker, ...]:
+def interface_markers(names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame]) -> tuple[InterfaceMarker, ...]:
     """The markers of the interface, which `component_mode_faults` has checked, with their nodes."""
     of_name = {marker.name: marker for marker in markers}
     return tuple(InterfaceMarker(name, of_name[name].nodes, of_name[name].weights) for name in names)
