@@ -3,8 +3,8 @@
     python scenes/make_spatial_rod.py
 
 needs scikit-fem (`pip install 'tisserand[test]'`). The rod of 0.3 m, 8 mm by 4 mm, is meshed along e1 with quadratic
-bricks. The file holds nodes, mass, stiffness, and the lowest elastic modes with theirs, in SI units; the first nine nodes
-are the section at the left end, and the last nine that at the right end.
+bricks. The file holds nodes, mass, stiffness, and the lowest elastic modes with theirs, in SI units; the first nine
+nodes are the section at the left end, and the last nine that at the right end.
 """
 
 from __future__ import annotations
