@@ -39,7 +39,7 @@ from derive.reduction.eigen import (
 )
 from derive.reduction.frames import from_centre_of_mass, orthonormal_modes, projected_out, rigid_basis
 from derive.reduction.integrals import mass_products
-from derive.reduction.interface import RIGID_MOTIONS, Interface, interface_of
+from derive.reduction.interface import RIGID_MOTIONS, HeldInterface, interface_of
 from derive.spec.model.body import InterfaceMarker, NodalBody
 
 SINGULAR = 1e-14
@@ -108,7 +108,7 @@ def mode_kinds(modes: ComponentModes, phi: Array, stiffness: csr_array) -> tuple
     return tuple("vibration" if share > 1 / 2 else "static" for share in shares)
 
 
-def _static_modes(k: csr_array, interface: Interface) -> Array:
+def _static_modes(k: csr_array, interface: HeldInterface) -> Array:
     """The static modes (c - 6, displacements): combinations of unit motions that are orthogonal to the rigid ones."""
     held = interface.held
     factors = _factorised(csc_array(held.T @ k @ held))
@@ -117,7 +117,7 @@ def _static_modes(k: csr_array, interface: Interface) -> Array:
     return np.asarray(combinations[RIGID_MOTIONS:] @ constraint.T)
 
 
-def _held_modes(k: csr_array, m: csr_array, interface: Interface, body: NodalBody, count: int) -> Array:
+def _held_modes(k: csr_array, m: csr_array, interface: HeldInterface, body: NodalBody, count: int) -> Array:
     """The vibration modes (count, displacements) of lowest frequency of the body that is held at its interface."""
     if not count:
         return np.zeros((0, k.shape[0]))
@@ -125,7 +125,7 @@ def _held_modes(k: csr_array, m: csr_array, interface: Interface, body: NodalBod
     return lowest_modes(k, m, 0.0, min(count + EXTRA_MODES, most), most, interface.held).T[:count]
 
 
-def _attachment_modes(k: csr_array, m: csr_array, interface: Interface, basis: Array) -> Array:
+def _attachment_modes(k: csr_array, m: csr_array, interface: HeldInterface, basis: Array) -> Array:
     """The responses (c, displacements) to unit loads at the interface that inertia forces of rigid motions balance.
 
     Six coordinates are held, whose reactions vanish, since the loads are balanced.

@@ -30,7 +30,7 @@ RIGID_MOTIONS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Interface:
+class HeldInterface:
     """The interface of a body, with c motions of markers, of which rotations are multiplied by the size of the body.
 
     motions (c, displacements): B. rigid (c, 6): the motions of the markers due to the six rigid motions. coordinates
@@ -45,7 +45,7 @@ class Interface:
     unit: Array
 
 
-def interface_of(body: NodalBody, x: Array) -> Interface:
+def interface_of(body: NodalBody, x: Array) -> HeldInterface:
     """The interface of a body with nodes at x (nodes, 3). Raises SpecError if its motions do not hold the body."""
     size = float(np.abs(x).max())
     motions = csr_array(
@@ -57,7 +57,7 @@ def interface_of(body: NodalBody, x: Array) -> Interface:
         raise SpecError((_on_a_line(body),))
     coordinates = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else csr_array(identity(x.size))
     held, unit = _held_and_unit(body, csc_array(motions @ coordinates))
-    return Interface(motions, rigid, coordinates, csr_array(coordinates @ held), np.asarray(coordinates @ unit))
+    return HeldInterface(motions, rigid, coordinates, csr_array(coordinates @ held), np.asarray(coordinates @ unit))
 
 
 def _motions(x: Array, nodes: tuple[int, ...], weights: Array, size: float) -> Array:
