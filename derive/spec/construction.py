@@ -135,7 +135,7 @@ def nodal_body(
     units: str | Mapping[str, str] | None = None,
     modes: int | None = None,
     component_modes: ComponentModes | None = None,
-    interface: Sequence[str] = (),
+    interface: Sequence[str] | None = None,
     frame: str | Mapping[str, object] | BodyFrame = "mean",
     orthonormal: bool | None = None,
     damping: Mapping[str, Number] | Damping | None = None,
