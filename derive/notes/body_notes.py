@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.errors import quoted
+from derive.short_text import counted
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -58,10 +59,11 @@ def _of_component_modes(spec: NodalBody) -> Iterator[str]:
     if spec.component_modes is None:
         return
     if spec.data.modes is not None:
-        left_out = "their geometric stiffness too" if spec.data.has_geometric_stiffness else ""
+        left_out = " with their geometric stiffness" if spec.data.has_geometric_stiffness else ""
+        count = len(spec.data.modes)
         yield (
-            f"component_modes = {quoted(spec.component_modes)}: the {len(spec.data.modes)} modes of the files are left "
-            f"out{' and ' + left_out if left_out else ''}, and modes are computed from mass and stiffness"
+            f"component_modes = {quoted(spec.component_modes)}: the {counted(count, 'mode')} of the files "
+            f"{'is' if count == 1 else 'are'} left out{left_out}, and modes are computed from mass and stiffness"
         )
     if not spec.interface_markers:
         return
