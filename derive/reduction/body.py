@@ -191,6 +191,9 @@ def _doc(body: NodalBody, prepared: Prepared) -> str:
     """The description of the body and its frame."""
     kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
     parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
+    if body.component_modes and body.interface:
+        noun = {"craig_bampton": "Craig-Bampton modes", "attachment": "attachment and free modes"}[body.component_modes]
+        parts.append(f"{noun} of the interface {', '.join(body.interface)}")
     if prepared.shapes.around:
         parts.append(f"no mean rotation of nodes {', '.join(map(str, prepared.shapes.around))} about it")
     return "; ".join(parts)

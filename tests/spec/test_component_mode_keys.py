@@ -62,6 +62,7 @@ def test_the_keys_are_those_of_a_body_alone_too_and_are_written_back() -> None:
     )
     assert own.component_modes == "craig_bampton"
     assert [marker.nodes for marker in own.interface_markers] == [(0,), (11,), (5,)]
+    assert "Craig-Bampton modes of the interface a, b, middle" in derive.modal(own).doc
     assert derive.modal(own).c8 == pytest.approx(np.eye(4), abs=1e-12)
     assert replace(derive.validated(own), data=own.data) == own
     in_scene = scene(modes=7, interface=["right", "middle"], component_modes="craig_bampton")
