@@ -23,7 +23,7 @@ from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
-from derive.mechanics.bodies.modal_body import ModalBody
+from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
 from derive.mechanics.bodies.spatial_body import modal_body, parametric_body
 from derive.mechanics.bodies.spatial_body import parameters as parameters_of
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
@@ -125,7 +125,15 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
     from derive.reduction import reduce
     from derive.reduction.frame_points import load_frames, modal_frames
 
-    frames = {body.name: modal_frames(body) for body in flexible}  # first, since modes need rigid sets that it checks
+    frames: dict[str, tuple[ModalFrame, ...]] = {}
+    problems: list[Problem] = []
+    for flexible_body in flexible:  # first, since modes need rigid sets that it checks
+        try:
+            frames[flexible_body.name] = modal_frames(flexible_body)
+        except SpecError as error:
+            problems += (_in_scene(problem, flexible_body.name) for problem in error.problems)
+    if problems:
+        raise SpecError(tuple(problems))
     alike = {body.name: replace(body.body, name="") for body in flexible}
     integrals = {body: reduce(body) for body in dict.fromkeys(alike.values())}
     return {
@@ -134,6 +142,12 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
         )
         for body in flexible
     }
+
+
+def _in_scene(problem: Problem, name: str) -> Problem:
+    """A fault of a body alone as one of a body in a scene."""
+    section, dot, key = problem.path.partition(".")
+    return replace(problem, path=f"bodies.{name}{dot}{key}") if section == "body" else problem
 
 
 @paused()

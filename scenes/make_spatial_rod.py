@@ -3,8 +3,8 @@
     python scenes/make_spatial_rod.py
 
 needs scikit-fem (`pip install 'tisserand[test]'`). The rod of 0.3 m, 8 mm by 4 mm, is meshed along e1 with quadratic
-bricks. The file holds nodes, mass, and the lowest elastic modes with their stiffness, in SI units; the first nine nodes
-are the section at the left end, and the last nine that at the right end.
+bricks. The file holds nodes, mass, stiffness, and the lowest elastic modes with theirs, in SI units; the first nine
+nodes are the section at the left end, and the last nine that at the right end.
 """
 
 from __future__ import annotations
@@ -35,15 +35,19 @@ def arrays() -> dict[str, np.ndarray]:
     m = csr_array((m + m.T) / 2)
     k = csr_array(linear_elasticity(*lame_parameters(YOUNG, POISSON)).assemble(vector))[triples][:, triples]
     full = np.kron(m.toarray(), np.eye(3))
-    squares, vectors = eigh((k + k.T).toarray() / 2, full, subset_by_index=(0, 6 + MODES - 1))
+    k = csr_array((k + k.T) / 2)
+    squares, vectors = eigh(k.toarray(), full, subset_by_index=(0, 6 + MODES - 1))
     modes = vectors.T[6:].reshape(MODES, -1, 3)
     signs = np.sign(modes[np.arange(MODES), 0, np.abs(modes[:, 0]).argmax(axis=1)])
-    entries = coo_array(m)
+    entries, stiff = coo_array(m), coo_array(k)
     return {
         "positions": np.round(scalar.doflocs.T[order], 12),
         "mass_row": entries.row.astype(np.int32),
         "mass_col": entries.col.astype(np.int32),
         "mass_value": entries.data,
+        "stiffness_row": stiff.row.astype(np.int32),
+        "stiffness_col": stiff.col.astype(np.int32),
+        "stiffness_value": stiff.data,
         "modes": modes * signs[:, None, None],
         "modal_stiffness": squares[6:],
     }

@@ -56,7 +56,10 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
     return tuple(dataclasses.replace(file, text=file.text.replace(MODEL_HASH, digest)) for file in files)
 
 
-UNWRITTEN = ("order", "ends", "masses", "axial", "lowering", "redundant", "rigid_sets")
+UNWRITTEN = (
+    *("order", "ends", "masses", "axial", "lowering", "redundant"),
+    *("rigid_sets", "component_modes", "interface", "interface_markers"),
+)
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
 KINDS = {

@@ -8,11 +8,12 @@ from pathlib import Path
 from derive.ir.model import Model
 from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.notes.body_notes import body_notes
+from derive.notes.body_notes import body_notes, notes_on_flexible_bodies
 from derive.notes.model_notes import limits
 from derive.pipeline import Built
 from derive.report.sections.instance_rows import merged_rows
 from derive.spec.model.body import NodalBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import warnings
 
 
@@ -22,6 +23,7 @@ def build_notes(built: Built, path: Path) -> tuple[str, ...]:
     return (
         *_lowering(built),
         *(body_notes(spec) if isinstance(spec, NodalBody) else ()),
+        *(notes_on_flexible_bodies(spec) if isinstance(spec, SpatialScene) else ()),
         *_elimination(model),
         *limits(spec),
         *(f"warning: {text}" for text in (*((built.unstarted,) if built.unstarted else ()), *warnings(path))),

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from derive.errors import quoted
+from derive.short_text import counted
 from derive.spec.model.body import NodalBody
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.parsing.faults import names_text
 
 if TYPE_CHECKING:
     from derive.reduction import BodyProperties
@@ -19,7 +25,9 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
     frame, and which of them have no stiffness."""
     from derive.reduction import body_properties, residuals, zero_stiffness_modes
 
-    notes = [*_of_properties(body_properties(spec)), *_of_geometric_stiffness(spec)]
+    properties = body_properties(spec)
+    notes = [*_of_properties(properties), *_of_component_modes(spec), *_of_geometric_stiffness(spec)]
+    notes += _of_first_order(spec, properties)
     frame = residuals(spec)
     before, after = frame.before, frame.after
     if spec.frame.kind != "point" and spec.modes != 0:
@@ -34,10 +42,56 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
     return tuple(notes)
 
 
+def notes_on_flexible_bodies(scene: SpatialScene) -> tuple[str, ...]:
+    """Return the notes of `body_notes` on each finite-element body of a scene, once for bodies that are alike."""
+    names: dict[NodalBody, list[str]] = {}
+    for body in scene.bodies:
+        if isinstance(body, FlexibleBody):
+            names.setdefault(replace(body.body, name=""), []).append(body.name)
+    return tuple(f"{names_text(own)}: {note}" for body, own in names.items() for note in body_notes(body))
+
+
+def _of_component_modes(spec: NodalBody) -> Iterator[str]:
+    """Yield what the modes are if they are computed by choice, and the frequency of each beside that of the free body.
+
+    Frequencies of the modes are not below those of the full matrices, in their order.
+    """
+    if spec.component_modes is None:
+        return
+    if spec.data.modes is not None:
+        left_out = " with their geometric stiffness" if spec.data.has_geometric_stiffness else ""
+        count = len(spec.data.modes)
+        yield (
+            f"component_modes = {quoted(spec.component_modes)}: the {counted(count, 'mode')} of the files "
+            f"{'is' if count == 1 else 'are'} left out{left_out}, and modes are computed from mass and stiffness"
+        )
+    if not spec.interface_markers:
+        return
+    from derive.reduction.component_mode_table import component_mode_table
+
+    rows = component_mode_table(spec)
+    interface = ", ".join(spec.interface)
+    counts = ", ".join(f"{sum(row.kind == kind for row in rows)} {kind}" for kind in ("static", "vibration"))
+    yield (
+        f"{COMPONENT_MODES[spec.component_modes]} of the interface {interface} ({counts}, by the larger "
+        "part of the strain energy); frequencies in Hz, and those of the free body by its full matrices:"
+    )
+    for number, row in enumerate(rows, 1):
+        error = 100 * (row.frequency / row.full - 1)
+        yield f"  mode {number}: {row.kind:9} {row.frequency:10.5g}  full matrices {row.full:10.5g}  {error:+.2g} %"
+
+
+COMPONENT_MODES = {
+    "free": "free modes",
+    "craig_bampton": "Craig-Bampton modes",
+    "attachment": "attachment modes with inertia relief, and free modes,",
+}
+
+
 def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
     """Yield which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
     data = spec.data
-    if not data.has_geometric_stiffness:
+    if not (data.has_geometric_stiffness and spec.uses_given_modes):
         return
     arrays = {"K0t": data.K0t, "K0r": data.K0r, "K0omega": data.K0omega, "K0F": data.K0F}
     given = ", ".join(name for name, array in arrays.items() if array is not None)
@@ -48,6 +102,9 @@ def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
     zero = f"; {missing}: not given, and taken as zero" if missing else ""
     yield f"displacements of second order in the amplitudes, from geometric stiffness {given}{zero}"
 
+
+NOTICEABLE_SPIN = 0.1
+"""The part of a natural frequency from which a spin changes the stiffness of a body by 1 % and more."""
 
 FIRST = 6
 """The natural frequencies that `build` prints."""
@@ -65,6 +122,18 @@ def _of_properties(body: BodyProperties) -> Iterator[str]:
         first = ", ".join(f"{f:.5g}" for f in body.frequencies[:FIRST])
         more = f" and {len(body.frequencies) - FIRST} more" if len(body.frequencies) > FIRST else ""
         yield f"natural frequencies of the free body: {first} Hz{more}"
+
+
+def _of_first_order(spec: NodalBody, body: BodyProperties) -> Iterator[str]:
+    """Yield the spin from which a body of first order lacks geometric stiffness; a simulation notes that it is
+    reached, also where joints hold the body."""
+    if len(body.frequencies) and not spec.second_order and not spec.data.has_geometric_stiffness:
+        spin = NOTICEABLE_SPIN * 2 * np.pi * body.frequencies[0]
+        yield (
+            "displacements of first order in the amplitudes: there is no geometric stiffness (K0t, K0r, K0omega, K0F), "
+            f"which changes the stiffness by 1 % and more from a spin of {spin:.3g} rad/s, a tenth of the first "
+            "natural frequency, and earlier where a joint holds the body"
+        )
 
 
 def _rounded(values: Array, size: float) -> Array:

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.reduction.arithmetic import Array, cholesky, eigh, forward_substitution, matrix_product, symmetric_part
 from derive.reduction.checks import check_body, check_modes
+from derive.reduction.component_modes import component_modes, independent_modes
 from derive.reduction.eigen import elastic_modes, modal_stiffness
 from derive.reduction.frames import (
     ModeShapes,
@@ -128,6 +129,7 @@ def prepare(body: NodalBody) -> Prepared:
 
     Raises SpecError with a list of all faults of the data.
     """
+    body = _with_its_modes(body)
     check_body(body)
     mass = canonical_csr(body.data.mass)
     x = np.array(body.data.positions, dtype=np.float64)
@@ -141,6 +143,14 @@ def prepare(body: NodalBody) -> Prepared:
         shapes = replace(shapes, phi=phi, stiffness=np.diag(values))
     shapes, parities = made_symmetric(shapes, planes, body.data.stiffness)
     return Prepared(mass, raw, framed, shapes, parities, body.orthonormal)
+
+
+def _with_its_modes(body: NodalBody) -> NodalBody:
+    """A body whose data contain modes only if it uses them."""
+    if body.uses_given_modes or body.data.modes is None:
+        return body
+    data = replace(body.data, modes=None, modal_stiffness=None, K0t=None, K0r=None, K0omega=None, K0F=None)
+    return replace(body, data=replace(data, K0F_nodes=None))
 
 
 def second_order_fields(body: NodalBody, prepared: Prepared) -> SecondOrderFields | None:
@@ -161,7 +171,11 @@ def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...
     if body.modes == 0:
         return ModeShapes(x, np.zeros((0, *x.shape)), np.zeros((0, 0)), origin)
     if data.modes is None:
-        phi, values = orthonormal_modes(mass, *elastic_modes(body, mass, x))
+        if body.interface_markers and data.stiffness is not None:
+            computed = independent_modes(component_modes(body, mass, x), mass, data.stiffness)
+        else:
+            computed = elastic_modes(body, mass, x)
+        phi, values = orthonormal_modes(mass, *computed)
         phi = with_fixed_signs(separated_by_parity(mass, phi, values, planes))[: body.modes]
         return ModeShapes(x, phi, np.diag(values[: body.modes]), origin)
     count = len(data.modes) if body.modes is None else body.modes
@@ -177,6 +191,9 @@ def _doc(body: NodalBody, prepared: Prepared) -> str:
     """The description of the body and its frame."""
     kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
     parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
+    if body.component_modes and body.interface:
+        noun = {"craig_bampton": "Craig-Bampton modes", "attachment": "attachment and free modes"}[body.component_modes]
+        parts.append(f"{noun} of the interface {', '.join(body.interface)}")
     if prepared.shapes.around:
         parts.append(f"no mean rotation of nodes {', '.join(map(str, prepared.shapes.around))} about it")
     return "; ".join(parts)

@@ -56,22 +56,40 @@ def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Ar
     requested = min(body.modes + EXTRA_MODES, most)
     if not requested:
         return np.zeros((0, *x.shape)), np.zeros((0, 0))
-    k = csr_array((body.data.stiffness + body.data.stiffness.T) / 2)
-    m = csr_array(kron(mass, identity(3), format="csr"))
+    k, m = symmetric_matrix(body.data.stiffness), mass_of_displacements(mass)
     shift = 1e-2 * _lowest_quotient(k, mass, x, basis)
     count = requested + len(basis)
-    free, sets = k, rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else None
-    if sets is not None:  # displacements u = T y with the constraints of the rigid sets have T^T K T and T^T M T
-        free, m = csr_array(sets.T @ k @ sets), csr_array(sets.T @ m @ sets)
-    solve = _dense_eigenvectors if free.shape[0] <= MAX_DENSE_SIZE or 2 * count >= most else _sparse_eigenvectors
-    vectors = solve(free, m, shift, count)
-    phi = (vectors if sets is None else sets @ vectors).T.reshape(-1, *x.shape)
+    sets = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else None
+    phi = lowest_modes(k, m, shift, count, most, sets).T.reshape(-1, *x.shape)
     for _ in range(2):
         phi = projected_out(mass, basis, phi)
     values, combinations = np.linalg.eigh(symmetric_part(mass_products(mass, phi, phi)))
     elastic = combinations[:, values > 0.5].T  # after projection rigid motions have c8 = 0, elastic modes 1
     phi = (elastic @ phi.reshape(len(phi), -1)).reshape(-1, *x.shape)
     return phi, modal_stiffness(k, phi)
+
+
+def symmetric_matrix(matrix: csr_array) -> csr_array:
+    """The symmetric part of a sparse matrix."""
+    return csr_array((matrix + matrix.T) / 2)
+
+
+def mass_of_displacements(mass: csr_array) -> csr_array:
+    """The matrix M = m (x) I3 of the displacements of nodes with the mass matrix m."""
+    return csr_array(kron(mass, identity(3), format="csr"))
+
+
+def lowest_modes(k: csr_array, m: csr_array, shift: float, count: int, most: int, motions: csr_array | None) -> Array:
+    """The vibration modes (displacements, count) of lowest frequency, by the eigenvectors of K + shift M.
+
+    most: the number of modes that there are. motions (displacements, coordinates): displacements u = T y that
+    constraints leave, which have the matrices T^T K T and T^T M T; None if there are no constraints.
+    """
+    if motions is not None:
+        k, m = csr_array(motions.T @ k @ motions), csr_array(motions.T @ m @ motions)
+    dense = k.shape[0] <= MAX_DENSE_SIZE or 2 * count >= most
+    vectors = (_dense_eigenvectors if dense else _sparse_eigenvectors)(k, m, shift, count)
+    return vectors if motions is None else np.asarray(motions @ vectors)
 
 
 def rigid_set_motions(x: Array, rigid_sets: tuple[tuple[int, ...], ...]) -> csr_array:

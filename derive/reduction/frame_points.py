@@ -11,6 +11,7 @@ from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
 from derive.mechanics.multibody.space.nodal_loads import nodal_resultants
 from derive.reduction.arithmetic import Array
 from derive.reduction.body import Prepared, prepare, second_order_fields
+from derive.reduction.marker_motion import fitted_rotations, inertia_of_set, set_weights
 from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 
 ON_A_LINE = 1e-8
@@ -42,11 +43,11 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
     mean = _MeanPoints(body, prepared)
     frames = []
     for marker in body.markers:
-        point = mean(marker.name, _doc(marker), marker.nodes, _weights(marker))
+        point = mean(marker.name, _doc(marker), marker.nodes, set_weights(marker))
         twists = np.zeros_like(point.shapes)
         if marker.has_rotation:
             nodes = list(marker.nodes)
-            twists = _rotations(_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes])
+            twists = fitted_rotations(set_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes])
         frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
     return tuple(frames)
 
@@ -100,8 +101,8 @@ def _sets_on_a_line(body: FlexibleBody) -> Iterator[Problem]:
     for marker in body.markers:
         if not marker.has_rotation:
             continue
-        weights, own = _weights(marker), positions[list(marker.nodes)]
-        values = np.linalg.eigvalsh(_inertia(weights, own - weights @ own))
+        weights, own = set_weights(marker), positions[list(marker.nodes)]
+        values = np.linalg.eigvalsh(inertia_of_set(weights, own - weights @ own))
         if not values[0] > ON_A_LINE * values[-1]:
             text = "these nodes lie on a line, and a rotation about it moves none; add a node beside it"
             yield Problem(f"bodies.{body.name}.markers.{marker.name}.nodes", text)
@@ -117,7 +118,7 @@ def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Proble
         nodes, weights = list(marker.nodes), np.full(len(marker.nodes), 1 / len(marker.nodes))
         levers, own = x[nodes] - weights @ x[nodes], phi[:, nodes]
         motion = np.einsum("a,nak->nk", weights, own)[:, None] + np.cross(
-            _rotations(weights, levers, own)[:, None], levers[None]
+            fitted_rotations(weights, levers, own)[:, None], levers[None]
         )
         parts = np.abs(own - motion).max(axis=(1, 2)) / sizes
         worst = int(np.argmax(parts))
@@ -128,27 +129,6 @@ def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Proble
                 "the stiffness instead of modes"
             )
             yield Problem(f"bodies.{body.name}.markers.{marker.name}.motion", text)
-
-
-def _rotations(weights: Array, levers: Array, fields: Array) -> Array:
-    """The rotations (n, 3) that fit displacements (n, nodes, 3) of nodes with these levers from their centre best."""
-    moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], fields))
-    return np.asarray(np.linalg.solve(_inertia(weights, levers), moments.T).T)
-
-
-def _inertia(weights: Array, levers: Array) -> Array:
-    return np.asarray(np.einsum("a,akl->kl", weights, _moments(levers)))
-
-
-def _weights(marker: NodeFrame) -> Array:
-    given = np.array([float(w) for w in marker.weights] or [1.0] * len(marker.nodes))
-    return np.asarray(given / given.sum())
-
-
-def _moments(levers: Array) -> Array:
-    """The tensors (r . r) I - r r of some vectors (n, 3)."""
-    squares = np.einsum("ak,ak->a", levers, levers)
-    return np.asarray(squares[:, None, None] * np.eye(3) - np.einsum("ak,al->akl", levers, levers))
 
 
 def _doc(marker: NodeFrame) -> str:

@@ -31,6 +31,7 @@ from derive.simulation.simulated_scene import surroundings
 from derive.simulation.space.half_turns import half_turn_notes
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
+from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import monitoring_note, monitoring_outputs, with_monitors
 from derive.simulation.validity.watched_beam import scene_watch
@@ -156,6 +157,7 @@ class PreparedRun:
         )
         solution = integrator.integrate(k, q, v, times, settings)
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
+        foreseen += (*fast_spin_notes(self.scene, self.body, native, k, solution.q, solution.v),)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
         solution = replace(solution, notes=(*foreseen, *solution.notes))

@@ -26,7 +26,16 @@ from derive.spec.model.beam_parts import (
     Polynomial,
     ShapeFamily,
 )
-from derive.spec.model.body import BodyFrame, Damping, Lowering, NodalBody, NodeData, SymbolicBody, SymbolicFrame
+from derive.spec.model.body import (
+    BodyFrame,
+    ComponentModes,
+    Damping,
+    Lowering,
+    NodalBody,
+    NodeData,
+    SymbolicBody,
+    SymbolicFrame,
+)
 from derive.spec.model.documentation import key_entries, with_entries
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier
@@ -125,6 +134,8 @@ def nodal_body(
     *,
     units: str | Mapping[str, str] | None = None,
     modes: int | None = None,
+    component_modes: ComponentModes | None = None,
+    interface: Sequence[str] | None = None,
     frame: str | Mapping[str, object] | BodyFrame = "mean",
     orthonormal: bool | None = None,
     damping: Mapping[str, Number] | Damping | None = None,

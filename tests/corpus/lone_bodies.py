@@ -10,7 +10,7 @@ from corpus.draft import Bar, Draft, Table
 from corpus.draws import Draws, rounded, words
 from corpus.observations import STEPS
 from derive.spec.files.node_format import LENGTHS, MASSES, TIMES
-from derive.spec.model.body import SymbolicBody
+from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.parsing.choices import BODY_FRAME_KINDS
 
 LONE = {"beam": 0.06, "body": 0.04}
@@ -78,6 +78,13 @@ def spatial_body(draws: Draws, name: str) -> Parts:
         body["frame"] |= {"node": 127} | ({"around": [103, 151, 126, 128]} if draws.chance(0.5) else {})
     if draws.chance(0.3):
         body["orthonormal"] = draws.chance(0.5)
+    if not solid and draws.chance(0.3):
+        kind = draws.choice([*words(NodalBody, "component_modes")])
+        body.pop("orthonormal", None)
+        body["markers"]["side"] = 12
+        least = {"free": 1, "craig_bampton": 3, "attachment": 9}[kind]
+        body |= {"component_modes": kind, "modes": least + draws.whole(0, 1)}
+        body |= {} if kind == "free" else {"interface": [*body["markers"]]}
     if draws.chance(0.5):
         form = draws.choice(["ratio", "mass", "stiffness"])
         body["damping"] = {form: {"ratio": 0.01, "mass": 2, "stiffness": 1e-6}[form]}

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from corpus.draft import NAMES, Table
-from corpus.draws import Draws, rounded
+from corpus.draws import Draws, rounded, words
 from corpus.spatial_actions import act_in_space, observe_in_space
 from corpus.steady_scenes import steady_scene
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.spec.model.body import NodalBody
 
 FIRST = 2000
 """The seeds of scenes in space begin here."""
@@ -294,6 +295,12 @@ def _flexible_arm(draft: SpatialDraft) -> None:
         table["markers"]["root"]["weights"] = [1, 2, 1, 0.5]
     weights = np.array(table["markers"]["root"].get("weights", [1, 1, 1, 1]))
     at = block.x + block.R @ (weights @ nodes[chosen] / weights.sum() - middle)
+    if draws.chance(0.3):
+        modes = draws.choice([*words(NodalBody, "component_modes")])
+        interface = ["root", "end"] if modes == "craig_bampton" and draws.chance(0.5) else ["root"]
+        least = {"free": 1, "craig_bampton": 3 * len(interface) - 3, "attachment": 6}[modes]
+        table |= {"component_modes": modes, "modes": max(least, 1) + draws.whole(0, 1)}
+        table |= {} if modes == "free" else {"interface": interface}
     kind = draws.choice(["revolute", "spherical", "universal", "cylindrical", "fixed"])
     joint = draft.name("joints")
     ends = [draft.marker(draft.ground, at, block.R), f"{block.name}.root"]

@@ -69,6 +69,14 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
     ("scene", "redundant", "auto"): "the default",
     ("scene", "redundant", "error"): "refuses scenes",
     ("flexible body", "units"): "the units of files, in test_nodal_loads.py",
+    **{
+        ("flexible body", *key): "other modes: tests/reduction/test_component_modes.py"
+        for key in (
+            ("interface",),
+            ("component_modes",),
+            *(("component_modes", kind) for kind in ("free", "craig_bampton", "attachment")),
+        )
+    },
     ("nodal load", "file"): "written in place of lists, in test_nodal_loads.py",
     ("input", "unit"): "a text",
 }

@@ -65,6 +65,9 @@ DEFAULTS = {
     "order": DisplacementOrder.FIRST_ORDER,
     "plots": (),
     "rigid_sets": (),
+    "component_modes": None,
+    "interface": (),
+    "interface_markers": (),
 }
 
 

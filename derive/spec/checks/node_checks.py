@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Set
 from pathlib import Path
 
+from derive.spec.checks.component_modes import asks_for_component_modes, component_mode_faults
 from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
@@ -31,6 +32,7 @@ def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) 
         faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
     if arrays_found.complete:
         faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
+        faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays})
         faults += _order_faults(body, arrays_found.arrays.keys())
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
@@ -40,7 +42,7 @@ def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) 
 def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedNodes) -> Iterator[Fault]:
     """Faults of a number of modes that the data cannot provide."""
     asked = readable(values.mode_count, body.get("modes"))
-    if "modes" in arrays:
+    if "modes" in arrays and not asks_for_component_modes(body):
         given = checked.modes
         count = given if asked is None else asked
         if given is not None and asked is not None and asked > given:
@@ -50,7 +52,7 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
             yield Fault(("body", "nodes"), "the modes have no stiffness: add modal_stiffness, or stiffness")
     else:
         count = asked
-        if "stiffness" not in arrays and asked != 0:
+        if "stiffness" not in arrays and asked != 0 and not asks_for_component_modes(body):
             yield Fault(
                 ("body", "modes") if asked else ("body", "nodes"),
                 "there is nothing to take modes from: add modes and modal_stiffness, or a stiffness to compute them "

@@ -44,6 +44,7 @@ Gravity = tuple[Quantity, Quantity, Quantity]
 Lowering = Literal["auto", "flat", "loops"]
 BodyFrameKind = Literal["mean", "point", "given"]
 SymbolicFrame = Literal["mean", "given"]
+ComponentModes = Literal["free", "craig_bampton", "attachment"]
 
 LOWERING = key(
     KeyType.CHOICE,
@@ -176,6 +177,34 @@ class NodeMarker:
     node: int
     __repr__ = record_text
 
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """The node as a set of nodes."""
+        return (self.node,)
+
+    @property
+    def weights(self) -> tuple[Fraction, ...]:
+        """The weights of the set, which are equal."""
+        return ()
+
+
+@dataclass(frozen=True)
+class InterfaceMarker:
+    """A marker of the interface of a body: a node, which is displaced, or a set, which is displaced and rotated.
+
+    The mean displacement and rotation of the set are those of the marker; weights are equal if there are none.
+    """
+
+    name: str
+    nodes: tuple[int, ...]
+    weights: tuple[Fraction, ...] = ()
+    __repr__ = record_text
+
+    @property
+    def motions(self) -> int:
+        """The number of its displacements and rotations."""
+        return 6 if len(self.nodes) > 1 else 3
+
 
 @documented
 @dataclass(frozen=True)
@@ -188,6 +217,7 @@ class NodalBody:
         simulation: duration, output and tolerance of a simulation of the body alone.
         plots: plots of a simulation of the body alone.
         rigid_sets: sets of nodes that move as rigid bodies in all computed modes.
+        interface_markers: the markers that `interface` names.
 
     Examples:
         >>> import derive
@@ -265,10 +295,38 @@ class NodalBody:
             optional=True,
         ),
     ] = DisplacementOrder.FIRST_ORDER
+    component_modes: Annotated[
+        ComponentModes | None,
+        key(
+            KeyType.CHOICE,
+            "Modes that are computed from mass and stiffness: free (the natural modes of the free body), craig_bampton "
+            "(static modes of the interface, and the vibration modes of the body that is held there) or attachment "
+            "(static modes of loads at the interface, balanced by inertia forces, and free modes). By default "
+            "craig_bampton with an interface; without one the modes of the files, or free ones if these have none.",
+            choice_of="the component modes",
+            optional=True,
+        ),
+    ] = None
+    interface: Annotated[
+        tuple[str, ...],
+        key(
+            KeyType.MARKER_NAMES,
+            "Markers at which joints hold the body. Each adds static modes to `modes`, of its displacement and, if it "
+            "is a set of nodes, of its rotation; craig_bampton needs six fewer, which are rigid motion.",
+            default=(),
+            example='["left", "right"]',
+        ),
+    ] = ()
     rigid_sets: tuple[tuple[int, ...], ...] = ()
+    interface_markers: tuple[InterfaceMarker, ...] = ()
     section: ClassVar[str] = "body"
     __repr__ = nodal_text
     _repr_html_ = html
+
+    @property
+    def uses_given_modes(self) -> bool:
+        """Whether the modes are those of the files, which come before computed ones unless these are asked for."""
+        return self.data.modes is not None and self.component_modes is None
 
     @property
     def second_order(self) -> bool:

@@ -68,6 +68,7 @@ class KeyType(Enum):
     COORDINATE_TRIPLE = "three coordinates, numbers or run-time parameters"
     INERTIA_TENSOR = "six entries of a tensor of inertia, numbers or run-time parameters"
     FRAMES = "marker frames by their names, with three coordinates each and a rotation"
+    MARKER_NAMES = "names of markers of the same body"
     NODE_FRAMES = "markers of a finite-element body by their names: nodes, or sets of nodes"
     WEIGHTS = "weights, positive numbers"
     LOADED_NODES = "numbers of nodes with forces"

@@ -9,6 +9,8 @@ OTHER_WORDS = {
     "count": "n number",
     # bodies
     "mass": "m weight total_mass",
+    "component_modes": "mode_type kind_of_modes craig_bampton",
+    "interface": "boundary interfaces interface_markers attachments held",
     "inertia": "i j moment_of_inertia rotational_inertia",
     "centre": "center centre_of_mass center_of_mass com cog cg",
     "length": "l",
@@ -53,7 +55,12 @@ OTHER_WORDS = {
 }
 """Other words for each key, in lower case; of two keys of a table with the same word the first counts."""
 
-OTHER_CHOICES = {"flat": "unrolled straight_line", "loops": "table looped"}
+OTHER_CHOICES = {
+    "flat": "unrolled straight_line",
+    "loops": "table looped",
+    "craig_bampton": "cb craig-bampton fixed fixed_interface",
+    "free": "natural normal eigenmodes",
+}
 """Other words for the choices of a key."""
 
 

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any
 
 from pydantic import PlainValidator, WithJsonSchema
 
-from derive.spec.model.body import BodyFrame, Damping, DisplacementOrder, NodalBody, NodeData, SymbolicBody
+from derive.spec.model.body import (
+    BodyFrame,
+    Damping,
+    DisplacementOrder,
+    InterfaceMarker,
+    NodalBody,
+    NodeData,
+    NodeMarker,
+    SymbolicBody,
+)
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.simulation import SpatialStart
+from derive.spec.model.spatial_bodies import NodeFrame
 from derive.spec.parsing import choices
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.beam import DAMPING
@@ -50,7 +60,10 @@ declare(
 declare(SpatialStart, "SpatialStartTable")
 
 _keys = {key.name: key for key in declared_keys(NodalBody)}
-_first = tuple(_keys.pop(name) for name in ("nodes", "units", "modes", "frame", "orthonormal", "order"))
+_first = tuple(
+    _keys.pop(name)
+    for name in ("nodes", "units", "modes", "component_modes", "interface", "frame", "orthonormal", "order")
+)
 _last = tuple(_keys.pop(name) for name in ("markers", "start"))
 NODAL_KEYS = (*_first, *_keys.values(), *_last)
 NODAL = declare(NodalBody, "NodalTable", keys=NODAL_KEYS, tables={**TABLES, Damping: DAMPING})
@@ -67,18 +80,28 @@ SYMBOLIC = declare(SymbolicBody, "SymbolicTable", keys=(_integrals, *declared_ke
 def nodal_body(table: TomlTable, data: NodeData, **others: Any) -> NodalBody:
     """The body of the nodes whose data have been read; `others` are its name, its simulation and its plots."""
     given = {key.field: getattr(table, key.name) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
-    return NodalBody(data=data, **nodal_keys(given, data, {}), **others)
+    markers = interface_markers(given["interface"], given["markers"])
+    return NodalBody(data=data, interface_markers=markers, **nodal_keys(given, data, {}), **others)
 
 
 def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a body of nodes from the values of its keys, whose defaults depend on the data."""
     result = {**given, **others}
-    second_order = data.has_geometric_stiffness and result["order"] != 1
+    if result["interface"] and result["component_modes"] is None:
+        result["component_modes"] = "craig_bampton"
+    given_modes = data.modes is not None and result["component_modes"] is None
+    second_order = given_modes and data.has_geometric_stiffness and result["order"] != 1
     if result["orthonormal"] is None:
-        result["orthonormal"] = result["frame"].kind == "mean" or data.modes is None
+        result["orthonormal"] = result["frame"].kind == "mean" or not given_modes
     result["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
     result["damping"] = result["damping"] or Damping()
     return result
+
+
+def interface_markers(names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame]) -> tuple[InterfaceMarker, ...]:
+    """The markers of the interface, which `component_mode_faults` has checked, with their nodes."""
+    of_name = {marker.name: marker for marker in markers}
+    return tuple(InterfaceMarker(name, of_name[name].nodes, of_name[name].weights) for name in names)
 
 
 def kind_of_body(value: Any) -> str:

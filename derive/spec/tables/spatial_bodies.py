@@ -22,7 +22,7 @@ from derive.spec.model.spatial_bodies import (
     SpatialRigidBody,
 )
 from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.body import NODAL_KEYS, nodal_keys
+from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
 from derive.spec.tables.shared import ElementName, by_name, one_of
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
@@ -140,9 +140,9 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
     own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
     rigid = tuple(marker.nodes for marker in table.markers if marker.motion == "rigid")
-    return FlexibleBody(
-        name, NodalBody(name=name, data=data, rigid_sets=rigid, **own), table.markers, table.start, table.loads
-    )
+    held = interface_markers(own["interface"], table.markers)
+    nodal = NodalBody(name=name, data=data, rigid_sets=rigid, interface_markers=held, **own)
+    return FlexibleBody(name, nodal, table.markers, table.start, table.loads)
 
 
 SPATIAL_RIGID = declare(

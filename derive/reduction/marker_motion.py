@@ -1,0 +1,47 @@
+"""The motion of a marker at a set of nodes: their weighted mean displacement, and the rotation that fits them best."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Protocol
+
+import numpy as np
+
+from derive.reduction.arithmetic import Array
+
+
+class MarkerNodes(Protocol):
+    """The nodes of a marker, and their weights, which are equal if there are none."""
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """The nodes."""
+        ...
+
+    @property
+    def weights(self) -> tuple[Fraction, ...]:
+        """A weight for each node, or none."""
+        ...
+
+
+def set_weights(marker: MarkerNodes) -> Array:
+    """The weights of the nodes of a marker, whose sum is 1."""
+    given = np.array([float(w) for w in marker.weights] or [1.0] * len(marker.nodes))
+    return np.asarray(given / given.sum())
+
+
+def fitted_rotations(weights: Array, levers: Array, fields: Array) -> Array:
+    """The rotations (n, 3) that fit displacements (n, nodes, 3) of nodes with these levers from their centre best."""
+    moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], fields))
+    return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), moments.T).T)
+
+
+def inertia_of_set(weights: Array, levers: Array) -> Array:
+    """The tensor of inertia (3, 3) of the weights at their levers."""
+    return np.asarray(np.einsum("a,akl->kl", weights, _moments(levers)))
+
+
+def _moments(levers: Array) -> Array:
+    """The tensors (r . r) I - r r of some vectors (n, 3)."""
+    squares = np.einsum("ak,ak->a", levers, levers)
+    return np.asarray(squares[:, None, None] * np.eye(3) - np.einsum("ak,al->akl", levers, levers))

@@ -1,0 +1,143 @@
+"""Finite-element bodies of first order that spin fast: what their missing geometric stiffness would change.
+
+To first order in the amplitudes the centrifugal forces soften a body by spin^2 c8, and the stiffening that belongs to
+them, of K0omega, K0t and the reactions of K0F, is missing. Both are of the size (spin / omega)^2 against the stiffness
+of a mode with the natural frequency omega. That of a body is its lowest one, free or, where a joint fixes a set of its
+nodes, held there. Centrifugal stresses grow with the distance from the axis, so that a shaft has few about its own one:
+the spin that counts is sqrt(w . J w / J_max), with J_max the largest principal moment of inertia.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh, null_space
+
+from derive.mechanics.symbols import amplitude_of
+from derive.notes.body_notes import NOTICEABLE_SPIN
+from derive.percentages import percent
+from derive.roles import Role
+from derive.runtime.native_call import Matrix, Vector
+from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
+from derive.simulation.configurations import rotation_matrix, skew
+from derive.simulation.space.marker_frames import modal_frame_of
+from derive.spec.model.body import NodalBody
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
+
+RIGID = 6
+
+
+@dataclass(frozen=True)
+class Spinning:
+    """A body of first order: its specification, its first velocity and coordinate, and the markers that joints fix."""
+
+    spec: NodalBody
+    velocity: int
+    coordinate: int
+    fixed: tuple[str, ...] = ()
+    in_scene: FlexibleBody | None = None
+
+
+def fast_spin_notes(
+    scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem, k: Vector, q: Matrix, v: Matrix
+) -> Iterator[str]:
+    """Yield a note on each finite-element body of first order that spins fast; q (n, nq) and v (n, nv) of a motion.
+
+    body: the body alone that moves, in an empty scene.
+    """
+    for of in _bodies(scene, body, native):
+        turning = slice(of.velocity + 3, of.velocity + RIGID)
+        inertia = mass_matrix(native, _undeformed(native, q[0]), k)[turning, turning]
+        squares = np.einsum("nk,kl,nl->n", v[:, turning], inertia, v[:, turning]) / np.linalg.eigvalsh(inertia)[-1]
+        spin = float(np.sqrt(squares.max(initial=0.0)))
+        if spin == 0.0:
+            continue
+        where, lowest = min(_lowest_frequencies(of, native, k, q[0]), key=lambda pair: pair[1])
+        if spin > NOTICEABLE_SPIN * lowest:
+            yield (
+                f"{of.spec.name}: it spins at up to {spin:.4g} rad/s about axes of large inertia, "
+                f"{percent(spin / lowest)} of its lowest natural frequency of {lowest:.4g} rad/s ({where}), and its "
+                f"displacements of first order know no centrifugal stiffening: {_remedy(of.spec)}"
+            )
+
+
+def _remedy(spec: NodalBody) -> str:
+    if spec.uses_given_modes and spec.data.has_geometric_stiffness:
+        return "write order = 2, which uses the geometric stiffness of its files"
+    if spec.data.has_geometric_stiffness:
+        return "use the modes of its files, whose geometric stiffness is there"
+    return "add K0t, K0r, K0omega and K0F to its files, see scenes/geometric_stiffness.py, or divide it into bodies"
+
+
+def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) -> Iterator[Spinning]:
+    """The bodies of first order with modes."""
+    if body is not None:
+        if not body.second_order and native.nv > RIGID:
+            yield Spinning(body, 0, RIGID + 1)
+        return
+    for own in scene.bodies if isinstance(scene, SpatialScene) else ():
+        first = amplitude_of(own.name, 1)
+        if isinstance(own, FlexibleBody) and not own.body.second_order and first.shown in native.coordinates:
+            ends = (end for joint in scene.joints if joint.kind == "fixed" for end in (joint.first, joint.second))
+            fixed = tuple(end.marker for end in ends if end.body == own.name)
+            velocity = native.velocities.index(amplitude_of(own.name, 1, 1).shown) - RIGID
+            yield Spinning(own.body, velocity, native.coordinates.index(first.shown), fixed, own)
+
+
+def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: Vector) -> Iterator[tuple[str, float]]:
+    """The lowest natural frequency (rad/s) of the undeformed body, free, and held at each marker that a joint fixes.
+
+    Its stiffness is the change of its forces at rest for unit amplitudes, on which they depend linearly.
+    """
+    rest, still = _undeformed(native, q), np.zeros(native.nv)
+    modes = _modes(of, native)
+    own = slice(of.velocity, of.velocity + RIGID + modes)
+    elastic = slice(of.velocity + RIGID, own.stop)
+
+    def forces(at: Vector) -> Vector:
+        return native.force(0.0, at, still, k)[elastic]
+
+    columns = []
+    for i in range(modes):
+        bent = rest.copy()
+        bent[of.coordinate + i] = 1.0
+        columns.append(forces(bent) - forces(rest))
+    stiffness = np.zeros((RIGID + modes,) * 2)
+    stiffness[RIGID:, RIGID:] = columns
+    mass = mass_matrix(native, rest, k)[own, own]
+    eliminated = np.linalg.solve(mass[:RIGID, :RIGID], mass[:RIGID, RIGID:])
+    yield "free", _lowest(np.vstack([-eliminated, np.eye(modes)]), stiffness, mass)
+    quaternion = rest[of.coordinate - 4 : of.coordinate]
+    for marker in of.fixed:
+        assert of.in_scene is not None
+        frame = modal_frame_of(of.in_scene, marker)
+        point, Q = frame.point, rotation_matrix(quaternion / np.linalg.norm(quaternion))
+        translation = np.hstack([Q.T, -skew(point.position), point.shapes.T])
+        rotation = np.hstack([np.zeros((3, 3)), np.eye(3), frame.twists.T])
+        yield f"held at {marker}", _lowest(null_space(np.vstack([translation, rotation])), stiffness, mass)
+
+
+def _undeformed(native: ConstrainedSystem, q: Vector) -> Vector:
+    """A configuration (nq,) without deformation."""
+    return np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
+
+
+def _modes(of: Spinning, native: ConstrainedSystem) -> int:
+    """The number of modes of a body: its amplitudes follow each other."""
+    if of.in_scene is None:
+        return native.nv - RIGID
+    names = native.velocities
+    count = 1
+    while amplitude_of(of.in_scene.name, count + 1, 1).shown in names:
+        count += 1
+    return count
+
+
+def _lowest(motions: Matrix, stiffness: Matrix, mass: Matrix) -> float:
+    """The lowest natural frequency (rad/s) of motions (velocities, n)."""
+    K, M = (motions.T @ matrix @ motions for matrix in (stiffness, mass))
+    return float(np.sqrt(max(eigh((K + K.T) / 2, M, eigvals_only=True)[0], 0.0)))

@@ -1,0 +1,69 @@
+"""Checks of the component modes of a finite-element body: its interface, and what its files have to contain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Set
+
+from derive.errors import quoted
+from derive.spec.parsing import values
+from derive.spec.parsing.faults import Fault, did_you_mean, readable
+
+STATIC = {"craig_bampton": "static modes without the six rigid motions", "attachment": "attachment modes"}
+
+
+def asks_for_component_modes(body: Mapping[str, object]) -> bool:
+    """Whether modes are computed even where the files contain some."""
+    return "component_modes" in body or "interface" in body
+
+
+def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Fault]:
+    """Faults of a kind of component modes and its interface. arrays: the names of those in the files."""
+    if not asks_for_component_modes(body):
+        return
+    kind, names = body.get("component_modes", "craig_bampton"), body.get("interface")
+    if "stiffness" not in arrays:
+        key = "component_modes" if "component_modes" in body else "interface"
+        text = "component modes are computed from a stiffness matrix, which the files lack; add `stiffness`"
+        yield Fault(("body", key), f"{text}, or leave this out to use the modes of the files")
+    if body.get("order") == 2:
+        text = "geometric stiffness matrices belong to the modes of the files, and component modes are others"
+        yield Fault(("body", "order"), f"{text}; write order = 1, or leave component modes out")
+    if kind == "free":
+        if names:
+            text = "free modes have no interface; leave this out, or write another kind of component_modes"
+            yield Fault(("body", "interface"), text)
+        return
+    if kind not in STATIC:
+        return
+    if "interface" not in body:
+        text = f'{kind} modes need an interface: the markers at which joints hold the body, interface = ["left"]'
+        yield Fault(("body", "component_modes"), text)
+    if isinstance(names, (list, tuple)):
+        yield from _interface_faults(body, str(kind), names)
+
+
+def _interface_faults(
+    body: Mapping[str, object], kind: str, names: list[object] | tuple[object, ...]
+) -> Iterator[Fault]:
+    """Faults of names of markers, and of a number of modes that does not suffice for them."""
+    markers = body.get("markers")
+    known: Mapping[str, object] = markers if isinstance(markers, Mapping) else {}
+    motions = 0
+    for i, name in enumerate(names):
+        if not isinstance(name, str):
+            return
+        if name not in known:
+            hint = did_you_mean(name, known, f"its markers are {', '.join(known)}") if known else "; it has none"
+            yield Fault(("body", "interface", i), f"the body has no marker {quoted(name)}{hint}")
+            return
+        if name in names[:i]:
+            yield Fault(("body", "interface", i), f"the marker {name} is named twice; name it once")
+            return
+        marker = known[name]
+        motions += 6 if isinstance(marker, Mapping) and "nodes" in marker else 3
+    least = motions - 6 if kind == "craig_bampton" else motions
+    count = readable(values.mode_count, body.get("modes"))
+    if count is not None and count < least:
+        text = f"{count} modes are too few for this interface of {motions} displacements and rotations"
+        text += f": it has {least} {STATIC[kind]}; write modes = {least} or more, which adds modes of vibration"
+        yield Fault(("body", "modes"), text)
