@@ -275,10 +275,11 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
 
 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
-    """Straight-line code: there are no loops over bodies in space."""
+    """Straight-line code, or loops over instances where the specification asks for them."""
     if mechanism.scene.lowering == "instances":
-        text = 'bodies in space have straight-line code alone; use lowering = "flat" or "auto"'
-        raise SpecError((Problem("scene.lowering", text),))
+        from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
+
+        return lower_instances(mechanism, "looped over instances, as the specification asks", explicit, sensitivities)
     try:
         return _straight_line(mechanism.expanded(), "", sensitivities, explicit, mechanism.scene.redundant)
     except RecursionError:

@@ -96,6 +96,21 @@ class InstancesOfKinds(ABC):
         return self._equations()
 
     @abstractmethod
+    def pose(self, name: str, instance: InstanceEquations) -> Pose | SpatialPose:
+        """The pose of the frame of an instance."""
+
+    @abstractmethod
+    def doc(self, conditions: tuple[Constraint, ...]) -> str:
+        """A line that summarises what the mechanism consists of."""
+
+    @abstractmethod
+    def frame_doc(self, by_table: bool = False) -> str:
+        """The description of the frames of the bodies for users of the generated code.
+
+        by_table: one for all instances of a table.
+        """
+
+    @abstractmethod
     def _equations(self) -> Equations:
         """Derive the equations of `expanded`."""
 

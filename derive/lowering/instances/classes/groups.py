@@ -72,7 +72,12 @@ class GroupElement:
     @property
     def coordinates(self) -> tuple[int, ...]:
         """The indices of the coordinates of its bodies."""
-        return tuple(m.coordinate + k for m in self.bodies for k in range(len(m.instance.coordinates.rows)))
+        return tuple(m.coordinate + k for m in self.bodies for k in range(len(m.instance.coordinates.coordinates)))
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """The indices of the equations of motion of its bodies, which are those of their velocities."""
+        return tuple(m.row + k for m in self.bodies for k in range(len(m.instance.coordinates.rows)))
 
     @property
     def of_forces(self) -> tuple[ModelConstant, ...]:
@@ -230,7 +235,7 @@ def group_equations(
         frame_doc="",
         coordinates=tuple(c for body in own.values() for c in body.coordinates),
         rows=tuple(row for body in own.values() for row in body.rows),
-        rates=tuple(row.v for body in own.values() for row in body.rows),
+        rates=tuple(rate for body in own.values() for rate in body.rates),
         parameters=known.parameters,
         coefficients=canonical((*of_bodies, *more), bodies.mechanism),
         definitions=definitions,

@@ -22,6 +22,7 @@ from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
+from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.groups import Bodies, Group, force_equations, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
@@ -33,7 +34,6 @@ from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode,
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.outputs.output_type import SumOutput
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
@@ -45,7 +45,7 @@ ZERO = Number(Fraction(0))
 class InstanceContext:
     """The data of all functions: the classes of bodies, the joints, the names of all elements, and constant arrays."""
 
-    def __init__(self, mechanism: Mechanism, sensitivities: bool = False, proximal: bool = False) -> None:
+    def __init__(self, mechanism: AnyMechanism, sensitivities: bool = False, proximal: bool = False) -> None:
         """proximal: whether redundant constraints have multipliers of least norm, see `derive.lowering.proximal`."""
         self.mechanism, self.proximal = mechanism, proximal
         self.places, self.constants = Places(), Constants(frozenset())
@@ -66,6 +66,7 @@ class InstanceContext:
         self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
         self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
+        self.coordinates = len(mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
         if sensitivities:
@@ -224,11 +225,10 @@ def kernel(
     inputs: Mapping[str, Argument] | None = None,
 ) -> Kernel:
     """The kernel of a function from its sections, with what is known computed before."""
-    n = len(context.rows)
     arguments = {
         "t": Argument("t", (), "time", scalar=True),
-        "q": whole("q", n, "generalised coordinates"),
-        "v": whole("v", n, "generalised velocities"),
+        "q": whole("q", context.coordinates, "generalised coordinates"),
+        "v": whole("v", len(context.rows), "generalised velocities"),
         "u": context.known.context.u.argument,
         "k": Argument("k", (), "constants from setup"),
         **(inputs or {}),
@@ -267,8 +267,8 @@ def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], ope
 
 def state(of: ClassCode, *names: str) -> list[Loaded]:
     """The places of the coordinates and velocities of a body of a class."""
-    given = {"q": of.context.q, "v": of.context.v}
-    return [(name, of.coordinate, given[name]) for name in names if name in given]
+    given = {"q": (of.coordinate, of.context.q), "v": (of.row, of.context.v)}
+    return [(name, *given[name]) for name in names if name in given]
 
 
 def given_inputs(of: LoopCode, *names: str) -> tuple[Input, ...]:
@@ -301,7 +301,7 @@ def force_loops(context: InstanceContext, array: str, sign: int = 1) -> list[For
         symbols = ctx.symbols(*given_inputs(of, "t", "q", "v"))
         inputs = group.state("q", "v")
         items = stores(array, [sign * symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
-        target = spread(of, array, group.coordinates, Operator.ADD)
+        target = spread(of, array, group.rows, Operator.ADD)
         result.append(of.loop(symbols, [Step(of.name, "(10)", "", items)], inputs, {array: target}))
     return result
 
@@ -321,7 +321,7 @@ def applied_forces(context: InstanceContext, of: ClassCode) -> tuple[Loaded, ...
     if not context.is_loaded(of):
         return ()
     symbols = (local(f"{APPLIED}_{name}") for name in of.context.rows)
-    return ((APPLIED, of.coordinate, array_input(APPLIED, symbols, "")),)
+    return ((APPLIED, of.row, array_input(APPLIED, symbols, "")),)
 
 
 def known_value(part: str, constraint: Constraint, sign: int = 1) -> Expr | None:

@@ -21,8 +21,6 @@ from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
 from derive.mechanics.terms import (
     Constraint,
-    Coordinate,
-    EquationOfMotion,
     SpatialPose,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -65,10 +63,32 @@ class SpatialMechanism(InstancesOfKinds):
         """Damping between components of a body: none, since no body in space has several."""
         return ()
 
+    @property
+    def outputs(self) -> tuple[()]:
+        """TODO."""
+        return ()
+
     def __str__(self) -> str:
         joints = (f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints)
         gears = (f"{g.gear.name} (gear)" for g in self.gears)
         return self.summary("mechanism in space", {"constraints": [*joints, *gears]})
+
+    def pose(self, name: str, instance: InstanceEquations) -> SpatialPose:
+        """Position and rotation tensor of the body frame."""
+        frame = instance.frames[BODY_FRAME]
+        return SpatialPose(name, tuple(frame.position), tuple(frame.frame))
+
+    def doc(self, conditions: tuple[Constraint, ...]) -> str:
+        """A line that summarises what the mechanism consists of."""
+        return (
+            f"scene of {count_text(self.scene.bodies, 'bod', 'y in space', 'ies in space')}: "
+            f"{count_text(self.coordinates, 'coordinate')}, {count_text(self.rows, 'velocit', 'y', 'ies')}, "
+            f"{count_text(conditions, 'constraint')}, {count_text(self.rows[len(conditions) :], 'degree')} of freedom"
+        )
+
+    def frame_doc(self, by_table: bool = False) -> str:
+        """The description of the frames of the bodies, which is the same for all of them."""
+        return f"For several bodies {BETWEEN_BODIES}."
 
     def _equations(self) -> Equations:
         instances = self.equations_of_instances()
@@ -122,14 +142,14 @@ class SpatialMechanism(InstancesOfKinds):
             ),
         )
         contributions = Gathered(
-            doc=_doc(scene, self.coordinates, rows, conditions),
-            frame_doc=f"For several bodies {BETWEEN_BODIES}.",
+            doc=self.doc(conditions),
+            frame_doc=self.frame_doc(),
             conditions=conditions,
             terms=tuple(term for action in actions for term in action.terms(at, rows)),
             potentials=tuple(action.potential for action in actions),
             definitions=tuple(definition for action in actions for definition in action.definitions),
             outputs=spatial_output_equations(scene.outputs, parts),
-            poses=tuple(_pose(name, instance) for name, instance in instances.items()),
+            poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
         )
         return equations_of_mechanism(self, instances, contributions)
 
@@ -152,21 +172,3 @@ def _joint_loads(
     return result
 
 
-def _pose(name: str, instance: InstanceEquations) -> SpatialPose:
-    """Position and rotation tensor of the body frame."""
-    frame = instance.frames[BODY_FRAME]
-    return SpatialPose(name, tuple(frame.position), tuple(frame.frame))
-
-
-def _doc(
-    scene: SpatialScene,
-    coordinates: tuple[Coordinate, ...],
-    rows: tuple[EquationOfMotion, ...],
-    conditions: tuple[Constraint, ...],
-) -> str:
-    """A line that summarises what a mechanism consists of."""
-    return (
-        f"scene of {count_text(scene.bodies, 'bod', 'y in space', 'ies in space')}: "
-        f"{count_text(coordinates, 'coordinate')}, {count_text(rows, 'velocit', 'y', 'ies')}, "
-        f"{count_text(conditions, 'constraint')}, {count_text(rows[len(conditions) :], 'degree')} of freedom"
-    )
