@@ -30,6 +30,7 @@ from derive.lowering.model_functions import FunctionKind, ModelFunction, functio
 from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.symbols import Family, identity
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: body_functions.mass,
@@ -111,10 +112,12 @@ def lower_instances(
 
 
 def _rows(mechanism: AnyMechanism) -> tuple[Variable, ...]:
-    """The equations of motion, with the names for people of the coordinates after which they are named."""
+    """The equations of motion, with names for people: those of coordinates, or of the virtual rotations of bodies."""
     shown = {str(c.q): symbol_variable(c.q, "", "").shown for c in mechanism.coordinates}
+    for of in (replace(identity(row.v), family=Family.VIRTUAL_ROTATION) for row in mechanism.rows):
+        shown.setdefault(of.symbol.name, of.shown)
     return tuple(
-        Variable(row.name, f"row of delta {row.name}", row.force_unit, shown=shown.get(row.name, ""))
+        Variable(row.name, f"row of delta {row.name}", row.force_unit, shown=shown[row.name])
         for row in mechanism.rows
     )
 
