@@ -78,10 +78,11 @@ class InstancesOfKinds(ABC):
 
     def instance(self, name: str) -> BodyInstance:
         """An instance by its name."""
-        return self._instances_by_name[name]
+        return self.instances_by_name[name]
 
     @cached_property
-    def _instances_by_name(self) -> dict[str, BodyInstance]:
+    def instances_by_name(self) -> dict[str, BodyInstance]:
+        """The instances by their names."""
         return {instance.name: instance for instance in self.instances}
 
     def expanded(self) -> Equations:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING
@@ -27,10 +27,11 @@ from derive.spec.model.scene import Scene
 if TYPE_CHECKING:
     from derive.mechanics.equations import Equations
     from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.forces.force_type import GeneralisedForce
     from derive.mechanics.multibody.instances import InstanceEquations
     from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
     from derive.mechanics.multibody.outputs.output_type import OutputInstance
-    from derive.mechanics.terms import Constraint
+    from derive.mechanics.terms import Constraint, EquationOfMotion
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,6 +89,12 @@ class Mechanism(InstancesOfKinds):
         joints = [f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints]
         return self.summary("mechanism", {"constraints": joints, "forces": [f.element.name for f in self.forces]})
 
+    def loads(
+        self, f: ForceInstance, at: Callable[[MarkerRef], PointMotion], rows: tuple[EquationOfMotion, ...]
+    ) -> GeneralisedForce:
+        """The virtual work of a force; at: the motions of its markers, rows: those of the bodies that these are on."""
+        return f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows)
+
     def pose(self, name: str, instance: InstanceEquations) -> Pose:
         """Position and rotation of the body frame."""
         if BODY_FRAME in instance.points:
@@ -117,7 +124,7 @@ class Mechanism(InstancesOfKinds):
         ]
         conditions = tuple(c for _, of_joint in joints for c in of_joint)
         refuse_idle(conditions, self.scene.redundant)
-        forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in self.forces]
+        forces = [self.loads(f, at, rows) for f in self.forces]
         parts = SceneMechanics(
             scene=self.scene,
             ground=self.ground,

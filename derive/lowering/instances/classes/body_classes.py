@@ -18,6 +18,7 @@ from derive.lowering.instances.classes.force_numbers import (
 )
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.kinds import BodyInstance
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -99,7 +100,8 @@ def body_classes(mechanism: AnyMechanism) -> tuple[BodyClass, ...]:
             if marker.body != GROUND:
                 handles[marker.body].append(Handle(number, is_first, marker.marker))
     forces: dict[str, list[ForceForm]] = {instance.name: [] for instance in mechanism.instances}
-    for force in mechanism.forces:
+    planar = () if isinstance(mechanism, SpatialMechanism) else mechanism.forces  # in space groups have all of them
+    for force in planar:
         bodies = moving_bodies(mechanism, force)
         if len(bodies) == 1:
             forces[bodies[0]].append(force_form(mechanism, force))
@@ -182,7 +184,7 @@ def fixed_values(constants: Iterable[ModelConstant]) -> tuple[sp.Expr | None, ..
 def plain_joint(joint: AnyJoint) -> Hashable:
     """A joint without its name and the bodies that it connects."""
     nowhere = MarkerRef(GROUND, "")
-    return replace(joint.joint, name="", first=nowhere, second=nowhere)
+    return replace(joint.joint, name="", first=nowhere, second=nowhere, start=type(joint.joint.start)())
 
 
 def _without_values(section: CrossSection) -> CrossSection:

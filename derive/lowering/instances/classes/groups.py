@@ -13,6 +13,7 @@ from functools import cached_property
 from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.lowering.instances.classes.body_classes import BodyClass, Member, fixed_values
+from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
@@ -27,7 +28,6 @@ from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
-from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
 from derive.spec.model.markers import MarkerRef
@@ -116,7 +116,7 @@ class Group:
 class Bodies:
     """The bodies of a mechanism by their names, with the classes they belong to."""
 
-    def __init__(self, mechanism: Mechanism, classes: Iterable[BodyClass], known: KnownMotion) -> None:
+    def __init__(self, mechanism: AnyMechanism, classes: Iterable[BodyClass], known: KnownMotion) -> None:
         self.mechanism, self.known = mechanism, known
         self.members = {m.instance.name: m for of in classes for m in of.members}
         self.number = {m.instance.name: k for k, of in enumerate(classes) for m in of.members}
@@ -162,8 +162,8 @@ class Bodies:
         return self.key(marker.body), marker.marker
 
 
-def force_groups(bodies: Bodies) -> tuple[Group, ...]:
-    """The groups of the forces that no body alone computes, and of the damping between pieces."""
+def force_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
+    """The groups of the forces that no body alone computes, and of the damping between pieces, with their equations."""
     groups: dict[Hashable, list[GroupElement]] = {}
     mechanism = bodies.mechanism
     for number, force in enumerate(mechanism.forces):
@@ -178,7 +178,7 @@ def force_groups(bodies: Bodies) -> tuple[Group, ...]:
     for number, damping in enumerate(mechanism.dampings):
         own = tuple(bodies.members[name] for name in damping.components)
         result.append(Group("damping", (GroupElement(number, own),)))
-    return tuple(result)
+    return tuple((group, force_equations(bodies, group)) for group in result)
 
 
 def with_differences(members: list[GroupElement]) -> tuple[GroupElement, ...]:

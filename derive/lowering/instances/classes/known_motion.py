@@ -23,7 +23,6 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.fixed_symbols import t
 from derive.mechanics.multibody.gathering import functions_of_time
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
@@ -91,10 +90,10 @@ class KnownMotion:
             return (), prescribed_alone(joint)
         return joint.constraints(*map(self.point, markers), joint.drive, ())
 
-    def _stored(self, force: ForceInstance) -> tuple[tuple[Intermediate, ...], Intermediate]:
+    def _stored(self, force: Any) -> tuple[tuple[Intermediate, ...], Intermediate]:
         """The definitions of a force between markers whose motion is known, and the energy that it stores."""
-        name, points = force.element.name, tuple(map(self.point, force.markers))
-        made = force.type.generalised_force(force.element, points, force.values, ())
+        name = force.element.name
+        made = self.mechanism.loads(force, self.point, ())
         symbol, doc = local(identifier("potential", name)), f"energy that {name} stores"
         return made.definitions, Intermediate(symbol, made.potential, name, "(22)", doc)
 

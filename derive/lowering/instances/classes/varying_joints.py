@@ -36,12 +36,20 @@ def at_rest(drive: PrescribedMotion | None) -> PrescribedMotion | None:
     return drive and replace(drive, motion=_NONE)
 
 
+def drive_of(joint: AnyJoint) -> PrescribedMotion | None:
+    """The drive in the constraints that a varying joint computes: at rest in the plane, where its motion is added.
+
+    In space the constraint of a rotation is the sine of its difference from the motion that the drive prescribes.
+    """
+    return joint.drive if isinstance(joint, SpatialJointInstance) else at_rest(joint.drive)
+
+
 def prescribed_alone(joint: AnyJoint) -> tuple[Constraint, ...]:
-    """The constraints of a joint and of its drive with nothing but the motion that the drive prescribes."""
+    """The constraints of a joint and of its drive with nothing but what `drive_of` leaves of the prescribed motion."""
     of = of_joint(joint)
     _, conditions = joint.constraints(of.still, of.other, joint.drive, ())
     motions = [_NONE for _ in conditions]
-    if joint.drive:
+    if joint.drive and drive_of(joint) != joint.drive:
         motions[-1] = joint.drive.motion
     return tuple(
         replace(c, position=sp.expand(-g), rate=sp.expand(-gdot), bias=sp.expand(-gddot))

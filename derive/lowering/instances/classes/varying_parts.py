@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from derive.algebra import sp
 from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
 from derive.lowering.instances.classes.known_motion import moving_symbols
-from derive.lowering.instances.classes.varying_joints import at_rest
+from derive.lowering.instances.classes.varying_joints import drive_of
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate
@@ -34,7 +34,7 @@ def varying_part(joint: AnyJoint, marker: str, is_first: bool, own: InstanceEqua
     """The rows of the body with the marker, which is the first one of the joint or the second."""
     of, motion = of_joint(joint), own.motions[marker]
     ends = (motion, of.other) if is_first else (of.other, motion)
-    definitions, conditions = joint.constraints(*ends, at_rest(joint.drive), own.rows)
+    definitions, conditions = joint.constraints(*ends, drive_of(joint), own.rows)
     others = moving_symbols(definitions, of.symbols)
     number = {row.name: j for j, row in enumerate(own.rows)}
     factors = {

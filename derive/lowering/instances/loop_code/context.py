@@ -8,6 +8,7 @@ from fractions import Fraction
 from itertools import accumulate
 
 from derive.algebra import sp
+from derive.errors import SpecError
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
@@ -23,10 +24,12 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
 from derive.lowering.instances.classes.dimension import AnyMechanism
-from derive.lowering.instances.classes.groups import Bodies, Group, force_equations, force_groups
+from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.classes.output_groups import output_groups
+from derive.lowering.instances.classes.spatial_actions import action_groups
+from derive.lowering.instances.classes.spatial_outputs import missing_gears, missing_outputs, output_components, spatial_output_groups
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget
@@ -35,6 +38,7 @@ from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.outputs.output_type import SumOutput
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
 from derive.spec.model.instances import identifier, joined
@@ -62,8 +66,14 @@ class InstanceContext:
             name: self._class(of, f"markers_{name}") for name, of in marker_classes(mechanism).items()
         }
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
-        self.forces = [self._group(group, force_equations(bodies, group)) for group in force_groups(bodies)]
-        self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
+        in_space = isinstance(mechanism, SpatialMechanism)
+        self.bodies = bodies
+        if in_space and (missing := (*missing_gears(bodies), *missing_outputs(bodies))):
+            raise SpecError(missing)
+        forces = action_groups(bodies) if in_space else force_groups(bodies)
+        self.forces = [self._group(group, equations) for group, equations in forces]
+        outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)
+        self.outputs = [self._group(group, equations) for group, equations in outputs]
         self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         self.coordinates = len(mechanism.coordinates)
@@ -74,7 +84,7 @@ class InstanceContext:
             for code in self.codes:
                 for constant in derivatives(code.context.equations):
                     code.context.add_constant(constant)
-        elif mechanism.outputs and mechanism.scene.inputs:
+        elif mechanism.scene.outputs and mechanism.scene.inputs:
             self.known.differentiate(by_parameters=False)
 
     def _joined(self) -> list[ClassCode]:
@@ -118,6 +128,8 @@ class InstanceContext:
     @property
     def output_components(self) -> tuple[OutputEquation, ...]:
         """The components of all outputs in the order of the specification, without their values."""
+        if isinstance(self.mechanism, SpatialMechanism):
+            return output_components(self.bodies)
         units: dict[int, str] = {}
         for group in self.outputs:
             for element in group.elements:
@@ -135,7 +147,7 @@ class InstanceContext:
     @property
     def sums(self) -> list[tuple[int, SumOutput]]:
         """The outputs that are sums, with the number of the first component of each."""
-        outputs = self.mechanism.outputs
+        outputs = () if isinstance(self.mechanism, SpatialMechanism) else self.mechanism.outputs
         firsts = accumulate((len(output.type.labels) for output in outputs), initial=0)
         every = zip(firsts, (output.type for output in outputs), strict=False)
         return [(first, of) for first, of in every if isinstance(of, SumOutput)]
