@@ -117,8 +117,7 @@ def _rows(mechanism: AnyMechanism) -> tuple[Variable, ...]:
     for of in (replace(identity(row.v), family=Family.VIRTUAL_ROTATION) for row in mechanism.rows):
         shown.setdefault(of.symbol.name, of.shown)
     return tuple(
-        Variable(row.name, f"row of delta {row.name}", row.force_unit, shown=shown[row.name])
-        for row in mechanism.rows
+        Variable(row.name, f"row of delta {row.name}", row.force_unit, shown=shown[row.name]) for row in mechanism.rows
     )
 
 

@@ -40,7 +40,8 @@ class Handle:
 class Member:
     """A body of a class: its number in the mechanism, its joints, and the forces on it.
 
-    coordinate: the index of its first coordinate; row: that of its first equation of motion, and velocity; differing: for each force the places of the numbers in which the members of the class differ.
+    coordinate: the index of its first coordinate; row: that of its first equation of motion, and velocity; differing:
+    for each force the places of the numbers in which the members of the class differ.
     """
 
     number: int

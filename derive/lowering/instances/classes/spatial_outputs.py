@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping
 from typing import Any, NoReturn
 
-from derive.algebra import sp
 from derive.errors import Problem
 from derive.lowering.instances.classes.body_classes import plain_joint
 from derive.lowering.instances.classes.groups import (
@@ -26,7 +25,6 @@ from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.terms import OutputEquation
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.ports import SceneOutput
-
 
 INSTEAD = '; use lowering = "flat" or "auto"'
 """What to do about what loops do not have."""
@@ -65,7 +63,9 @@ def missing_outputs(bodies: Bodies) -> Iterator[Problem]:
         try:
             _Named(bodies).components(output)
         except NotInLoops:
-            yield Problem(f"outputs.{output.name}", f'loops over bodies in space have no output "{output.kind}"{INSTEAD}')
+            yield Problem(
+                f"outputs.{output.name}", f'loops over bodies in space have no output "{output.kind}"{INSTEAD}'
+            )
 
 
 def missing_gears(bodies: Bodies) -> Iterator[Problem]:

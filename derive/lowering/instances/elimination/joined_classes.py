@@ -33,7 +33,9 @@ MOST = 4
 """The most classes that may join another one, of which all selections are compared."""
 
 
-def joined_classes(mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None) -> tuple[BodyClass, ...]:
+def joined_classes(
+    mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None
+) -> tuple[BodyClass, ...]:
     """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
     result = tuple(classes)
     if system is None or system.adds or any(map(varies, mechanism.joints)):

@@ -103,10 +103,7 @@ def _jacobian_positions(context: InstanceContext, of: ClassCode) -> list[list[tu
     for m in of.of.members:
         firsts = [context.first_rows[handle.joint] for handle in m.handles]
         result.append(
-            [
-                (firsts[local_rows[i][0]] + local_rows[i][1], m.row + j)
-                for i, j in jacobian_pattern(of.context).entries
-            ]
+            [(firsts[local_rows[i][0]] + local_rows[i][1], m.row + j) for i, j in jacobian_pattern(of.context).entries]
         )
     return result
 

@@ -51,7 +51,12 @@ def outputs(context: InstanceContext, function: ModelFunction) -> Kernel:
 
 def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
-    sizes = [context.coordinates, *[len(context.rows)] * 2, len(context.multipliers), len(context.known.context.u.symbols)]
+    sizes = [
+        context.coordinates,
+        *[len(context.rows)] * 2,
+        len(context.multipliers),
+        len(context.known.context.u.symbols),
+    ]
     firsts = [0, *accumulate(sizes)]
     entries, parts = set[tuple[int, int]](), []
     for group in context.outputs:

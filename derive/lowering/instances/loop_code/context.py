@@ -29,7 +29,12 @@ from derive.lowering.instances.classes.joint_groups import joint_equations, join
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.classes.output_groups import output_groups
 from derive.lowering.instances.classes.spatial_actions import action_groups
-from derive.lowering.instances.classes.spatial_outputs import missing_gears, missing_outputs, output_components, spatial_output_groups
+from derive.lowering.instances.classes.spatial_outputs import (
+    missing_gears,
+    missing_outputs,
+    output_components,
+    spatial_output_groups,
+)
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget

@@ -182,5 +182,3 @@ def _joint_loads(
         f1, m1, f2, m2 = totals
         result[j.joint.name] = (MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2))
     return result
-
-
