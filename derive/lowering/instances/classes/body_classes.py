@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
+from typing import Any
 
 from derive.algebra import sp
 from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
@@ -18,7 +19,8 @@ from derive.lowering.instances.classes.force_numbers import (
 )
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.kinds import BodyInstance
-from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -96,21 +98,22 @@ class BodyClass:
 def body_classes(mechanism: AnyMechanism) -> tuple[BodyClass, ...]:
     """The classes of the bodies that have coordinates, in the order of their first members."""
     handles: dict[str, list[Handle]] = {instance.name: [] for instance in mechanism.instances}
-    for number, joint in enumerate(mechanism.joints):
+    joints: Sequence[AnyJoint] = mechanism.joints
+    for number, joint in enumerate(joints):
         for marker, is_first in ((joint.joint.first, True), (joint.joint.second, False)):
             if marker.body != GROUND:
                 handles[marker.body].append(Handle(number, is_first, marker.marker))
     forces: dict[str, list[ForceForm]] = {instance.name: [] for instance in mechanism.instances}
-    planar = () if isinstance(mechanism, SpatialMechanism) else mechanism.forces  # in space groups have all of them
-    for force in planar:
-        bodies = moving_bodies(mechanism, force)
-        if len(bodies) == 1:
-            forces[bodies[0]].append(force_form(mechanism, force))
+    if isinstance(mechanism, Mechanism):  # in space groups have all of them
+        for force in mechanism.forces:
+            bodies = moving_bodies(mechanism, force)
+            if len(bodies) == 1:
+                forces[bodies[0]].append(force_form(mechanism, force))
     classes: dict[Hashable, list[Member]] = {}
-    for number, (instance, *first) in enumerate(zip(mechanism.instances, *_firsts(mechanism), strict=False)):
+    for number, (instance, *firsts) in enumerate(zip(mechanism.instances, *_firsts(mechanism), strict=False)):
         if instance.moves:
             name = instance.name
-            member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), *first)
+            member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), firsts[0], firsts[1])
             classes.setdefault(_key(member, mechanism), []).append(member)
     return tuple(BodyClass(with_forces(members)) for members in classes.values())
 
@@ -145,9 +148,9 @@ def marker_classes(mechanism: AnyMechanism) -> dict[str, BodyClass]:
     The name is that of the table whose instances they are, if they are all of them, and else that of the first body.
     """
     classes: dict[Hashable, list[Member]] = {}
-    for number, (instance, *first) in enumerate(zip(mechanism.instances, *_firsts(mechanism), strict=False)):
+    for number, (instance, *firsts) in enumerate(zip(mechanism.instances, *_firsts(mechanism), strict=False)):
         if instance.moves and instance.component.markers:
-            member = Member(number, instance, (), (), *first)
+            member = Member(number, instance, (), (), firsts[0], firsts[1])
             classes.setdefault(_key(member, mechanism), []).append(member)
     tables = [{instance_parts(m.instance.component.specified).table for m in members} for members in classes.values()]
     result = {}
@@ -182,10 +185,11 @@ def fixed_values(constants: Iterable[ModelConstant]) -> tuple[sp.Expr | None, ..
     return tuple(None if c.value.is_Rational else c.value for c in constants)
 
 
-def plain_joint(joint: AnyJoint) -> Hashable:
+def plain_joint(joint: AnyJoint | SpatialEliminatedJoint) -> Hashable:
     """A joint without its name and the bodies that it connects."""
-    nowhere = MarkerRef(GROUND, "")
-    return replace(joint.joint, name="", first=nowhere, second=nowhere, start=type(joint.joint.start)())
+    nowhere, of = MarkerRef(GROUND, ""), joint.joint
+    start: Any = type(of.start)()
+    return replace(of, name="", first=nowhere, second=nowhere, start=start)
 
 
 def _without_values(section: CrossSection) -> CrossSection:

@@ -77,6 +77,7 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
         return sp.S.Zero if expr.free_symbols & moving else expr
 
     energies = [still(e) for e in own.energies]
+    pose: Any = mechanism.pose(instance.name, own)
     of_members = (*own.coefficients, *of.first.of_forces)
     present = {c.symbol for c in of_members}
     more = tuple(c for c in known.context.equations.coefficients if c.symbol not in present)
@@ -102,7 +103,7 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
         markers=tuple(m for m in own.markers if not _depends_on(m, moving)),
         constraints=tuple(c for k, of_joint in enumerate(parts) for c in of_joint if k not in varying),
         inputs=inputs,
-        poses=(mechanism.pose(instance.name, own),),
+        poses=(pose,),
         eliminated=_carried(instance.name, own, moving),
         splines=known.context.equations.splines,
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from derive.algebra import sp
 from derive.errors import TisserandError
@@ -117,7 +118,8 @@ class Bodies:
     """The bodies of a mechanism by their names, with the classes they belong to."""
 
     def __init__(self, mechanism: AnyMechanism, classes: Iterable[BodyClass], known: KnownMotion) -> None:
-        self.mechanism, self.known = mechanism, known
+        self.mechanism: Any = mechanism  # in the plane or in space, as what groups its elements knows
+        self.known = known
         self.members = {m.instance.name: m for of in classes for m in of.members}
         self.number = {m.instance.name: k for k, of in enumerate(classes) for m in of.members}
 

@@ -88,7 +88,8 @@ class KnownMotion:
         markers = joint.joint.first, joint.joint.second
         if varies(joint) and not all(map(self.is_known, markers)):
             return (), prescribed_alone(joint)
-        return joint.constraints(*map(self.point, markers), joint.drive, ())
+        first, second = map(self.point, markers)
+        return joint.constraints(first, second, joint.drive, ())
 
     def _stored(self, force: Any) -> tuple[tuple[Intermediate, ...], Intermediate]:
         """The definitions of a force between markers whose motion is known, and the energy that it stores."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from dataclasses import fields
-from typing import Any
 
 from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import plain_joint
@@ -57,7 +56,9 @@ def _equations(bodies: Bodies, group: Group) -> Equations:
     rows = tuple(row for body in own.values() for row in body.rows)
 
     def at(marker: MarkerRef) -> FrameMotion:
-        motion: Any = own[marker.body].motions[marker.marker] if marker.body in own else bodies.known.point(marker)
+        motion: FrameMotion = (
+            own[marker.body].motions[marker.marker] if marker.body in own else bodies.known.point(marker)
+        )
         return motion
 
     made = mechanism.loads(mechanism.forces[group.first.number], at, rows)

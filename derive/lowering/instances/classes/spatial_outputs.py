@@ -40,7 +40,13 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
         components = named.components(output)
         names = named.bodies
         order = tuple(names.index(m.body) if m.body in names else -1 for m in named.markers)
-        key = output.kind, _plain(output, bodies), order, tuple(map(bodies.end, named.markers)), fixed_of(bodies, names)
+        key: Hashable = (
+            output.kind,
+            _plain(output, bodies),
+            order,
+            tuple(map(bodies.end, named.markers)),
+            fixed_of(bodies, names),
+        )
         element = GroupElement(number, tuple(bodies.members[name] for name in names), first)
         groups.setdefault(key, []).append(element)
         if key not in made:
@@ -105,7 +111,7 @@ class _Named:
     def at(self, marker: MarkerRef) -> FrameMotion:
         """The motion of a marker."""
         self.markers.append(marker)
-        motion: Any = (
+        motion: FrameMotion = (
             self.of.equations(marker.body).motions[marker.marker]
             if marker.body in self.of.members
             else self.of.known.point(marker)

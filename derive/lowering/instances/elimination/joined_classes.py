@@ -25,6 +25,7 @@ from derive.lowering.instances.classes.body_classes import (
 from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import FEW, Blocks
+from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.mechanics.multibody.space.joints import SpatialJointInstance
 
 BODY = 20
@@ -98,9 +99,14 @@ def _fits(mechanism: AnyMechanism, handle: Handle, larger: Handle) -> bool:
     here, there = mechanism.joints[handle.joint], mechanism.joints[larger.joint]
     return (
         (handle.is_first, handle.marker) == (larger.is_first, larger.marker)
-        and (isinstance(here, SpatialJointInstance) or here.type.axes is there.type.axes)
+        and _axes(here) is _axes(there)
         and _rows(here) == _rows(there)[: here.multipliers]
     )
+
+
+def _axes(joint: AnyJoint) -> Axes | None:
+    """The axes of the displacements that a joint in the plane removes."""
+    return None if isinstance(joint, SpatialJointInstance) else joint.type.axes
 
 
 def _rows(joint: AnyJoint) -> list[tuple[object, ...]]:
