@@ -1,4 +1,4 @@
-"""What the dimension of a mechanism changes in loops over its instances: motions of markers that stand for others."""
+"""Motions of markers that stand for others in loops over instances, which depend on the dimension of a mechanism."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.ports import SceneOutput
 
 INSTEAD = '; use lowering = "flat" or "auto"'
-"""What to do about what loops do not have."""
+"""The advice at the end of messages on functions that loops do not have."""
 
 
 def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
@@ -148,7 +148,7 @@ class _Named:
 
 
 class _Nothing(Mapping[str, Any]):
-    """What outputs of motions do not ask for."""
+    """Parts of a mechanism that outputs of motions do not ask for."""
 
     def _refuse(self, *_: object) -> NoReturn:
         raise NotInLoops("an output depends on more than the motions of markers")
