@@ -178,7 +178,11 @@ class SpatialJointInstance:
     @property
     def rows(self) -> tuple[RelativeFunction, ...]:
         """The rows that vanish, that of the drive behind those of the joint."""
-        driven = self.type.driven if self.drive else None
+        return self._rows(self.drive)
+
+    def _rows(self, drive: PrescribedMotion | None) -> tuple[RelativeFunction, ...]:
+        """The rows that vanish with a drive, whose row is the last one, or without."""
+        driven = self.type.driven if drive else None
         return (*self.type.rows(self.joint), *((driven.row,) if driven else ()))
 
     @property
@@ -198,7 +202,7 @@ class SpatialJointInstance:
         rows: those of the bodies whose factors in G are wanted. One of the motions may stand for any: the constraints
         refer to no frames, through which they would act on both.
         """
-        conditions = spatial_constraints(self.joint, self.type, first, second, drive, rows)
+        conditions = spatial_constraints(self.joint, self._rows(drive), first, second, drive, rows)
         return (), tuple(replace(condition, frames=None) for condition in conditions)
 
 

@@ -121,7 +121,7 @@ class SpatialMechanism(InstancesOfKinds):
         conditions = tuple(
             condition
             for j in self.joints
-            for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
+            for condition in spatial_constraints(j.joint, j.rows, at(j.joint.first), at(j.joint.second), j.drive, rows)
         )
         joints = self.joints_by_name
 
