@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import accumulate, pairwise
 from typing import Any
@@ -17,6 +18,7 @@ from derive.errors import SpecError
 from derive.ir.kernel import Kernel
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import lower_instances
+from derive.simulation.observables.default_plots import default_plots
 from derive.spec.toml.read import parse
 
 TURNED = "rotation = { z = [0, 1, 0], x = [1, 0, 0] }"
@@ -171,6 +173,13 @@ def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
     sizes = [[len(str(kernel.statements)) for kernel in model.kernels] for model in (few, many)]
     assert many.lowering == "instances"
     assert np.abs(np.diff(np.log(np.array(sizes) + 1.0), axis=0)).max() < 0.2
+
+
+def test_default_plots_name_the_columns_of_instances() -> None:
+    """The angular velocities are columns under their names for people."""
+    model = both(parse(MIXED), explicit=True).instances
+    curves = [plot.quantity for plot in default_plots(replace(parse(MIXED), outputs=()), model)]
+    assert any("ball[1]_omega2" in getattr(curve, "y", ()) for curve in curves)
 
 
 def test_what_loops_in_space_do_not_have_is_refused_at_once() -> None:
