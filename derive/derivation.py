@@ -289,15 +289,20 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
 
 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
-    """Straight-line code: there are no loops over bodies in space."""
+    """Straight-line code, or loops over instances where the specification asks for them."""
+    redundant = mechanism.scene.redundant
     if mechanism.scene.lowering == "instances":
-        text = 'bodies in space have straight-line code alone; use lowering = "flat" or "auto"'
-        raise SpecError((Problem("scene.lowering", text),))
+        if sensitivities:
+            text = 'loops have no derivatives by parameters in space: lowering = "flat"'
+            raise SpecError((Problem("scene.lowering", text),))
+        from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
+
+        choice = "looped over instances, as the specification asks"
+        return lower_instances(mechanism, choice, explicit, proximal=redundant == "resolve")
     try:
-        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, mechanism.scene.redundant)
+        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant)
     except RecursionError:
-        text = "straight-line code is too long; there are no loops over bodies in space"
-        raise LoweringError(text) from None
+        raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 
 
 def _straight_line(

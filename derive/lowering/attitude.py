@@ -7,7 +7,7 @@ before what follows from it: where the quaternion is NaN, accel reports it, and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import reduce
 
@@ -23,13 +23,18 @@ ZERO_QUATERNION = "the quaternion is zero or NaN"
 
 def with_attitude_check(kernel: Kernel, equations: Equations) -> Kernel:
     """The kernel, with a check before everything else if it reads a quaternion."""
-    every = [str(c.q) for c in equations.coordinates if c.role is Role.QUATERNION]
-    quaternions = [every[start : start + COMPONENTS] for start in range(0, len(every), COMPONENTS)]
-    checks = tuple(map(_check, (elements for elements in quaternions if {*elements} & kernel.used)))
+    checks = attitude_checks(equations, kernel.used)
     if not checks:
         return kernel
     section = Section("attitude", "", "check that the quaternion is neither zero nor NaN", checks)
     return replace(kernel, sections=(section, *kernel.sections))
+
+
+def attitude_checks(equations: Equations, used: Collection[str]) -> tuple[Require, ...]:
+    """The checks of the quaternions of which some elements are used."""
+    every = [str(c.q) for c in equations.coordinates if c.role is Role.QUATERNION]
+    quaternions = [every[start : start + COMPONENTS] for start in range(0, len(every), COMPONENTS)]
+    return tuple(map(_check, (elements for elements in quaternions if {*elements} & {*used})))
 
 
 def _check(elements: Sequence[str]) -> Require:

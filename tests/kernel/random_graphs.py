@@ -358,28 +358,30 @@ def _joint(edge: tuple[int, int], draws: random.Random, weld: float, regular: bo
 
 
 def _state(model: Model, scene: derive.Scene, rng: np.random.Generator) -> dict[str, Any]:
-    """A random state, with small amplitudes of the deformation."""
-    n, rows = len(model.coordinates), len(model.multipliers)
+    """A random state, with small amplitudes of the deformation, and with unit quaternions."""
+    n, nv, rows = len(model.coordinates), len(model.velocities), len(model.multipliers)
     scale = [3.0 if c.role is Role.ROTATION else 1.0 for c in model.coordinates]
     deformed = np.array([c.role is Role.AMPLITUDE for c in model.coordinates])
     q = rng.uniform(-1, 1, n) * np.where(deformed, 0.02, scale)
-    size = 2 * n + 2 * rows
-    y = np.concatenate([q, rng.uniform(-1, 1, n), rng.uniform(-3, 3, 2 * rows)])
+    for k in [i for i, c in enumerate(model.coordinates) if c.role is Role.QUATERNION][::4]:
+        q[k : k + 4] /= np.linalg.norm(q[k : k + 4])
+    size = n + nv + 2 * rows
+    y = np.concatenate([q, rng.uniform(-1, 1, nv), rng.uniform(-3, 3, 2 * rows)])
     return {
         "t": 0.3,
         "q": q.tolist(),
-        "v": rng.uniform(-1, 1, n).tolist(),
+        "v": rng.uniform(-1, 1, nv).tolist(),
         "k": constants(model),
         "r": rng.uniform(-1, 1, rows).tolist(),
         "y": y.tolist(),
         "ydot": rng.uniform(-1, 1, size).tolist(),
         "u": rng.uniform(-1, 1, len(model.inputs)).tolist(),
-        "vdot": rng.uniform(-1, 1, n).tolist(),
+        "vdot": rng.uniform(-1, 1, nv).tolist(),
         "lam": rng.uniform(-1, 1, rows).tolist(),
-        "a": rng.uniform(-1, 1, n).tolist(),
+        "a": rng.uniform(-1, 1, nv).tolist(),
         "b": rng.uniform(-1, 1, rows).tolist(),
         "cj": 7.5,
-        "F": [0.3, -0.7],
+        "F": [0.3, -0.7, 0.4][: 3 if model.in_space else 2],
     }
 
 

@@ -77,12 +77,6 @@ def test_drives_are_those_of_revolute_screw_and_prismatic_joints() -> None:
         parse(TEXT.replace("[simulation]", f"{drive}[simulation]"))
 
 
-def test_loops_over_instances_are_refused() -> None:
-    scene = parse(TEXT.replace("[scene]", '[scene]\nlowering = "instances"'))
-    with pytest.raises(derive.SpecError, match="straight-line code alone"):
-        derive.lower(derive.derive(scene))
-
-
 def test_a_linkage_that_cannot_be_assembled_says_what_is_left_of_each_joint() -> None:
     scene = parse(TEXT.replace("at = [0.3, 0, 0]", "at = [0.05, 0, 0]"))
     with pytest.raises(

@@ -13,6 +13,7 @@ from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
+from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.functions import (
     accelerations,
     body_functions,
@@ -28,8 +29,8 @@ from derive.lowering.instances.zeros_of_kinds import vanished_of_kinds, zeros_of
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
-from derive.mechanics.multibody.mechanism import Mechanism
-from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.symbols import Family, identity
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: body_functions.mass,
@@ -57,7 +58,7 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
 
 
 def lower_instances(
-    mechanism: Mechanism,
+    mechanism: AnyMechanism,
     choice: str = "",
     explicit: bool = False,
     sensitivities: bool = False,
@@ -79,14 +80,11 @@ def lower_instances(
     scene, conditions = mechanism.scene, context.conditions
     return Model(
         name=scene.name,
-        doc=mechanism_doc(scene, mechanism.coordinates, conditions),
-        frame_doc=frame_doc(mechanism.instances, scene, by_table=True),
+        doc=mechanism.doc(conditions),
+        frame_doc=mechanism.frame_doc(by_table=True),
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
-        equations=tuple(
-            replace(symbol_variable(c.q, f"row of delta {row.name}", row.force_unit), name=row.name)
-            for c, row in zip(mechanism.coordinates, mechanism.rows, strict=True)
-        ),
+        equations=_rows(mechanism),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
@@ -109,6 +107,17 @@ def lower_instances(
             )
         ),
         marker_classes=markers.classes,
+        in_space=isinstance(mechanism, SpatialMechanism),
+    )
+
+
+def _rows(mechanism: AnyMechanism) -> tuple[Variable, ...]:
+    """The equations of motion, with names for people: those of coordinates, or of the virtual rotations of bodies."""
+    shown = {str(c.q): symbol_variable(c.q, "", "").shown for c in mechanism.coordinates}
+    for of in (replace(identity(row.v), family=Family.VIRTUAL_ROTATION) for row in mechanism.rows):
+        shown.setdefault(of.symbol.name, of.shown)
+    return tuple(
+        Variable(row.name, f"row of delta {row.name}", row.force_unit, shown=shown[row.name]) for row in mechanism.rows
     )
 
 

@@ -52,5 +52,5 @@ def _vanished(code: ClassCode) -> tuple[Zero, ...]:
 def _names(code: ClassCode) -> Mapping[str, str]:
     """The names for people of the rows of a body, by their names in code."""
     equations = code.context.equations
-    of_rows = zip(equations.rows, equations.coordinates, strict=True)
-    return {row.name: symbol_variable(c.q, "", "").shown or row.name for row, c in of_rows}
+    shown = {str(c.q): symbol_variable(c.q, "", "").shown for c in equations.coordinates}
+    return {row.name: shown.get(row.name) or row.name for row in equations.rows}

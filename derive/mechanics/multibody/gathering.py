@@ -78,10 +78,11 @@ class InstancesOfKinds(ABC):
 
     def instance(self, name: str) -> BodyInstance:
         """An instance by its name."""
-        return self._instances_by_name[name]
+        return self.instances_by_name[name]
 
     @cached_property
-    def _instances_by_name(self) -> dict[str, BodyInstance]:
+    def instances_by_name(self) -> dict[str, BodyInstance]:
+        """The instances by their names."""
         return {instance.name: instance for instance in self.instances}
 
     def expanded(self) -> Equations:
@@ -94,6 +95,21 @@ class InstancesOfKinds(ABC):
     @cached_property
     def _expanded(self) -> Equations:
         return self._equations()
+
+    @abstractmethod
+    def pose(self, name: str, instance: InstanceEquations) -> Pose | SpatialPose:
+        """The pose of the frame of an instance."""
+
+    @abstractmethod
+    def doc(self, conditions: tuple[Constraint, ...]) -> str:
+        """A line that summarises what the mechanism consists of."""
+
+    @abstractmethod
+    def frame_doc(self, by_table: bool = False) -> str:
+        """The description of the frames of the bodies for users of the generated code.
+
+        by_table: one for all instances of a table.
+        """
 
     @abstractmethod
     def _equations(self) -> Equations:

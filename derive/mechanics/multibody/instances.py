@@ -61,6 +61,11 @@ class InstanceEquations:
     origin: tuple[sp.Expr, ...]
     free_residual: tuple[sp.Expr, ...]
 
+    @property
+    def motions(self) -> Mapping[str, Any]:
+        """The motions of its markers: those of points in the plane, of frames in space."""
+        return self.points or self.frames
+
 
 def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -> InstanceEquations:
     """The equations of an instance.

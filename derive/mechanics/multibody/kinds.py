@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 from derive.algebra import sp
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.indexed_equations import IndexedEquations, derive_body
+from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Joint
@@ -20,7 +22,8 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.coordinates import CoordinateMap
     from derive.mechanics.multibody.forces.force_type import ForceType
     from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
-    from derive.mechanics.terms import ModelConstant
+    from derive.mechanics.multibody.point_motion import PointMotion
+    from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate, ModelConstant
 
 KEPT = 32
 """The number of kinds, and of instances, whose equations are cached: studies derive mechanisms with equal bodies."""
@@ -84,6 +87,19 @@ class JointInstance:
     def multipliers(self) -> int:
         """The number of constraints, one for each row that the joint removes and one for its drive."""
         return len(self.type.removes) + (self.drive is not None)
+
+    def constraints(
+        self,
+        first: PointMotion,
+        second: PointMotion,
+        drive: PrescribedMotion | None,
+        rows: tuple[EquationOfMotion, ...],
+    ) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
+        """The intermediate quantities and the constraints of the joint and of a drive, for the motions of its markers.
+
+        rows: those of the bodies whose factors in G are wanted.
+        """
+        return constraints(self.joint, self.type, RelativeMotion(first, second), drive, rows)
 
 
 @dataclass(frozen=True)

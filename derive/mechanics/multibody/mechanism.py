@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING
@@ -27,9 +27,11 @@ from derive.spec.model.scene import Scene
 if TYPE_CHECKING:
     from derive.mechanics.equations import Equations
     from derive.mechanics.multibody.bodies.body_type import ComponentDamping
+    from derive.mechanics.multibody.forces.force_type import GeneralisedForce
     from derive.mechanics.multibody.instances import InstanceEquations
     from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, JointInstance
     from derive.mechanics.multibody.outputs.output_type import OutputInstance
+    from derive.mechanics.terms import Constraint, EquationOfMotion
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,6 +89,28 @@ class Mechanism(InstancesOfKinds):
         joints = [f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints]
         return self.summary("mechanism", {"constraints": joints, "forces": [f.element.name for f in self.forces]})
 
+    def loads(
+        self, f: ForceInstance, at: Callable[[MarkerRef], PointMotion], rows: tuple[EquationOfMotion, ...]
+    ) -> GeneralisedForce:
+        """The virtual work of a force; at: the motions of its markers, rows: those of the bodies that these are on."""
+        return f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows)
+
+    def pose(self, name: str, instance: InstanceEquations) -> Pose:
+        """Position and rotation of the body frame."""
+        if BODY_FRAME in instance.points:
+            frame = instance.points[BODY_FRAME]
+            return Pose(name, (frame.position[0], frame.position[1]), frame.rotation)
+        c1, c2, phi = (c.q for c in instance.coordinates[:3])
+        return Pose(name, (c1, c2), phi)
+
+    def doc(self, conditions: tuple[Constraint, ...]) -> str:
+        """A line that summarises what the mechanism consists of."""
+        return mechanism_doc(self.scene, self.coordinates, conditions)
+
+    def frame_doc(self, by_table: bool = False) -> str:
+        """The description of the frames of the bodies; by_table: one for all instances of a table."""
+        return frame_doc(self.instances, self.scene, by_table)
+
     def _equations(self) -> Equations:
         instances, rows = self.equations_of_instances(), self.rows
         points = {GROUND: self.ground, **{name: instance.points for name, instance in instances.items()}}
@@ -100,7 +124,7 @@ class Mechanism(InstancesOfKinds):
         ]
         conditions = tuple(c for _, of_joint in joints for c in of_joint)
         refuse_idle(conditions, self.scene.redundant)
-        forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in self.forces]
+        forces = [self.loads(f, at, rows) for f in self.forces]
         parts = SceneMechanics(
             scene=self.scene,
             ground=self.ground,
@@ -115,24 +139,15 @@ class Mechanism(InstancesOfKinds):
         outputs, of_outputs = output_equations(self.outputs, parts)
         forces += [damping_force(damping, instances) for damping in self.dampings]
         contributions = Gathered(
-            doc=mechanism_doc(self.scene, self.coordinates, conditions),
-            frame_doc=frame_doc(self.instances, self.scene),
+            doc=self.doc(conditions),
+            frame_doc=self.frame_doc(),
             conditions=conditions,
             terms=tuple(term for force in forces for term in force.terms),
             potentials=tuple(force.potential for force in forces),
             definitions=tuple(chain(*(own for own, _ in joints), *(force.definitions for force in forces))),
             outputs=outputs,
-            poses=tuple(pose(name, instance) for name, instance in instances.items()),
+            poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
             coefficients=tuple(constant for damping in self.dampings for constant in damping.constants),
             of_outputs=of_outputs,
         )
         return equations_of_mechanism(self, instances, contributions)
-
-
-def pose(name: str, instance: InstanceEquations) -> Pose:
-    """Position and rotation of the body frame."""
-    if BODY_FRAME in instance.points:
-        frame = instance.points[BODY_FRAME]
-        return Pose(name, (frame.position[0], frame.position[1]), frame.rotation)
-    c1, c2, phi = (c.q for c in instance.coordinates[:3])
-    return Pose(name, (c1, c2), phi)

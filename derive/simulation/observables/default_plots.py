@@ -74,7 +74,7 @@ def _quantities(scene: AnyScene, model: Model) -> dict[str, list[str]]:
     quantities = {name: quantities_of(model, *roles) for name, roles in every.items()}
     if scene.bodies and (spatial or model.in_space):
         quantities |= {"joints": quantities_of(model, Role.ROTATION, Role.DISPLACEMENT)}
-        quantities["angular_velocity"] = [x.name for x in model.velocities if x.unit == "rad/s"]
+        quantities["angular_velocity"] = [x.title for x in model.velocities if x.unit == "rad/s"]
     elif spatial:
         quantities["angular_velocity"] = [x.name for x in model.velocities[3:6]]
     quantities["energy"] = [*energy_names(scene, model)]

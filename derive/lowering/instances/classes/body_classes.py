@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
+from typing import Any
 
 from derive.algebra import sp
+from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
@@ -16,8 +18,9 @@ from derive.lowering.instances.classes.force_numbers import (
     moving_bodies,
 )
 from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.mechanics.multibody.kinds import BodyInstance, JointInstance
+from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -37,9 +40,10 @@ class Handle:
 
 @dataclass(frozen=True)
 class Member:
-    """A body of a class: its number in the mechanism, its joints, the forces on it, and its first coordinate.
+    """A body of a class: its number in the mechanism, its joints, and the forces on it.
 
-    differing: for each force the places of the numbers in which the members of the class differ.
+    coordinate: the index of its first coordinate; row: that of its first equation of motion, and velocity; differing:
+    for each force the places of the numbers in which the members of the class differ.
     """
 
     number: int
@@ -47,6 +51,7 @@ class Member:
     handles: tuple[Handle, ...]
     forces: tuple[ForceForm, ...]
     coordinate: int
+    row: int
     differing: tuple[tuple[Place, ...], ...] = ()
 
     @property
@@ -90,26 +95,35 @@ class BodyClass:
         return f"joined_{name}" if self.is_joined else name
 
 
-def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
+def body_classes(mechanism: AnyMechanism) -> tuple[BodyClass, ...]:
     """The classes of the bodies that have coordinates, in the order of their first members."""
     handles: dict[str, list[Handle]] = {instance.name: [] for instance in mechanism.instances}
-    for number, joint in enumerate(mechanism.joints):
+    joints: Sequence[AnyJoint] = mechanism.joints
+    for number, joint in enumerate(joints):
         for marker, is_first in ((joint.joint.first, True), (joint.joint.second, False)):
             if marker.body != GROUND:
                 handles[marker.body].append(Handle(number, is_first, marker.marker))
     forces: dict[str, list[ForceForm]] = {instance.name: [] for instance in mechanism.instances}
-    for force in mechanism.forces:
-        bodies = moving_bodies(mechanism, force)
-        if len(bodies) == 1:
-            forces[bodies[0]].append(force_form(mechanism, force))
-    firsts = accumulate((len(instance.coordinates.rows) for instance in mechanism.instances), initial=0)
+    if isinstance(mechanism, Mechanism):  # in space groups have all of them
+        for force in mechanism.forces:
+            bodies = moving_bodies(mechanism, force)
+            if len(bodies) == 1:
+                forces[bodies[0]].append(force_form(mechanism, force))
     classes: dict[Hashable, list[Member]] = {}
-    for number, (instance, first) in enumerate(zip(mechanism.instances, firsts, strict=False)):
+    for number, (instance, *firsts) in enumerate(zip(mechanism.instances, *_firsts(mechanism), strict=False)):
         if instance.moves:
             name = instance.name
-            member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), first)
+            member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), firsts[0], firsts[1])
             classes.setdefault(_key(member, mechanism), []).append(member)
     return tuple(BodyClass(with_forces(members)) for members in classes.values())
+
+
+def _firsts(mechanism: AnyMechanism) -> tuple[Iterator[int], Iterator[int]]:
+    """The indices of the first coordinate and of the first equation of motion of each body."""
+    maps = [instance.coordinates for instance in mechanism.instances]
+    return accumulate((len(of.coordinates) for of in maps), initial=0), accumulate(
+        (len(of.rows) for of in maps), initial=0
+    )
 
 
 def with_forces(members: Sequence[Member]) -> tuple[Member, ...]:
@@ -128,16 +142,15 @@ def force_keys(member: Member) -> tuple[Hashable, ...]:
     return tuple(force.key for force in member.forces)
 
 
-def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
+def marker_classes(mechanism: AnyMechanism) -> dict[str, BodyClass]:
     """The classes of the bodies with markers, whose joints and forces do not matter, by their names.
 
     The name is that of the table whose instances they are, if they are all of them, and else that of the first body.
     """
-    firsts = accumulate((len(instance.coordinates.rows) for instance in mechanism.instances), initial=0)
     classes: dict[Hashable, list[Member]] = {}
-    for number, (instance, first) in enumerate(zip(mechanism.instances, firsts, strict=False)):
+    for number, (instance, *firsts) in enumerate(zip(mechanism.instances, *_firsts(mechanism), strict=False)):
         if instance.moves and instance.component.markers:
-            member = Member(number, instance, (), (), first)
+            member = Member(number, instance, (), (), firsts[0], firsts[1])
             classes.setdefault(_key(member, mechanism), []).append(member)
     tables = [{instance_parts(m.instance.component.specified).table for m in members} for members in classes.values()]
     result = {}
@@ -149,7 +162,7 @@ def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
     return result
 
 
-def _key(member: Member, mechanism: Mechanism) -> Hashable:
+def _key(member: Member, mechanism: AnyMechanism) -> Hashable:
     """All that the code of a body depends on, besides numbers and the forces on it."""
     joints = mechanism.joints
     of = ((h, joints[h.joint]) for h in member.handles)  # a drive adds a multiplier, and codes differ by it
@@ -172,10 +185,11 @@ def fixed_values(constants: Iterable[ModelConstant]) -> tuple[sp.Expr | None, ..
     return tuple(None if c.value.is_Rational else c.value for c in constants)
 
 
-def plain_joint(joint: JointInstance) -> Hashable:
+def plain_joint(joint: AnyJoint | SpatialEliminatedJoint) -> Hashable:
     """A joint without its name and the bodies that it connects."""
-    nowhere = MarkerRef(GROUND, "")
-    return replace(joint.joint, name="", first=nowhere, second=nowhere)
+    nowhere, of = MarkerRef(GROUND, ""), joint.joint
+    start: Any = type(of.start)()
+    return replace(of, name="", first=nowhere, second=nowhere, start=start)
 
 
 def _without_values(section: CrossSection) -> CrossSection:
@@ -183,4 +197,4 @@ def _without_values(section: CrossSection) -> CrossSection:
         return tuple(replace(c, value=sp.S.Zero) for c in constants)
 
     point = replace(section.point, coefficients=plain(section.point.coefficients))
-    return CrossSection(point, plain(section.rotations))
+    return replace(section, point=point, rotations=plain(section.rotations))

@@ -11,20 +11,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, chain
 from types import MappingProxyType
+from typing import Any
 
 from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import BodyClass, Handle, Member
-from derive.lowering.instances.classes.known_motion import STILL, KnownMotion, canonical
+from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism, of_joint
+from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.lowering.instances.classes.varying_joints import at_rest, varies
 from derive.lowering.instances.classes.varying_parts import VaryingPart, varying_part
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
-from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import JointInstance
-from derive.mechanics.multibody.mechanism import Mechanism, pose
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.terms import Constraint, Eliminated, Intermediate, MarkerEquations
 from derive.spec.model.markers import MarkerRef
@@ -51,7 +50,7 @@ class ClassEquations:
     varying: Mapping[int, VaryingPart]
 
 
-def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> ClassEquations:
+def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) -> ClassEquations:
     """The equations of the first member of a class, in its symbols."""
     instance = of.first.instance
     own = instance_equations(instance, mechanism.kinds[instance.kind], False)
@@ -78,6 +77,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         return sp.S.Zero if expr.free_symbols & moving else expr
 
     energies = [still(e) for e in own.energies]
+    pose: Any = mechanism.pose(instance.name, own)
     of_members = (*own.coefficients, *of.first.of_forces)
     present = {c.symbol for c in of_members}
     more = tuple(c for c in known.context.equations.coefficients if c.symbol not in present)
@@ -87,7 +87,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         frame_doc="",
         coordinates=own.coordinates,
         rows=own.rows,
-        rates=tuple(row.v for row in own.rows),
+        rates=own.rates,
         parameters=mechanism.parameters,
         coefficients=canonical((*of_members, *more), mechanism),
         definitions=tuple(definitions),
@@ -103,7 +103,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         markers=tuple(m for m in own.markers if not _depends_on(m, moving)),
         constraints=tuple(c for k, of_joint in enumerate(parts) for c in of_joint if k not in varying),
         inputs=inputs,
-        poses=(pose(instance.name, own),),
+        poses=(pose,),
         eliminated=_carried(instance.name, own, moving),
         splines=known.context.equations.splines,
     )
@@ -142,27 +142,27 @@ def _numbers(counts: list[int]) -> tuple[tuple[int, ...], ...]:
 
 
 def _contribution(
-    joint: JointInstance, handle: Handle, own: InstanceEquations
+    joint: AnyJoint, handle: Handle, own: InstanceEquations
 ) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
     """The definitions and the parts of the constraints of a joint that depend on one of its bodies."""
-    point = own.points[handle.marker]
-    relative = RelativeMotion(point, STILL) if handle.is_first else RelativeMotion(STILL, point)
-    definitions, conditions = constraints(joint.joint, joint.type, relative, None, own.rows)
-    _, offsets = constraints(joint.joint, joint.type, RelativeMotion(STILL, STILL), None, ())
+    still, motion = of_joint(joint).still, own.motions[handle.marker]
+    ends = (motion, still) if handle.is_first else (still, motion)
+    definitions, conditions = joint.constraints(*ends, None, own.rows)
+    _, offsets = joint.constraints(still, still, None, ())
     contributed = [
         replace(c, position=sp.expand(c.position - offset.position))
         for c, offset in zip(conditions, offsets, strict=True)
     ]
     if joint.drive is not None:
-        contributed.append(_driven(joint, relative, own))
+        contributed.append(_driven(joint, ends, own))
     return definitions, tuple(contributed)
 
 
-def _driven(joint: JointInstance, relative: RelativeMotion, own: InstanceEquations) -> Constraint:
+def _driven(joint: AnyJoint, ends: tuple[Any, Any], own: InstanceEquations) -> Constraint:
     """The part of the constraint of a drive that depends on one body: the relative motion that it prescribes."""
-    drive = at_rest(joint.drive)
-    _, conditions = constraints(joint.joint, joint.type, relative, drive, own.rows)
-    _, offsets = constraints(joint.joint, joint.type, RelativeMotion(STILL, STILL), drive, ())
+    drive, still = at_rest(joint.drive), of_joint(joint).still
+    _, conditions = joint.constraints(*ends, drive, own.rows)
+    _, offsets = joint.constraints(still, still, drive, ())
     return replace(conditions[-1], position=sp.expand(conditions[-1].position - offsets[-1].position))
 
 

@@ -7,11 +7,13 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from derive.algebra import sp
+from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion
+from derive.mechanics.multibody.space.mechanism import SpatialActionInstance
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import EquationOfMotion, ModelConstant
 from derive.spec.model.forces import CustomForce
@@ -116,7 +118,7 @@ def differing_constants(
     return tuple(constant for force, places in each for constant in force.constants(places))
 
 
-def moving_bodies(mechanism: Mechanism, force: ForceInstance) -> tuple[str, ...]:
+def moving_bodies(mechanism: AnyMechanism, force: ForceInstance | SpatialActionInstance) -> tuple[str, ...]:
     """The bodies with coordinates that a force acts on."""
     return tuple({m.body: None for m in force.markers if m.body != GROUND and mechanism.instance(m.body).moves})
 

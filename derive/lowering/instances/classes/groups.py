@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.lowering.instances.classes.body_classes import BodyClass, Member, fixed_values
+from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
@@ -27,7 +29,6 @@ from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
-from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
 from derive.spec.model.markers import MarkerRef
@@ -72,7 +73,12 @@ class GroupElement:
     @property
     def coordinates(self) -> tuple[int, ...]:
         """The indices of the coordinates of its bodies."""
-        return tuple(m.coordinate + k for m in self.bodies for k in range(len(m.instance.coordinates.rows)))
+        return tuple(m.coordinate + k for m in self.bodies for k in range(len(m.instance.coordinates.coordinates)))
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """The indices of the equations of motion of its bodies, which are those of their velocities."""
+        return tuple(m.row + k for m in self.bodies for k in range(len(m.instance.coordinates.rows)))
 
     @property
     def of_forces(self) -> tuple[ModelConstant, ...]:
@@ -111,8 +117,9 @@ class Group:
 class Bodies:
     """The bodies of a mechanism by their names, with the classes they belong to."""
 
-    def __init__(self, mechanism: Mechanism, classes: Iterable[BodyClass], known: KnownMotion) -> None:
-        self.mechanism, self.known = mechanism, known
+    def __init__(self, mechanism: AnyMechanism, classes: Iterable[BodyClass], known: KnownMotion) -> None:
+        self.mechanism: Any = mechanism  # in the plane or in space, as what groups its elements knows
+        self.known = known
         self.members = {m.instance.name: m for of in classes for m in of.members}
         self.number = {m.instance.name: k for k, of in enumerate(classes) for m in of.members}
 
@@ -157,8 +164,8 @@ class Bodies:
         return self.key(marker.body), marker.marker
 
 
-def force_groups(bodies: Bodies) -> tuple[Group, ...]:
-    """The groups of the forces that no body alone computes, and of the damping between pieces."""
+def force_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
+    """The groups of the forces that no body alone computes, and of the damping between pieces, with their equations."""
     groups: dict[Hashable, list[GroupElement]] = {}
     mechanism = bodies.mechanism
     for number, force in enumerate(mechanism.forces):
@@ -173,7 +180,7 @@ def force_groups(bodies: Bodies) -> tuple[Group, ...]:
     for number, damping in enumerate(mechanism.dampings):
         own = tuple(bodies.members[name] for name in damping.components)
         result.append(Group("damping", (GroupElement(number, own),)))
-    return tuple(result)
+    return tuple((group, force_equations(bodies, group)) for group in result)
 
 
 def with_differences(members: list[GroupElement]) -> tuple[GroupElement, ...]:
@@ -230,7 +237,7 @@ def group_equations(
         frame_doc="",
         coordinates=tuple(c for body in own.values() for c in body.coordinates),
         rows=tuple(row for body in own.values() for row in body.rows),
-        rates=tuple(row.v for body in own.values() for row in body.rows),
+        rates=tuple(rate for body in own.values() for rate in body.rates),
         parameters=known.parameters,
         coefficients=canonical((*of_bodies, *more), bodies.mechanism),
         definitions=definitions,

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 from derive.lowering.instances.classes.body_classes import plain_joint
+from derive.lowering.instances.classes.dimension import AnyJoint
 from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
-from derive.lowering.instances.classes.varying_joints import at_rest, varies
+from derive.lowering.instances.classes.varying_joints import drive_of, varies
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
-from derive.mechanics.multibody.kinds import JointInstance
-from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.spec.model.markers import MarkerRef
 
 
@@ -22,25 +20,25 @@ def joint_groups(bodies: Bodies) -> tuple[Group, ...]:
         names = tuple(marker.body for marker in markers_of(joint) if marker.body in bodies.members)
         if varies(joint) and names:
             ends = tuple(bodies.end(marker) for marker in markers_of(joint))
-            key = joint.type, plain_joint(joint), joint.multipliers, ends, fixed_of(bodies, names)
+            prescribed = drive_of(joint) if joint.drive and drive_of(joint) == joint.drive else None
+            key = joint.type, plain_joint(joint), joint.multipliers, prescribed, ends, fixed_of(bodies, names)
             element = GroupElement(number, tuple(bodies.members[name] for name in names))
             groups.setdefault(key, []).append(element)
     return tuple(Group("joint", tuple(members)) for members in groups.values())
 
 
 def joint_equations(bodies: Bodies, group: Group) -> Equations:
-    """The equations of the first joint of a group: its constraints, without the motion that a drive prescribes."""
+    """The equations of the first joint of a group: its constraints, with the drive of `drive_of`."""
     joint = bodies.mechanism.joints[group.first.number]
     own = {m.instance.name: bodies.equations(m.instance.name) for m in group.first.bodies}
     rows = tuple(row for body in own.values() for row in body.rows)
     first, second = (
-        own[m.body].points[m.marker] if m.body in own else bodies.known.point(m) for m in markers_of(joint)
+        own[m.body].motions[m.marker] if m.body in own else bodies.known.point(m) for m in markers_of(joint)
     )
-    relative = RelativeMotion(first, second)
-    definitions, conditions = constraints(joint.joint, joint.type, relative, at_rest(joint.drive), rows)
+    definitions, conditions = joint.constraints(first, second, drive_of(joint), rows)
     return group_equations(bodies, own, GeneralisedForce((), definitions), conditions=conditions)
 
 
-def markers_of(joint: JointInstance) -> tuple[MarkerRef, MarkerRef]:
+def markers_of(joint: AnyJoint) -> tuple[MarkerRef, MarkerRef]:
     """The first and the second marker of a joint."""
     return joint.joint.first, joint.joint.second

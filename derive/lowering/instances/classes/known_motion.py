@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
@@ -16,15 +17,12 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
+from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism, dimension_of
 from derive.lowering.instances.classes.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.fixed_symbols import t
-from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.gathering import functions_of_time
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import ForceInstance, JointInstance
-from derive.mechanics.multibody.mechanism import Mechanism, pose
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
@@ -32,7 +30,6 @@ from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines
 
-STILL = fixed_point(sp.Matrix([0, 0]))
 PARTS = ("position", "rate", "bias")
 
 
@@ -57,8 +54,8 @@ class KnownMotion:
     those with respect to parameters and inputs, once there are any.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
+    def __init__(self, mechanism: AnyMechanism) -> None:
+        self.mechanism, self.still = mechanism, dimension_of(mechanism).still
         by_name = {instance.name: instance for instance in mechanism.instances if not instance.moves}
         self.bodies: Mapping[str, InstanceEquations] = {
             name: instance_equations(by_name[name], mechanism.kinds[by_name[name].kind], False)
@@ -77,8 +74,8 @@ class KnownMotion:
                 defined, potential = self._stored(force)
                 self._potentials.append(potential)
                 definitions += [] if potential.expr.is_Rational else [*defined, potential]
-        for name, body in self.bodies.items():
-            definitions += [d for d in _pose_definitions(name, body) if not d.expr.is_Rational]
+        for name in self.bodies:
+            definitions += [d for d in self._pose_definitions(name) if not d.expr.is_Rational]
         self.definitions = tuple(definitions)
         self.derivatives = KnownDerivatives({}, {})
 
@@ -86,17 +83,18 @@ class KnownMotion:
         """Compute the derivatives of what is known by the inputs, and by the parameters, for kernels that follow."""
         self.derivatives = _derivatives(self.context, [d.symbol for d in self.definitions], by_parameters)
 
-    def _known_part(self, joint: JointInstance) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
+    def _known_part(self, joint: AnyJoint) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
         """The definitions and the known parts of the constraints of a joint."""
         markers = joint.joint.first, joint.joint.second
         if varies(joint) and not all(map(self.is_known, markers)):
             return (), prescribed_alone(joint)
-        return constraints(joint.joint, joint.type, RelativeMotion(*map(self.point, markers)), joint.drive, ())
+        first, second = map(self.point, markers)
+        return joint.constraints(first, second, joint.drive, ())
 
-    def _stored(self, force: ForceInstance) -> tuple[tuple[Intermediate, ...], Intermediate]:
+    def _stored(self, force: Any) -> tuple[tuple[Intermediate, ...], Intermediate]:
         """The definitions of a force between markers whose motion is known, and the energy that it stores."""
-        name, points = force.element.name, tuple(map(self.point, force.markers))
-        made = force.type.generalised_force(force.element, points, force.values, ())
+        name = force.element.name
+        made = self.mechanism.loads(force, self.point, ())
         symbol, doc = local(identifier("potential", name)), f"energy that {name} stores"
         return made.definitions, Intermediate(symbol, made.potential, name, "(22)", doc)
 
@@ -109,16 +107,23 @@ class KnownMotion:
         """Whether the motion of a marker is known."""
         return marker.body == GROUND or marker.body in self.bodies
 
-    def point(self, marker: MarkerRef) -> PointMotion:
+    def point(self, marker: MarkerRef) -> Any:
         """The motion of a marker if it is known, else that of a point at rest in 0."""
         if marker.body == GROUND:
             return self.mechanism.ground[marker.marker]
-        return self.bodies[marker.body].points[marker.marker] if marker.body in self.bodies else STILL
+        return self.bodies[marker.body].motions[marker.marker] if marker.body in self.bodies else self.still
 
-    def pose(self, body: str) -> tuple[Expr, Expr, Expr]:
+    def pose(self, body: str) -> tuple[Expr, ...]:
         """The position and the rotation of the frame of a body without coordinates, as numbers or known symbols."""
-        first, second, third = (_value(d) for d in _pose_definitions(body, self.bodies[body]))
-        return first, second, third
+        return tuple(_value(d) for d in self._pose_definitions(body))
+
+    def _pose_definitions(self, body: str) -> list[Intermediate]:
+        """The definitions of the pose of a body without coordinates."""
+        parts = self.mechanism.pose(body, self.bodies[body]).parts
+        return [
+            Intermediate(local(identifier("pose", body, what)), e, body, "(1)", f"{what} of {body}")
+            for what, e in parts
+        ]
 
     @cached_property
     def symbols(self) -> frozenset[sp.Symbol]:
@@ -231,15 +236,6 @@ def known_symbol(part: str, constraint: Constraint) -> sp.Symbol:
     return local(f"known_{part}_{constraint.name}")
 
 
-def _pose_definitions(name: str, body: InstanceEquations) -> list[Intermediate]:
-    """The definitions of the pose of a body without coordinates."""
-    known = pose(name, body)
-    parts = zip(("c1", "c2", "phi"), (*known.position, known.rotation_angle), strict=True)
-    return [
-        Intermediate(local(identifier("pose", name, what)), e, name, "(1)", f"{what} of {name}") for what, e in parts
-    ]
-
-
 def _value(d: Intermediate) -> Expr:
     number = d.expr
     return Number(Fraction(int(number.p), int(number.q))) if number.is_Rational else ScalarRef(str(d.symbol))
@@ -257,7 +253,7 @@ def _named(conditions: Iterable[Constraint]) -> list[Intermediate]:
     return result
 
 
-def canonical(constants: tuple[ModelConstant, ...], mechanism: Mechanism) -> tuple[ModelConstant, ...]:
+def canonical(constants: tuple[ModelConstant, ...], mechanism: AnyMechanism) -> tuple[ModelConstant, ...]:
     """The constants with one symbol for each parameter, whatever its assumptions."""
     symbols = {p.symbol.name: p.symbol for p in mechanism.parameters}
 

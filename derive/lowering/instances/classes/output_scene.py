@@ -7,8 +7,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from derive.lowering.instances.classes.dimension import plane
 from derive.lowering.instances.classes.groups import Bodies, NotInLoops
-from derive.lowering.instances.classes.known_motion import STILL
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.kinds import ForceInstance
@@ -75,8 +75,8 @@ class NamedForces(tuple[Any, ...]):
 class _Still(dict[str, PointMotion]):
     """The points of a body that an output does not name: what joints do to others does not depend on their motion."""
 
-    def __missing__(self, key: str) -> PointMotion:
-        return STILL
+    def __missing__(self, key: str) -> Any:
+        return plane().still
 
 
 class _Elsewhere:

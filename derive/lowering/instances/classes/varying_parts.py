@@ -9,12 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from derive.algebra import sp
+from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
 from derive.lowering.instances.classes.known_motion import moving_symbols
-from derive.lowering.instances.classes.varying_joints import OTHER, OTHER_SYMBOLS, at_rest
-from derive.mechanics.multibody.constraints import constraints
+from derive.lowering.instances.classes.varying_joints import drive_of
 from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.kinds import JointInstance
-from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate
 
@@ -32,12 +30,12 @@ class VaryingPart:
     definitions: tuple[Intermediate, ...]
 
 
-def varying_part(joint: JointInstance, marker: str, is_first: bool, own: InstanceEquations) -> VaryingPart:
+def varying_part(joint: AnyJoint, marker: str, is_first: bool, own: InstanceEquations) -> VaryingPart:
     """The rows of the body with the marker, which is the first one of the joint or the second."""
-    point = own.points[marker]
-    relative = RelativeMotion(point, OTHER) if is_first else RelativeMotion(OTHER, point)
-    definitions, conditions = constraints(joint.joint, joint.type, relative, at_rest(joint.drive), own.rows)
-    others = moving_symbols(definitions, OTHER_SYMBOLS)
+    of, motion = of_joint(joint), own.motions[marker]
+    ends = (motion, of.other) if is_first else (of.other, motion)
+    definitions, conditions = joint.constraints(*ends, drive_of(joint), own.rows)
+    others = moving_symbols(definitions, of.symbols)
     number = {row.name: j for j, row in enumerate(own.rows)}
     factors = {
         (k, number[row]): local(f"factor_{condition.name}_{row}")

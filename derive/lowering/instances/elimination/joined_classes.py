@@ -22,10 +22,11 @@ from derive.lowering.instances.classes.body_classes import (
     force_keys,
     with_forces,
 )
+from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import FEW, Blocks
-from derive.mechanics.multibody.kinds import JointInstance
-from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.joints.relative_rows import Axes
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 
 BODY = 20
 """The work of a body without joints, in entries of the blocks of the joints."""
@@ -33,7 +34,9 @@ MOST = 4
 """The most classes that may join another one, of which all selections are compared."""
 
 
-def joined_classes(mechanism: Mechanism, classes: Sequence[BodyClass], system: Blocks | None) -> tuple[BodyClass, ...]:
+def joined_classes(
+    mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None
+) -> tuple[BodyClass, ...]:
     """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
     result = tuple(classes)
     if system is None or system.adds or any(map(varies, mechanism.joints)):
@@ -47,7 +50,7 @@ def joined_classes(mechanism: Mechanism, classes: Sequence[BodyClass], system: B
 
 
 def _with_smaller(
-    mechanism: Mechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks
+    mechanism: AnyMechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks
 ) -> tuple[BodyClass, ...]:
     """The classes after some have joined one of them, if this takes less."""
     smaller = [
@@ -67,7 +70,7 @@ def _with_smaller(
     return best
 
 
-def _work(mechanism: Mechanism, classes: Iterable[BodyClass]) -> int:
+def _work(mechanism: AnyMechanism, classes: Iterable[BodyClass]) -> int:
     """The work of the loops over some classes in lanes, in entries of the blocks of the joints."""
     total = 0
     for of in classes:
@@ -76,7 +79,7 @@ def _work(mechanism: Mechanism, classes: Iterable[BodyClass]) -> int:
     return total
 
 
-def _as_members(mechanism: Mechanism, smaller: BodyClass, larger: BodyClass) -> tuple[Member, ...] | None:
+def _as_members(mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass) -> tuple[Member, ...] | None:
     """The bodies of a class as members of another one; None if they have what the bodies of that one have not."""
     first, own = larger.first, smaller.first
     if force_keys(first) != force_keys(own) or body_key(first) != body_key(own) or first.instance.coordinates.reason:
@@ -91,18 +94,25 @@ def _as_members(mechanism: Mechanism, smaller: BodyClass, larger: BodyClass) -> 
     return tuple(_member(member, first.handles, numbers) for member in smaller.members)
 
 
-def _fits(mechanism: Mechanism, handle: Handle, larger: Handle) -> bool:
+def _fits(mechanism: AnyMechanism, handle: Handle, larger: Handle) -> bool:
     """Whether the rows of a joint are the first ones of another, at the same marker of a body."""
     here, there = mechanism.joints[handle.joint], mechanism.joints[larger.joint]
     return (
         (handle.is_first, handle.marker) == (larger.is_first, larger.marker)
-        and here.type.axes is there.type.axes
+        and _axes(here) is _axes(there)
         and _rows(here) == _rows(there)[: here.multipliers]
     )
 
 
-def _rows(joint: JointInstance) -> list[tuple[object, ...]]:
+def _axes(joint: AnyJoint) -> Axes | None:
+    """The axes of the displacements that a joint in the plane removes."""
+    return None if isinstance(joint, SpatialJointInstance) else joint.type.axes
+
+
+def _rows(joint: AnyJoint) -> list[tuple[object, ...]]:
     """The rows that a joint removes or drives, with the values of the keys that they depend on."""
+    if isinstance(joint, SpatialJointInstance):
+        return [(row,) for row in joint.rows]
     rows = [*joint.type.removes, *([joint.type.driven] if joint.drive else ())]
     keys = joint.type.axes.keys
     return [(row, *(getattr(joint.joint, key.name) for key in (*keys, *row.keys))) for row in rows if row]

@@ -106,7 +106,7 @@ def _system(
         later,
         [Step(of.name, "", "", (*stores(output, unknowns), *_finite(unknowns)))],
         inputs,
-        {output: of.target(output, of.coordinate)},
+        {output: of.target(output, of.row)},
         in_lanes,
     )
     return _Solution(before, work, after)

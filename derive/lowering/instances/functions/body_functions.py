@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from derive.algebra import sp
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant, variable
 from derive.ir.kernel import Kernel
@@ -35,7 +36,7 @@ def mass(context: InstanceContext, function: ModelFunction) -> Kernel:
 def _mass_items(of: ClassCode, symbols: Symbols, shape: Pattern) -> tuple[list[StepItem], dict[str, LoopTarget]]:
     entries = of.context.mass_pattern().entries
     items = [*stores("M", [symbols(of.context.equations.mass[entry]) for entry in entries])]
-    place = of.place("mass", [shape.colptr[m.coordinate] for m in of.of.members])
+    place = of.place("mass", [shape.colptr[m.row] for m in of.of.members])
     return items, {"M": of.target("M", place)}
 
 
@@ -43,7 +44,7 @@ def mass_pattern(context: InstanceContext) -> Pattern:
     """The pattern of M, which is block-diagonal."""
     n = len(context.rows)
     entries = {
-        (m.coordinate + i, m.coordinate + j)
+        (m.row + i, m.row + j)
         for of in context.classes
         for i, j in of.context.mass_pattern().entries
         for m in of.of.members
@@ -53,7 +54,7 @@ def mass_pattern(context: InstanceContext) -> Pattern:
 
 def _force_items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
     items = [*stores("h", [symbols(h) for h in of.context.equations.force])]
-    return items, {"h": of.target("h", of.coordinate)}
+    return items, {"h": of.target("h", of.row)}
 
 
 def _force_result(context: InstanceContext) -> Result:
@@ -136,7 +137,9 @@ def _added(output: str, values: list[tuple[int, ca.SX]]) -> tuple[list[StepItem]
 
 def momentum(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the linear momentum, and of the angular momentum about the inertial origin."""
-    labels = ("linear_1", "linear_2", "angular")
+    linear, angular = (len(of) for of in _momenta(context))
+    of_angular = [f"angular_{k + 1}" for k in range(angular)] if angular > 1 else ["angular"]
+    labels = (*(f"linear_{k + 1}" for k in range(linear)), *of_angular)
 
     def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
         eq = of.context.equations
@@ -156,6 +159,12 @@ def momentum(context: InstanceContext, function: ModelFunction) -> Kernel:
     )
 
 
+def _momenta(context: InstanceContext) -> tuple[tuple[sp.Expr, ...], tuple[sp.Expr, ...]]:
+    """The linear and the angular momentum of the first body."""
+    equations = context.classes[0].context.equations
+    return equations.linear_momentum, equations.angular_momentum
+
+
 def rates(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of qdot: a copy of v as a whole where the rates of all bodies are their velocities."""
 
@@ -163,15 +172,15 @@ def rates(context: InstanceContext, function: ModelFunction) -> Kernel:
         values = [symbols(rate) for rate in of.context.equations.rates]
         return [*stores("qdot", values)], {"qdot": of.target("qdot", of.coordinate)}
 
-    count = len(context.rows)
+    count = context.coordinates
     copies = all([*of.context.equations.rates] == [*of.context.v.symbols] for of in context.classes)
     copy = StoreElement(Element("qdot", variable(INSTANCE)), Element("v", variable(INSTANCE)))
-    loops = [ForEach(INSTANCE, constant(0), constant(count), (copy,))] if copies else loops_of(context, items, "v")
+    loops = [ForEach(INSTANCE, constant(0), constant(count), (copy,))] if copies else loops_of(context, items, "q", "v")
     return kernel(
         context,
         function,
         {"qdot": Result(("body by body",), count=count)},
-        ("rates", "(1)", "in the plane qdot = v", loops),
+        ("rates", "(1)", "in the plane qdot = v" if copies else "time derivatives of quaternions", loops),
     )
 
 
@@ -181,16 +190,17 @@ def poses(context: InstanceContext, function: ModelFunction) -> Kernel:
     def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
         (pose,) = of.context.equations.poses
         values = [symbols(e) for _, e in pose.parts]
-        place = of.place("pose", [3 * m.number for m in of.of.members])
+        place = of.place("pose", [size * m.number for m in of.of.members])
         return [*stores("pose", values)], {"pose": of.target("pose", place)}
 
+    size = len(context.classes[0].context.equations.poses[0].parts)
     known = [
-        StoreElement(Element("pose", constant(3 * n + k)), value)
+        StoreElement(Element("pose", constant(size * n + k)), value)
         for n, instance in enumerate(context.mechanism.instances)
         if not instance.moves
         for k, value in enumerate(context.known.pose(instance.name))
     ]
-    count = 3 * len(context.mechanism.instances)
+    count = size * len(context.mechanism.instances)
     return kernel(
         context,
         function,

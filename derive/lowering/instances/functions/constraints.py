@@ -103,10 +103,7 @@ def _jacobian_positions(context: InstanceContext, of: ClassCode) -> list[list[tu
     for m in of.of.members:
         firsts = [context.first_rows[handle.joint] for handle in m.handles]
         result.append(
-            [
-                (firsts[local_rows[i][0]] + local_rows[i][1], m.coordinate + j)
-                for i, j in jacobian_pattern(of.context).entries
-            ]
+            [(firsts[local_rows[i][0]] + local_rows[i][1], m.row + j) for i, j in jacobian_pattern(of.context).entries]
         )
     return result
 
@@ -114,7 +111,7 @@ def _jacobian_positions(context: InstanceContext, of: ClassCode) -> list[list[tu
 def _varying_positions(context: InstanceContext, group: JointCode) -> list[list[tuple[int, int]]]:
     """The rows and columns in G of the entries of each varying joint of a group."""
     entries = jacobian_pattern(group.code.context).entries
-    of_joints = zip(group.own_rows(context.first_rows), group.coordinates, strict=True)
+    of_joints = zip(group.own_rows(context.first_rows), group.rows, strict=True)
     return [[(rows[i], columns[j]) for i, j in entries] for rows, columns in of_joints]
 
 

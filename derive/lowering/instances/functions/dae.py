@@ -45,26 +45,30 @@ class DaeLayout:
 
     def __init__(self, context: InstanceContext, form: str) -> None:
         self.context, self.form = context, form
-        self.coordinates, self.constraints = len(context.rows), len(context.multipliers)
-        self.blocks = len(PARTS[form])
-        self.size = 2 * self.coordinates + self.blocks * self.constraints
+        self.coordinates, self.rows = context.coordinates, len(context.rows)
+        self.constraints, self.blocks = len(context.multipliers), len(PARTS[form])
+        self.states = self.coordinates + self.rows
+        self.size = self.states + self.blocks * self.constraints
 
     def positions(self, of: ClassCode) -> list[list[int]]:
         """The indices in y, and in F, of the elements of each member of a class, in the order of its context."""
-        n, result = len(of.context.rows), []
-        for m in of.of.members:
-            own = [m.coordinate + k for k in range(n)]
-            first = 2 * self.coordinates
-            result.append([*own, *(self.coordinates + i for i in own), *self._joints(of, m, first, self.blocks)])
-        return result
+        coordinates, rows = (range(len(given.symbols)) for given in (of.context.q, of.context.v))
+        return [
+            [
+                *(m.coordinate + k for k in coordinates),
+                *(self.coordinates + m.row + k for k in rows),
+                *self._joints(of, m, self.states, self.blocks),
+            ]
+            for m in of.of.members
+        ]
 
     def parameter_rows(self, of: ClassCode) -> list[list[int]]:
         """The rows of the derivatives of each member of a class with respect to the parameters.
 
         They are its equations of motion, and g, gdot and G vdot - gamma of its joints.
         """
-        own, first = range(len(of.context.rows)), self.coordinates
-        return [[*(m.coordinate + k for k in own), *self._joints(of, m, first, 3)] for m in of.of.members]
+        own = range(len(of.context.rows))
+        return [[*(m.row + k for k in own), *self._joints(of, m, self.rows, 3)] for m in of.of.members]
 
     def _joints(self, of: ClassCode, member: Member, first: int, blocks: int) -> list[int]:
         """The indices of the constraints of a body in blocks of all constraints, which follow each other."""
@@ -83,25 +87,22 @@ class DaeLayout:
 
     def velocities(self, group: GroupCode) -> list[list[int]]:
         """The indices in y of the velocities of the bodies of each element of a group."""
-        return [[self.coordinates + k for k in own] for own in group.coordinates]
+        return [[self.coordinates + k for k in own] for own in group.rows]
 
     def joint_positions(self, group: JointCode) -> list[list[int]]:
         """The indices in y, and in F, of the elements in the equations of each varying joint of a group."""
-        return self._of_joints(group, 2, self.coordinates * 2, self.blocks)
+        of_bodies = zip(group.coordinates, self.velocities(group), strict=True)
+        return self._of_joints(group, [[*q, *v] for q, v in of_bodies], self.states, self.blocks)
 
     def joint_parameter_rows(self, group: JointCode) -> list[list[int]]:
         """The rows of the derivatives of each varying joint of a group with respect to the parameters."""
-        return self._of_joints(group, 1, self.coordinates, 3)
+        return self._of_joints(group, group.rows, self.rows, 3)
 
-    def _of_joints(self, group: JointCode, parts: int, first: int, blocks: int) -> list[list[int]]:
-        """The indices of coordinates in so many parts of all, then those of constraints in blocks of all."""
-        of_joints = zip(group.coordinates, group.own_rows(self.context.first_rows), strict=True)
+    def _of_joints(self, group: JointCode, of_bodies: list[list[int]], first: int, blocks: int) -> list[list[int]]:
+        """The indices of the bodies of each joint, then those of its constraints in blocks of all from `first` on."""
+        of_joints = zip(of_bodies, group.own_rows(self.context.first_rows), strict=True)
         return [
-            [
-                *(part * self.coordinates + k for part in range(parts) for k in own),
-                *(first + b * self.constraints + r for b in range(blocks) for r in rows),
-            ]
-            for own, rows in of_joints
+            [*own, *(first + b * self.constraints + r for b in range(blocks) for r in rows)] for own, rows in of_joints
         ]
 
     def joint_reads(self, group: JointCode, y: Input, ydot: Input) -> list[Loaded]:
@@ -109,7 +110,7 @@ class DaeLayout:
         positions = self.joint_positions(group)
         return [*loads(group.code, "y", y, positions), *loads(group.code, "ydot", ydot, positions)]
 
-    def states(self, group: GroupCode) -> list[Loaded]:
+    def states_of(self, group: GroupCode) -> list[Loaded]:
         """The places of the coordinates and the velocities of the bodies of a group."""
         ctx, positions = group.code.context, zip(group.coordinates, self.velocities(group), strict=True)
         return loads(group.code, "y", array_input("y", ctx.state, ""), [[*q, *v] for q, v in positions])
@@ -128,7 +129,7 @@ class DaeLayout:
 def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of F(t, y, ydot)."""
     form = DaeLayout(context, function.variant)
-    both, joints = 2 * form.coordinates, form.size - 2 * form.coordinates
+    both, joints = form.states, form.size - form.states
     body: list[Statement] = [Clear("F", joints, both)] if joints else []
     for b, part in enumerate(PARTS[form.form]):
         first = both + b * form.constraints
@@ -139,7 +140,7 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
         symbols = of.context.symbols(of.context.t, of.given, y, ydot)
         rows = residual_rows(of.context, form.form, symbols, stabilised=False)
         more = stabilising_rows(of.context, symbols) if form.form == "ggl" else []
-        target, own = scatter(of, "state", "F", form.positions(of), None), 2 * len(of.context.rows)
+        target, own = scatter(of, "state", "F", form.positions(of), None), len(of.context.state)
         added = replace(target, operator=Operator.ADD)
         shared = replace(added, index=partial(_behind, target, own))
         items = (*stores("own", rows[:own]), *stores("added", more), *stores("shared", rows[own:]))
@@ -166,7 +167,7 @@ def _between_bodies(context: InstanceContext, form: DaeLayout) -> list[Statement
         symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"))
         items = stores("F", [symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
         target = spread(code, "F", form.velocities(group), Operator.ADD)
-        result.append(code.loop(symbols, [Step(code.name, "(10)", "", items)], form.states(group), {"F": target}))
+        result.append(code.loop(symbols, [Step(code.name, "(10)", "", items)], form.states_of(group), {"F": target}))
     return result
 
 
@@ -204,11 +205,11 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
         matrix = ca.jacobian(rows, ca.vertcat(*symbols.values_of(ctx.q.symbols + ctx.v.symbols)))
         own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
         positions = [
-            [(form.coordinates + at[i], [*at, *(form.coordinates + k for k in at)][j]) for i, j in own]
-            for at in group.coordinates
+            [(form.coordinates + rows[i], [*at, *(form.coordinates + k for k in rows)][j]) for i, j in own]
+            for at, rows in zip(group.coordinates, group.rows, strict=True)
         ]
         entries |= {entry for member in positions for entry in member}
-        between.append((group, symbols, form.states(group), [matrix[i, j] for i, j in own], positions))
+        between.append((group, symbols, form.states_of(group), [matrix[i, j] for i, j in own], positions))
     for group in context.joints:
         code, ctx = group.code, group.code.context
         y, ydot = states(ctx, form.form)

@@ -46,7 +46,7 @@ class Markers:
             _doc(of, marker),
             _pattern(marker),
             tuple(Variable(identifier(text), "", "m", shown=text) for text in shown),
-            tuple(m.coordinate for m in of.of.members),
+            tuple(m.row for m in of.of.members),
         )
 
     @property
@@ -57,9 +57,10 @@ class Markers:
     def motion(self, context: InstanceContext, function: ModelFunction) -> Kernel:
         """The kernel of the position, the velocity and the Jacobian d(velocity)/dv of the marker of an instance."""
         of, marker = self._of[function.variant]
+        labels = tuple(f"x{k}" for k in range(1, len(marker.position) + 1))
         results = {
-            "x": Result(("x1", "x2")),
-            "xdot": Result(("x1dot", "x2dot")),
+            "x": Result(labels),
+            "xdot": Result(tuple(f"{label}dot" for label in labels)),
             "jacobian": Result(pattern=_pattern(marker)),
         }
         text = "x = c + Q r, its time derivative and its Jacobian"
@@ -110,7 +111,8 @@ def _number(of: ClassCode) -> dict[str, Argument]:
 def _pattern(marker: MarkerEquations) -> Pattern:
     """The pattern of the Jacobian in the generalised velocities of the body."""
     matrix = marker.jacobian
-    return pattern(2, matrix.cols, {(i, j) for i in range(2) for j in range(matrix.cols) if matrix[i, j] != 0})
+    rows = range(matrix.rows)
+    return pattern(matrix.rows, matrix.cols, {(i, j) for i in rows for j in range(matrix.cols) if matrix[i, j] != 0})
 
 
 def _only(loop: ForEach) -> ForEach:
@@ -139,4 +141,4 @@ def _load_loop(of: ClassCode, marker: MarkerEquations) -> ForEach:
         *define(symbols, tuple(d for d in marker.definitions if not d.zero)),
     )
     steps = (Step("F", "(10)", "", named), Step("f", "(10)", "", stores("f", [symbols(e) for e in marker.load])))
-    return of.loop(symbols, steps, state(of, "q"), {"f": of.target("f", of.coordinate)})
+    return of.loop(symbols, steps, state(of, "q"), {"f": of.target("f", of.row)})

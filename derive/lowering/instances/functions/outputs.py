@@ -51,7 +51,12 @@ def outputs(context: InstanceContext, function: ModelFunction) -> Kernel:
 
 def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
-    sizes = [len(context.rows)] * 3 + [len(context.multipliers), len(context.known.context.u.symbols)]
+    sizes = [
+        context.coordinates,
+        *[len(context.rows)] * 2,
+        len(context.multipliers),
+        len(context.known.context.u.symbols),
+    ]
     firsts = [0, *accumulate(sizes)]
     entries, parts = set[tuple[int, int]](), []
     for group in context.outputs:
@@ -68,10 +73,10 @@ def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kerne
                 matrix[:, first_input + j] += slope * symbols.values[derivative]
         own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
         positions = []
-        for rows, at, lam in zip(
-            _components(group), group.coordinates, group.reactions(context.first_rows), strict=True
+        for rows, at, of_v, lam in zip(
+            _components(group), group.coordinates, group.rows, group.reactions(context.first_rows), strict=True
         ):
-            places = [first + k for first in firsts[:3] for k in at]
+            places = [*at, *(first + k for first in firsts[1:3] for k in of_v)]
             places += [*(firsts[3] + k for k in lam), *range(firsts[4], firsts[5])]
             positions.append([(rows[i], places[j]) for i, j in own])
         entries |= {entry for member in positions for entry in member}
@@ -108,9 +113,9 @@ def _components(group: GroupCode) -> list[list[int]]:
 
 def _reads(context: InstanceContext, group: GroupCode) -> list[Loaded]:
     """The places of the state, the accelerations and the reactions of the bodies of an output."""
-    code, ctx, at = group.code, group.code.context, group.coordinates
-    named = (("q", ctx.q), ("v", ctx.v), ("vdot", ctx.vdot))
-    states = (entry for name, given in named for entry in loads(code, name, given, at))
+    code, ctx = group.code, group.code.context
+    named = (("q", ctx.q, group.coordinates), ("v", ctx.v, group.rows), ("vdot", ctx.vdot, group.rows))
+    states = (entry for of in named for entry in loads(code, *of))
     return [*states, *loads(code, "lam", ctx.lam, group.reactions(context.first_rows))]
 
 

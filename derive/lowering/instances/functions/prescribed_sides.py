@@ -36,7 +36,7 @@ def solve_kkt(context: InstanceContext, function: ModelFunction) -> Kernel:
 
     def prescribed(_: InstanceContext, of: ClassCode) -> Right:
         a = array_input("a", (local(f"a_{name}") for name in of.context.rows), "")
-        return Right([*a.symbols], [sp.S.Zero for _ in of.system.multipliers], (("a", of.coordinate, a),))
+        return Right([*a.symbols], [sp.S.Zero for _ in of.system.multipliers], (("a", of.row, a),))
 
     inputs = {
         "a": whole("a", len(context.rows), "right-hand side of the equations of motion"),

@@ -50,7 +50,7 @@ def parameter_jacobian(context: InstanceContext, function: ModelFunction) -> Ker
     form = DaeLayout(context, "index1")
     every = [rows for rows in _of_all(context, form) if rows.derivatives]
     known = list(_of_known(context))
-    first = form.coordinates + 3 * form.constraints
+    first = form.rows + 3 * form.constraints
     columns = len(context.mechanism.parameters) + len(context.known.context.u.symbols)
     entries = {entry for rows in every for member in rows.entries for entry in member}
     shape = pattern(first + len(context.output_components), columns, entries | {entry for entry, _ in known})
@@ -79,7 +79,7 @@ def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
         ctx = group.code.context
         symbols = _symbols(context, group.code, ctx.q, ctx.v)
         rows = [*dynamic_rows(ctx, symbols).values()]
-        yield _derivatives(context, group.code, symbols, rows, form.states(group), group.coordinates)
+        yield _derivatives(context, group.code, symbols, rows, form.states_of(group), group.rows)
     for joints in context.joints:
         ctx = joints.code.context
         y, ydot = states(ctx, "index1")
@@ -87,7 +87,7 @@ def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
         rows = [*dynamic_rows(ctx, symbols).values()]
         inputs = form.joint_reads(joints, y, ydot)
         yield _derivatives(context, joints.code, symbols, rows, inputs, form.joint_parameter_rows(joints))
-    first = form.coordinates + 3 * form.constraints
+    first = form.rows + 3 * form.constraints
     for group in context.outputs:
         ctx = group.code.context
         symbols = _symbols(context, group.code, ctx.q, ctx.v, ctx.vdot, ctx.lam)
@@ -134,7 +134,7 @@ def _of_known(context: InstanceContext) -> Iterator[tuple[tuple[int, int], str]]
 def _reads(context: InstanceContext, form: DaeLayout, group: GroupCode) -> list[Loaded]:
     """The places in y and ydot of the state, the accelerations and the reactions of the bodies of an output."""
     code, ctx, velocities = group.code, group.code.context, form.velocities(group)
-    reactions = [[2 * form.coordinates + k for k in own] for own in group.reactions(context.first_rows)]
+    reactions = [[form.states + k for k in own] for own in group.reactions(context.first_rows)]
     positions = [[*a, *b, *c] for a, b, c in zip(group.coordinates, velocities, reactions, strict=True)]
     y = array_input("y", (*ctx.state, *ctx.lam.symbols), "")
     return [*loads(code, "y", y, positions), *loads(code, "ydot", ctx.vdot, velocities)]

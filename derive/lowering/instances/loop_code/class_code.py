@@ -8,12 +8,13 @@ from fractions import Fraction
 
 import casadi as ca
 
-from derive.ir.analysis import expressions
+from derive.ir.analysis import expressions, reads
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.kernel import ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement
+from derive.lowering.attitude import attitude_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import Step, never_met
@@ -91,6 +92,8 @@ class LoopCode:
         used = {
             part.name for s in statements for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)
         }
+        checks = attitude_checks(self.context.equations, used)
+        used |= {name for check in checks for name in reads(check)}
         loads: list[InstanceItem] = []
         entries: list[Entry] = []
         for array, place, given in inputs:
@@ -98,7 +101,7 @@ class LoopCode:
             loads += [Let(name, Element(array, place.at(k))) for k, name in names]
             entries += _entries(place) if names else ()
         loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
-        body: list[InstanceItem] = []
+        body: list[InstanceItem] = [*checks]
         for statement in statements:
             if isinstance(statement, Store):
                 target = targets[statement.output]
@@ -166,7 +169,9 @@ class ClassCode(LoopCode):
         if self.varying:
             self.system = Context(replace(self.context.equations, constraints=equations.system.constraints))
             self.system.constants = constants
-        self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
+        coordinates, rows = [m.coordinate for m in of.members], [m.row for m in of.members]
+        self.coordinate = self.place("coordinate", coordinates)
+        self.row = self.coordinate if rows == coordinates else self.place("row", rows)
 
 
 def _entries(place: Place) -> tuple[Entry, ...]:

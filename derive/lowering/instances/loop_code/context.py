@@ -8,6 +8,7 @@ from fractions import Fraction
 from itertools import accumulate
 
 from derive.algebra import sp
+from derive.errors import SpecError
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
@@ -22,10 +23,18 @@ from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
-from derive.lowering.instances.classes.groups import Bodies, Group, force_equations, force_groups
+from derive.lowering.instances.classes.dimension import AnyMechanism
+from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.classes.output_groups import output_groups
+from derive.lowering.instances.classes.spatial_actions import action_groups
+from derive.lowering.instances.classes.spatial_outputs import (
+    missing_gears,
+    missing_outputs,
+    output_components,
+    spatial_output_groups,
+)
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget
@@ -33,8 +42,8 @@ from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode,
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.outputs.output_type import SumOutput
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
 from derive.spec.model.instances import identifier, joined
@@ -45,7 +54,7 @@ ZERO = Number(Fraction(0))
 class InstanceContext:
     """The data of all functions: the classes of bodies, the joints, the names of all elements, and constant arrays."""
 
-    def __init__(self, mechanism: Mechanism, sensitivities: bool = False, proximal: bool = False) -> None:
+    def __init__(self, mechanism: AnyMechanism, sensitivities: bool = False, proximal: bool = False) -> None:
         """proximal: whether redundant constraints have multipliers of least norm, see `derive.lowering.proximal`."""
         self.mechanism, self.proximal = mechanism, proximal
         self.places, self.constants = Places(), Constants(frozenset())
@@ -62,10 +71,17 @@ class InstanceContext:
             name: self._class(of, f"markers_{name}") for name, of in marker_classes(mechanism).items()
         }
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
-        self.forces = [self._group(group, force_equations(bodies, group)) for group in force_groups(bodies)]
-        self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
+        in_space = isinstance(mechanism, SpatialMechanism)
+        self.bodies = bodies
+        if in_space and (missing := (*missing_gears(bodies), *missing_outputs(bodies))):
+            raise SpecError(missing)
+        forces = action_groups(bodies) if in_space else force_groups(bodies)
+        self.forces = [self._group(group, equations) for group, equations in forces]
+        outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)
+        self.outputs = [self._group(group, equations) for group, equations in outputs]
         self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
+        self.coordinates = len(mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
         if sensitivities:
@@ -73,7 +89,7 @@ class InstanceContext:
             for code in self.codes:
                 for constant in derivatives(code.context.equations):
                     code.context.add_constant(constant)
-        elif mechanism.outputs and mechanism.scene.inputs:
+        elif mechanism.scene.outputs and mechanism.scene.inputs:
             self.known.differentiate(by_parameters=False)
 
     def _joined(self) -> list[ClassCode]:
@@ -117,6 +133,8 @@ class InstanceContext:
     @property
     def output_components(self) -> tuple[OutputEquation, ...]:
         """The components of all outputs in the order of the specification, without their values."""
+        if isinstance(self.mechanism, SpatialMechanism):
+            return output_components(self.bodies)
         units: dict[int, str] = {}
         for group in self.outputs:
             for element in group.elements:
@@ -134,7 +152,7 @@ class InstanceContext:
     @property
     def sums(self) -> list[tuple[int, SumOutput]]:
         """The outputs that are sums, with the number of the first component of each."""
-        outputs = self.mechanism.outputs
+        outputs = () if isinstance(self.mechanism, SpatialMechanism) else self.mechanism.outputs
         firsts = accumulate((len(output.type.labels) for output in outputs), initial=0)
         every = zip(firsts, (output.type for output in outputs), strict=False)
         return [(first, of) for first, of in every if isinstance(of, SumOutput)]
@@ -224,11 +242,10 @@ def kernel(
     inputs: Mapping[str, Argument] | None = None,
 ) -> Kernel:
     """The kernel of a function from its sections, with what is known computed before."""
-    n = len(context.rows)
     arguments = {
         "t": Argument("t", (), "time", scalar=True),
-        "q": whole("q", n, "generalised coordinates"),
-        "v": whole("v", n, "generalised velocities"),
+        "q": whole("q", context.coordinates, "generalised coordinates"),
+        "v": whole("v", len(context.rows), "generalised velocities"),
         "u": context.known.context.u.argument,
         "k": Argument("k", (), "constants from setup"),
         **(inputs or {}),
@@ -267,8 +284,8 @@ def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], ope
 
 def state(of: ClassCode, *names: str) -> list[Loaded]:
     """The places of the coordinates and velocities of a body of a class."""
-    given = {"q": of.context.q, "v": of.context.v}
-    return [(name, of.coordinate, given[name]) for name in names if name in given]
+    given = {"q": (of.coordinate, of.context.q), "v": (of.row, of.context.v)}
+    return [(name, *given[name]) for name in names if name in given]
 
 
 def given_inputs(of: LoopCode, *names: str) -> tuple[Input, ...]:
@@ -301,7 +318,7 @@ def force_loops(context: InstanceContext, array: str, sign: int = 1) -> list[For
         symbols = ctx.symbols(*given_inputs(of, "t", "q", "v"))
         inputs = group.state("q", "v")
         items = stores(array, [sign * symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
-        target = spread(of, array, group.coordinates, Operator.ADD)
+        target = spread(of, array, group.rows, Operator.ADD)
         result.append(of.loop(symbols, [Step(of.name, "(10)", "", items)], inputs, {array: target}))
     return result
 
@@ -321,7 +338,7 @@ def applied_forces(context: InstanceContext, of: ClassCode) -> tuple[Loaded, ...
     if not context.is_loaded(of):
         return ()
     symbols = (local(f"{APPLIED}_{name}") for name in of.context.rows)
-    return ((APPLIED, of.coordinate, array_input(APPLIED, symbols, "")),)
+    return ((APPLIED, of.row, array_input(APPLIED, symbols, "")),)
 
 
 def known_value(part: str, constraint: Constraint, sign: int = 1) -> Expr | None:

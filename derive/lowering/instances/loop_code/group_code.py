@@ -25,15 +25,20 @@ class GroupCode:
         return [list(element.coordinates) for element in self.elements]
 
     @property
+    def rows(self) -> list[list[int]]:
+        """The indices of the equations of motion of the bodies of each element, and of their velocities."""
+        return [list(element.rows) for element in self.elements]
+
+    @property
     def adds(self) -> bool:
         """Whether its elements are parts of sums."""
         return self.elements[0].adds
 
     def state(self, *names: str) -> list[Loaded]:
         """The places of the coordinates and velocities of the bodies of an element; `names` selects among q and v."""
-        ctx, at = self.code.context, self.coordinates
-        given = {"q": ctx.q, "v": ctx.v}
-        return [load for name in names if name in given for load in loads(self.code, name, given[name], at)]
+        ctx = self.code.context
+        given = {"q": (ctx.q, self.coordinates), "v": (ctx.v, self.rows)}
+        return [load for name in names if name in given for load in loads(self.code, name, *given[name])]
 
     def reactions(self, first_rows: Sequence[int]) -> list[list[int]]:
         """The indices of the multipliers of the joints of the bodies of each element."""

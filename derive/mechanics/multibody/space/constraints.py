@@ -21,28 +21,28 @@ from derive.spec.model.spatial_scene import SpatialJoint
 if TYPE_CHECKING:
     from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
-    from derive.mechanics.multibody.space.joints import SpatialJointType
 
 
 def spatial_constraints(
     joint: SpatialJoint,
-    joint_type: SpatialJointType,
+    relative: tuple[RelativeFunction, ...],
     first: FrameMotion,
     second: FrameMotion,
     drive: PrescribedMotion | None,
     rows: tuple[EquationOfMotion, ...],
 ) -> tuple[Constraint, ...]:
-    """The constraints of a joint and of its drive; `rows` are those of the whole mechanism."""
+    """The constraints of a joint and of its drive; `rows` are those of the whole mechanism.
+
+    relative: the functions of its frames that vanish, that of the drive behind the others if there is one.
+    """
     texts = {"markers": f"{joint.first} and {joint.second}", "second": joint.second.body, "joint": joint.name}
     result = []
-    for row in joint_type.rows(joint):
+    for row in relative[:-1] if drive else relative:
         doc = row.doc.format(**texts)
         result.append(_constraint(joint, joined(joint.name, row.label), doc, row, first, second, None, rows))
     if drive:
-        assert joint_type.driven is not None, "the specification refuses other drives"
-        row = joint_type.driven.row
-        doc = row.doc.format(drive=drive.name, **texts)
-        result.append(_constraint(joint, drive.name, doc, row, first, second, drive, rows))
+        doc = relative[-1].doc.format(drive=drive.name, **texts)
+        result.append(_constraint(joint, drive.name, doc, relative[-1], first, second, drive, rows))
     return tuple(result)
 
 

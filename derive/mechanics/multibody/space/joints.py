@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from derive.mechanics.multibody.space.constraints import spatial_constraints
 from derive.mechanics.multibody.space.rows import (
     DISPLACEMENTS,
     DISTANCE,
@@ -24,6 +25,8 @@ from derive.spec.model.spatial_scene import SpatialJoint
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
+    from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 
 _KEYS = {key.name: key for key in declared_keys(SpatialJoint)}
 
@@ -175,13 +178,32 @@ class SpatialJointInstance:
     @property
     def rows(self) -> tuple[RelativeFunction, ...]:
         """The rows that vanish, that of the drive behind those of the joint."""
-        driven = self.type.driven if self.drive else None
+        return self._rows(self.drive)
+
+    def _rows(self, drive: PrescribedMotion | None) -> tuple[RelativeFunction, ...]:
+        """The rows that vanish with a drive, whose row is the last one, or without."""
+        driven = self.type.driven if drive else None
         return (*self.type.rows(self.joint), *((driven.row,) if driven else ()))
 
     @property
     def multipliers(self) -> int:
         """The number of constraints, one for each row that the joint removes and one for its drive."""
         return len(self.rows)
+
+    def constraints(
+        self,
+        first: FrameMotion,
+        second: FrameMotion,
+        drive: PrescribedMotion | None,
+        rows: tuple[EquationOfMotion, ...],
+    ) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
+        """The constraints of the joint and of a drive for the motions of its markers, without intermediate quantities.
+
+        rows: those of the bodies whose factors in G are wanted. One of the motions may stand for any: the constraints
+        refer to no frames, through which they would act on both.
+        """
+        conditions = spatial_constraints(self.joint, self._rows(drive), first, second, drive, rows)
+        return (), tuple(replace(condition, frames=None) for condition in conditions)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equ
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
 from derive.mechanics.multibody.space.actions import loads_of
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
-from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad
+from derive.mechanics.multibody.space.forces import MarkerLoad
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion
 from derive.mechanics.multibody.space.output_parts import SpatialParts
@@ -21,7 +21,6 @@ from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
 from derive.mechanics.terms import (
     Constraint,
-    Coordinate,
     EquationOfMotion,
     SpatialPose,
 )
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from derive.mechanics.equations import Equations
     from derive.mechanics.multibody.bodies.body_type import ComponentDamping
     from derive.mechanics.multibody.instances import InstanceEquations
+    from derive.mechanics.multibody.space.forces import ActionLoads
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
     from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 
@@ -70,6 +70,46 @@ class SpatialMechanism(InstancesOfKinds):
         gears = (f"{g.gear.name} (gear)" for g in self.gears)
         return self.summary("mechanism in space", {"constraints": [*joints, *gears]})
 
+    @property
+    def joints_by_name(self) -> Mapping[str, SpatialJointInstance | SpatialEliminatedJoint]:
+        """All joints by their names, those that have eliminated coordinates as well."""
+        joints: dict[str, SpatialJointInstance | SpatialEliminatedJoint] = {j.joint.name: j for j in self.joints}
+        return joints | {j.joint.name: j for j in self.eliminated_joints}
+
+    def joint_of(self, f: SpatialActionInstance) -> SpatialJointInstance | SpatialEliminatedJoint | None:
+        """The joint between the markers of a spring, which may count its turns."""
+        between = self.scene.joint_between(*f.markers) if isinstance(f.element, SpatialSpring) else None
+        return None if between is None else self.joints_by_name[between.name]
+
+    def loads(
+        self, f: SpatialActionInstance, at: Callable[[MarkerRef], FrameMotion], rows: tuple[EquationOfMotion, ...]
+    ) -> ActionLoads:
+        """The loads of an action; at: the motions of its markers, rows: those of the bodies that these are on."""
+
+        def motion(joint: str) -> JointMotion:
+            return joint_motion(self.joints_by_name[joint], at, self.instances_by_name, rows)
+
+        joint = self.joint_of(f)
+        turns = None if joint is None else counted_rotation(joint, at, motion, f.markers[0])
+        return loads_of(f.element, f.markers, tuple(map(at, f.markers)), f.values, turns)
+
+    def pose(self, name: str, instance: InstanceEquations) -> SpatialPose:
+        """Position and rotation tensor of the body frame."""
+        frame = instance.frames[BODY_FRAME]
+        return SpatialPose(name, tuple(frame.position), tuple(frame.frame))
+
+    def doc(self, conditions: tuple[Constraint, ...]) -> str:
+        """A line that summarises what the mechanism consists of."""
+        return (
+            f"scene of {count_text(self.scene.bodies, 'bod', 'y in space', 'ies in space')}: "
+            f"{count_text(self.coordinates, 'coordinate')}, {count_text(self.rows, 'velocit', 'y', 'ies')}, "
+            f"{count_text(conditions, 'constraint')}, {count_text(self.rows[len(conditions) :], 'degree')} of freedom"
+        )
+
+    def frame_doc(self, by_table: bool = False) -> str:
+        """The description of the frames of the bodies, which is the same for all of them."""
+        return f"For several bodies {BETWEEN_BODIES}."
+
     def _equations(self) -> Equations:
         instances = self.equations_of_instances()
         frames = {GROUND: self.ground, **{name: instance.frames for name, instance in instances.items()}}
@@ -81,18 +121,12 @@ class SpatialMechanism(InstancesOfKinds):
         conditions = tuple(
             condition
             for j in self.joints
-            for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
+            for condition in spatial_constraints(j.joint, j.rows, at(j.joint.first), at(j.joint.second), j.drive, rows)
         )
-        of_name = {instance.name: instance for instance in self.instances}
-        joints: dict[str, SpatialJointInstance | SpatialEliminatedJoint] = {j.joint.name: j for j in self.joints}
-        joints |= {j.joint.name: j for j in self.eliminated_joints}
+        joints = self.joints_by_name
 
         def motion(joint: str) -> JointMotion:
-            return joint_motion(joints[joint], at, of_name, rows)
-
-        def turns_of(f: SpatialActionInstance) -> CountedRotation | None:
-            between = scene.joint_between(*f.markers) if isinstance(f.element, SpatialSpring) else None
-            return None if between is None else counted_rotation(joints[between.name], at, motion, f.markers[0])
+            return joint_motion(joints[joint], at, self.instances_by_name, rows)
 
         conditions += tuple(gear_constraint(gear, motion, rows) for gear in self.gears)
         in_order = [instances[name].definitions for name in self.order]
@@ -100,9 +134,7 @@ class SpatialMechanism(InstancesOfKinds):
         known += [(c.symbol, c.value) for c in chain(*(i.coefficients for i in instances.values()), self.constants)]
         known += [(d.symbol, d.expr) for d in chain(self.definitions, *in_order)]
         refuse_idle(conditions, scene.redundant, known)
-        actions = tuple(
-            loads_of(f.element, f.markers, tuple(map(at, f.markers)), f.values, turns_of(f)) for f in self.forces
-        )
+        actions = tuple(self.loads(f, at, rows) for f in self.forces)
         parts = SpatialParts(
             scene=scene,
             at=at,
@@ -122,14 +154,14 @@ class SpatialMechanism(InstancesOfKinds):
             ),
         )
         contributions = Gathered(
-            doc=_doc(scene, self.coordinates, rows, conditions),
-            frame_doc=f"For several bodies {BETWEEN_BODIES}.",
+            doc=self.doc(conditions),
+            frame_doc=self.frame_doc(),
             conditions=conditions,
             terms=tuple(term for action in actions for term in action.terms(at, rows)),
             potentials=tuple(action.potential for action in actions),
             definitions=tuple(definition for action in actions for definition in action.definitions),
             outputs=spatial_output_equations(scene.outputs, parts),
-            poses=tuple(_pose(name, instance) for name, instance in instances.items()),
+            poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
         )
         return equations_of_mechanism(self, instances, contributions)
 
@@ -150,23 +182,3 @@ def _joint_loads(
         f1, m1, f2, m2 = totals
         result[j.joint.name] = (MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2))
     return result
-
-
-def _pose(name: str, instance: InstanceEquations) -> SpatialPose:
-    """Position and rotation tensor of the body frame."""
-    frame = instance.frames[BODY_FRAME]
-    return SpatialPose(name, tuple(frame.position), tuple(frame.frame))
-
-
-def _doc(
-    scene: SpatialScene,
-    coordinates: tuple[Coordinate, ...],
-    rows: tuple[EquationOfMotion, ...],
-    conditions: tuple[Constraint, ...],
-) -> str:
-    """A line that summarises what a mechanism consists of."""
-    return (
-        f"scene of {count_text(scene.bodies, 'bod', 'y in space', 'ies in space')}: "
-        f"{count_text(coordinates, 'coordinate')}, {count_text(rows, 'velocit', 'y', 'ies')}, "
-        f"{count_text(conditions, 'constraint')}, {count_text(rows[len(conditions) :], 'degree')} of freedom"
-    )

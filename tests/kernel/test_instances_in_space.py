@@ -1,0 +1,193 @@
+"""Loops over bodies in space compute what straight-line code computes, and say what they do not have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from random_graphs import Graph, _state
+from test_instance_graphs import LATER, SOLVED, TOLERANCE, System, among, of_marker, results, terms
+
+import derive
+from corpus.summed_terms import worst
+from derive.errors import SpecError
+from derive.ir.kernel import Kernel
+from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.lower import lower_instances
+from derive.simulation.observables.default_plots import default_plots
+from derive.spec.toml.read import parse
+
+TURNED = "rotation = { z = [0, 1, 0], x = [1, 0, 0] }"
+LINKS = """
+name = "links"
+[scene]
+gravity = [0.5, 0, -9.81]
+lowering = "instances"
+[ground.markers]
+hook = {{ at = [0, 0, 0], {turned} }}
+[bodies.link]
+count = {count}
+mass = "1 + i/10"
+keep_coordinates = true
+centre = [0.5, 0, 0]
+inertia = [0.02, 0.09, 0.1, 0.003, -0.004, 0.005]
+[bodies.link.markers]
+a = {{ at = [0, 0, 0], {turned} }}
+b = {{ at = [1, 0, 0], {turned} }}
+[joints.hook]
+kind = "{kind}"
+between = ["ground.hook", "link[0].a"]
+[joints.hinge]
+count = {joints}
+kind = "{kind}"
+between = ["link[i].b", "link[i+1].a"]
+"""
+MIXED = """
+name = "mixed"
+[scene]
+gravity = [0, 0, -9.81]
+lowering = "instances"
+[ground.markers]
+pivot = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
+aside = [3, 1, 0]
+[bodies.arm]
+mass = 2
+centre = [0.4, 0.1, 0]
+inertia = [0.02, 0.09, 0.1, 0, 0, 0]
+markers = { hub = [0, 0, 0], end = [1, 0, 0] }
+[bodies.ball]
+count = 2
+mass = 1
+inertia = [0.02, 0.03, 0.04, 0, 0, 0.001]
+markers = { left = [-0.3, 0, 0], right = [0.4, 0.1, 0] }
+[joints.shaft]
+kind = "revolute"
+between = ["ground.pivot", "arm.hub"]
+[joints.socket]
+kind = "spherical"
+between = ["arm.end", "ball[0].left"]
+[joints.slide]
+kind = "prismatic"
+between = ["ball[0].right", "ball[1].left"]
+[drives.push]
+joint = "slide"
+motion = "0.1*sin(3*t)"
+[forces.blow]
+at = "ball[1].right"
+force = ["3*t", 0, 1]
+frame = "body"
+[springs.rope]
+between = ["ball[1].right", "ground.aside"]
+stiffness = 30
+rest = 0.5
+damping = 0.2
+[outputs.place]
+kind = "position"
+marker = "ball[1].right"
+frame = "arm.end"
+"""
+
+
+def chain(kind: str, count: int) -> derive.SpatialScene:
+    """A chain of links that hangs from the ground, all with joints of one kind; the masses differ."""
+    return parse(LINKS.format(kind=kind, count=count, joints=count - 1, turned=TURNED))
+
+
+@cache
+def both(scene: derive.SpatialScene, explicit: bool) -> Graph:
+    """A scene lowered both ways, and a random state in which no constraint is met."""
+    mechanism = derive.derive(scene)
+    flat = lower_flat(mechanism.expanded(), explicit=explicit)
+    loops = lower_instances(mechanism, explicit=explicit)
+    return Graph(scene, "", flat, loops, _state(flat, scene, np.random.default_rng(1)))
+
+
+def check(of: Graph) -> None:
+    """Sums agree relative to their terms, and what is solved for leaves no more than rounding errors."""
+    names = [of_marker(of.instances, kernel.name)[0].name for kernel in of.flat.kernels]
+    assert [*dict.fromkeys(names)] == [kernel.name for kernel in of.instances.kernels]
+    for table in ("coordinates", "velocities", "multipliers", "outputs", "equations"):
+        flat, loops = getattr(of.flat, table), getattr(of.instances, table)
+        assert [(v.name, v.unit, v.doc) for v in flat] == [(v.name, v.unit, v.doc) for v in loops]
+    for kernel in of.flat.kernels:
+        if kernel.name not in ("setup", *SOLVED):
+            apart = _apart(of, kernel)
+            assert apart <= TOLERANCE, f"{kernel.name}: {apart:.2g} of the summed terms"
+    system = System(of)
+    flat, loops = (results(of, model, "solve") for model in (of.flat, of.instances))
+    motion, joints = system.residuals(loops["vdot"], loops["lam"])
+    assert motion <= TOLERANCE
+    assert joints <= TOLERANCE
+    assert system.norm(loops["vdot"] - flat["vdot"]) <= system.bound(system.forces(flat["lam"]))
+    assert np.array_equal(results(of, of.instances, "accel")["vdot"], loops["vdot"])
+    by_flat, by_loops = (results(of, model, "project_velocity")["dv"] for model in (of.flat, of.instances))
+    assert system.norm(by_loops - by_flat) <= TOLERANCE * system.condition * system.norm(by_flat)
+
+
+def _apart(of: Graph, kernel: Kernel) -> float:
+    """The largest difference of the results of a function relative to their terms; patterns may have other zeros."""
+    values = [_by_place(of, kernel, loops) for loops in (False, True)]
+    sizes, summed = [0, *accumulate(output.size for output in kernel.outputs)], terms(of, kernel.name)
+    largest = 0.0
+    for output, (first, stop) in zip(kernel.outputs, pairwise(sizes), strict=True):
+        a, b = (v[output.name] for v in values)
+        scale = dict(zip(a, summed[first:stop], strict=True))
+        places = [*a, *(place for place in b if place not in a)]
+        numbers = ([v.get(place, 0.0) for place in places] for v in (a, b, scale))
+        largest = max(largest, worst(*map(np.array, numbers)) if places else 0.0)
+    return largest
+
+
+def _by_place(of: Graph, kernel: Kernel, loops: bool) -> dict[str, dict[Any, float]]:
+    """The results of a function by their places: indices, or rows and columns."""
+    model = of.instances if loops else of.flat
+    own, number = of_marker(model, kernel.name)
+    result = {}
+    for output in own.outputs:
+        shape = among(model, kernel.name) if number and output.pattern else output.pattern
+        values = results(of, model, kernel.name)[output.name]
+        result[output.name] = dict(zip(shape.entries if shape else range(len(values)), values, strict=True))
+    return result
+
+
+@pytest.mark.parametrize("kind", ["spherical", *(pytest.param(k, marks=LATER) for k in ("revolute", "fixed"))])
+def test_chains(kind: str) -> None:
+    check(both(chain(kind, 3), explicit=kind == "spherical"))
+
+
+@pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=LATER)])
+def test_a_drive_a_spring_a_force_and_an_output_of_motion(explicit: bool) -> None:
+    """One body has minimal coordinates, and the joint that slides has axes that move with a body."""
+    of = both(parse(MIXED), explicit)
+    assert len(of.instances.multipliers) == 3 + 6
+    check(of)
+
+
+def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
+    """From two bodies between the first and the last on."""
+    few, many = (derive.lower(derive.derive(chain("spherical", count)), explicit=True) for count in (4, 30))
+    sizes = [[len(str(kernel.statements)) for kernel in model.kernels] for model in (few, many)]
+    assert many.lowering == "instances"
+    assert np.abs(np.diff(np.log(np.array(sizes) + 1.0), axis=0)).max() < 0.2
+
+
+def test_default_plots_name_the_columns_of_instances() -> None:
+    """The angular velocities are columns under their names for people."""
+    model = both(parse(MIXED), explicit=True).instances
+    curves = [plot.quantity for plot in default_plots(replace(parse(MIXED), outputs=()), model)]
+    assert any("ball[1]_omega2" in getattr(curve, "y", ()) for curve in curves)
+
+
+def test_what_loops_in_space_do_not_have_is_refused_at_once() -> None:
+    """Gears, and outputs that depend on more than motions."""
+    more = '[outputs.all]\nkind = "energy"\n[outputs.held]\nkind = "reaction"\njoint = "socket"\n'
+    with pytest.raises(SpecError) as error:
+        derive.lower(derive.derive(parse(MIXED + more)), explicit=True)
+    assert [(p.path, p.message) for p in error.value.problems] == [
+        (f"outputs.{name}", f'loops over bodies in space have no output "{kind}"; use lowering = "flat" or "auto"')
+        for name, kind in (("all", "energy"), ("held", "reaction"))
+    ]
