@@ -32,7 +32,8 @@ from derive.spec.model.forces import SceneForce
 from derive.spec.model.instances import instance_name, joined
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
-from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad, SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialAction, SpatialJointLoad
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene

@@ -28,7 +28,8 @@ from derive.simulation.observables.spatial_player_data import (
 )
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.spatial_bodies import FlexibleBody, SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 
 

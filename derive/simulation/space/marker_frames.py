@@ -14,7 +14,8 @@ from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame
 from derive.spec.model.spatial_scene import SpatialScene
 
 
