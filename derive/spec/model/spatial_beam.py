@@ -238,3 +238,4 @@ DEFLECTION_FIELDS = tuple(field.name for field in fields(AssumedDeflection))
 """The fields of a beam that make up its assumed deflection."""
 
 SpatialBody = SpatialRigidBody | FlexibleBody | SpatialBeam
+"""A body of a scene in space."""

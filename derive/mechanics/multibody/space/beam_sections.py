@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_functions import rational
+from derive.mechanics.bodies.beam_functions import BeamFunction, rational
 from derive.mechanics.bodies.section_fields import SectionShape, second_rotation, section_shapes, shortening_of
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
@@ -22,7 +23,7 @@ from derive.spec.model.body import DisplacementOrder
 if TYPE_CHECKING:
     from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
 
-Vectors = Mapping[tuple[int, ...], Mapping[int, sp.Expr]]
+Vectors: TypeAlias = "dict[tuple[int, ...], dict[int, sp.Expr]]"
 """Vectors by the numbers of modes, with their components by axes."""
 
 
@@ -32,10 +33,13 @@ def section_at(marker: SectionFrame, beam: SpatialBeam) -> CrossSection:
     pairs: list[tuple[int, int]] = []
     if beam.order is not DisplacementOrder.FIRST_ORDER:
         pairs += combinations_with_replacement(range(1, len(shapes) + 1), 2)
-    first = {(i,): _at(shape.rotation, at, 2 / length) for i, shape in enumerate(shapes, 1)}
+    first: Vectors = {(i,): _at(shape.rotation, at, 2 / length) for i, shape in enumerate(shapes, 1)}
     of_pairs = {(i, j): (shapes[i - 1], shapes[j - 1]) for i, j in pairs}
-    second = {pair: _at(second_rotation(*both, beam.frame), at, (2 / length) ** 2) for pair, both in of_pairs.items()}
-    shortened = {pair: _at({1: shortening_of(*both, beam.frame)}, at, 2 / length) for pair, both in of_pairs.items()}
+    second: Vectors = {}
+    shortened: Vectors = {}
+    for pair, both in of_pairs.items():
+        second[pair] = _at(second_rotation(*both, beam.frame), at, (2 / length) ** 2)
+        shortened[pair] = _at({1: shortening_of(*both, beam.frame)}, at, 2 / length)
     rotation = f"rotation of the section at marker {marker.name}"
     turns = tuple(_constants(Family.SECTION_ROTATION, first, marker.name, rotation, "1/m", "(21)"))
     turns += tuple(_constants(Family.SECTION_ROTATION, second, marker.name, rotation, "1/m^2", Source.SECOND_ORDER))
@@ -64,16 +68,16 @@ def section_at(marker: SectionFrame, beam: SpatialBeam) -> CrossSection:
     )
 
 
-def _at(functions: Mapping[int, object], at: object, unit: sp.Expr) -> dict[int, sp.Expr]:
+def _at(functions: Mapping[int, BeamFunction], at: Fraction, unit: sp.Expr) -> dict[int, sp.Expr]:
     """The values of functions of xi at a position, in a unit, by axes; those that vanish are left out."""
-    values = {axis: unit * rational(of.at(at)) for axis, of in functions.items()}  # type: ignore[attr-defined]
+    values = {axis: unit * rational(of.at(at)) for axis, of in functions.items()}
     return {axis: value for axis, value in values.items() if value != 0}
 
 
-def _displacement(shape: SectionShape, at: object) -> sp.ImmutableMatrix:
+def _displacement(shape: SectionShape, at: Fraction) -> sp.ImmutableMatrix:
     """The displacement of the axis by a unit amplitude."""
     of = shape.displacement
-    return sp.ImmutableMatrix([rational(of[k].at(at)) if k in of else 0 for k in AXES])  # type: ignore[arg-type]
+    return sp.ImmutableMatrix([rational(of[k].at(at)) if k in of else 0 for k in AXES])
 
 
 def _constants(
