@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from functools import cache
 from itertools import combinations_with_replacement, product
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -40,6 +42,11 @@ ROD: dict[str, Any] = {
     "ansatz": SHAPES,
     "markers": {"left": {"at": -1}, "right": 1},
 }
+DATA = Path(__file__).parents[1] / "second_order" / "rotating_cantilever.json"
+KNOWN = json.loads(DATA.read_text())["inextensible"]
+    "inextensible"
+]
+"""The frequencies of a rotating cantilever in units of sqrt(EI/(m l^3))."""
 FRAMES: tuple[Any, ...] = ("mean", "chord", {"kind": "tangent", "at": -1}, {"kind": "point", "at": "1/3"})
 
 
@@ -333,3 +340,70 @@ def test_motion_in_a_plane_is_that_of_the_planar_beam(order: int, frame: Any) ->
     in_plane = np.r_[both[:2], both[5:9], both[13]]
     assert np.abs(in_plane - ours).max() < 2e-13 * np.abs(ours).max()
     assert not np.any(np.r_[both[2:5], both[9:13]])
+
+
+# ---- loads and rotation
+
+
+def cantilever(order: int = 2, **changes: Any) -> derive.SpatialScene:
+    """A cantilever of unit length, mass and lateral stiffness, clamped at its left end."""
+    rod: dict[str, Any] = {
+        "length": 1,
+        "mass": 1,
+        "bending_stiffness": 1,
+        "rotary_inertia": "1/100000",
+        "torsion": {"ansatz": ["xi"], "stiffness": 1},
+        "frame": {"kind": "tangent", "at": -1},
+        "ansatz": [f"xi^{power}" for power in range(6)],
+        "order": order,
+        "markers": {"left": -1, "right": 1},
+    }
+    given = {
+        "ground": {"root": (0, 0, 0)},
+        "joints": {"root": {"kind": "fixed", "between": ["ground.root", "rod.left"]}},
+    }
+    given |= {key: changes.pop(key) for key in tuple(changes) if key in SECTIONS}
+    bodies = {"rod": rod | changes, **given.pop("others", {})}
+    return derive.spatial_scene("cantilever", bodies=bodies, **given)
+
+
+SECTIONS = ("ground", "joints", "forces", "drives", "others", "start")
+
+
+def growth(load: float) -> float:
+    """The largest square of an eigenvalue (1/s^2) of a beam that is stiff in the plane of its end load (N)."""
+    twist = {"ansatz": ["xi", "xi^2", "xi^3"], "stiffness": 1}
+    scene = cantilever(
+        bending_stiffness=1000,
+        lateral={"bending_stiffness": 1},
+        torsion=twist,
+        rotary_inertia="1/1000",
+        forces={"end": {"at": "rod.right", "force": [0, -load, 0]}},
+    )
+    return float(np.max([(mode.eigenvalue**2).real for mode in derive.modes(scene).modes]))
+
+
+@pytest.mark.long
+def test_cantilever_buckles_laterally() -> None:
+    """A cantilever with an end load in its stiff plane buckles out of it at 4.013 sqrt(EI GJ)/l^2."""
+    assert growth(3.99) < 0 < growth(4.04)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [1, 3])
+def test_rotating_cantilever(number: int) -> None:
+    """The first frequencies of a rotating cantilever in lag and in flap are those of an inextensible beam."""
+    spin = KNOWN["mu"][number]
+    shaft = {"markers": {"hub": (0, 0, 0), "root": (0, 0, 0)}}
+    scene = cantilever(
+        others={"shaft": shaft},
+        ground={"hub": (0, 0, 0)},
+        joints={
+            "hub": {"kind": "revolute", "between": ["ground.hub", "shaft.hub"]},
+            "root": {"kind": "fixed", "between": ["shaft.root", "rod.left"]},
+        },
+        drives={"spin": {"joint": "hub", "speed": spin}},
+        start="steady",
+    )
+    found = sorted(abs(mode.eigenvalue.imag) for mode in derive.modes(scene).modes)[:2]
+    assert found == pytest.approx([KNOWN["chordwise"][number], KNOWN["flapwise"][number]], rel=5e-4)
