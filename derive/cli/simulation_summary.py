@@ -13,6 +13,7 @@ from derive.percentages import percent
 from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import Plot
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import warnings
@@ -61,7 +62,7 @@ def _run(pieces: Pieces, trajectory: Trajectory) -> Plain:
     solution = trajectory.solution
     return {
         "pieces": dict(pieces),
-        "finite_elements": [] if trajectory.body else _finite_elements(trajectory),
+        "finite_elements": [] if trajectory.body else _flexible_in_space(trajectory),
         "coordinates": len(trajectory.model.coordinates),
         "constraints": len(trajectory.model.multipliers),
         "steps": solution.cost.steps,
@@ -72,9 +73,9 @@ def _run(pieces: Pieces, trajectory: Trajectory) -> Plain:
     }
 
 
-def _finite_elements(trajectory: Trajectory) -> list[str]:
-    """The names of the finite-element bodies of a scene."""
-    return [body.name for body in trajectory.scene.bodies if isinstance(body, FlexibleBody)]
+def _flexible_in_space(trajectory: Trajectory) -> list[str]:
+    """The names of the flexible bodies of a scene in space."""
+    return [body.name for body in trajectory.scene.bodies if isinstance(body, (FlexibleBody, SpatialBeam))]
 
 
 def _of_body(trajectory: Trajectory) -> Plain:

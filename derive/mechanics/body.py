@@ -12,7 +12,7 @@ from derive.mechanics.generic_forces import FORCES
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family, quantity
-from derive.mechanics.tables import CoefficientTable, planar_tables
+from derive.mechanics.tables import PLANAR_DOCS, CoefficientTable, exact_tables
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.mechanics.virtual_work_equations import VirtualWork, virtual_work
 from derive.spec.model.body import DisplacementOrder
@@ -145,5 +145,5 @@ def planar_body(
     fields: int = 0,
 ) -> Body:
     """A planar body given by its shape integrals and its stiffness, entry by entry."""
-    tables, values = planar_tables(constants), ExactValues(constants)
+    tables, values = exact_tables(constants, PLANAR_DOCS, 2), ExactValues(constants)
     return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity, order, fields)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from derive.algebra import sp
 from derive.garbage_collection import paused
 from derive.mechanics import zeros
+from derive.mechanics.cubic_stiffness import cubic_energy, cubic_terms
 from derive.mechanics.equations import Equations
 from derive.mechanics.expanded_sums import ExpandedSums, expanded_moments, expanded_sums
 from derive.mechanics.generic_forces import generic_forces
@@ -40,6 +41,7 @@ def expand(body: Body) -> Equations:
     inertia = (*work.rigid, *_of_each_mode(body.field_motion, work.generic))
     weight = (*work.rigid_weight, *_of_each_mode(body.field_motion, work.generic_weight)) if body.gravity else ()
     applied = tuple(chain.from_iterable(_of_each_mode(motion, (force.term,)) for force in forces))
+    applied += tuple(cubic_terms(body.constants, motion))
     written = expanded.written
 
     def total(*exprs: sp.Expr) -> sp.Expr:
@@ -62,7 +64,7 @@ def expand(body: Body) -> Equations:
         mass=mass_matrix(motion.rows, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons, _absent((*inertia, *applied), sums)),
         kinetic_energy=total(work.kinetic_energy, *(force.kinetic for force in forces)),
-        strain_energy=total(*(force.strain for force in forces)),
+        strain_energy=total(*(force.strain for force in forces), cubic_energy(body.constants, motion)),
         weight_energy=total(work.weight_energy) if body.gravity else None,
         linear_momentum=tuple(map(total, work.linear_momentum)),
         angular_momentum=tuple(map(total, work.angular_momentum)),

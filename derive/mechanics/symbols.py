@@ -84,6 +84,7 @@ class Family(Enum):
     C10 = "c10", Kind.INTEGRAL
     FIELD_WEIGHT = "z", Kind.INTEGRAL
     STIFFNESS = "K", Kind.INTEGRAL
+    CUBIC_STIFFNESS = "K3", Kind.INTEGRAL
     PRELOAD = "N", Kind.INTEGRAL
     DAMPING = "B", Kind.INTEGRAL
     ROTARY = "R", Kind.INTEGRAL
@@ -129,6 +130,7 @@ class Family(Enum):
     INERTIAL_OMEGA = "w", Kind.MOVING_POINT
     FRAME_AXES = "A", Kind.MOVING_POINT
     SECTION_VECTOR = "theta", Kind.MOVING_POINT
+    SECTION_TANGENT = "dtheta", Kind.MOVING_POINT
     SECTION_SCALE = "scale", Kind.MOVING_POINT
     SECTION_SPIN = "nu", Kind.MOVING_POINT
     SECTION_VELOCITY = "vrel", Kind.MOVING_POINT

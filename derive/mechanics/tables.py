@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import combinations_with_replacement, product
 from typing import TYPE_CHECKING
@@ -32,6 +32,7 @@ INDICES = {
     Family.C10: 2,
     Family.FIELD_WEIGHT: 3,
     Family.STIFFNESS: 2,
+    Family.CUBIC_STIFFNESS: 3,
     Family.PRELOAD: 1,
     Family.DAMPING: 2,
     Family.ROTARY: 2,
@@ -96,7 +97,7 @@ class CoefficientTable:
         """The components of an entry: 1 2 3, or 11 12 13 22 23 33; a single empty one for a scalar."""
         if self.dimension == 2:
             return ((1,), (2,)) if self.family in VECTORS else ((),)
-        if self.family in SCALARS:
+        if self.family in (*SCALARS, Family.CUBIC_STIFFNESS, Family.PRELOAD):
             return ((),)
         return PAIRS if self.family in TENSORS else tuple((k,) for k in AXES)
 
@@ -174,6 +175,7 @@ OPTIONAL = (
     Family.C9,
     Family.C10,
     Family.FIELD_WEIGHT,
+    Family.CUBIC_STIFFNESS,
     Family.PRELOAD,
     Family.DAMPING,
     Family.ROTARY,
@@ -181,20 +183,26 @@ OPTIONAL = (
 """Tables that not every body has."""
 
 
-def planar_tables(constants: Sequence[ModelConstant]) -> tuple[CoefficientTable, ...]:
-    """The tables that exact constants of a planar body make up: those that vanish, are diagonal, or full."""
+def exact_tables(
+    constants: Sequence[ModelConstant], docs: Mapping[Family, tuple[str, str]], dimension: int
+) -> tuple[CoefficientTable, ...]:
+    """The tables that exact constants of a body make up: those that vanish, are diagonal, or full.
+
+    docs: the descriptions and units of the tables, in their order.
+    """
     tables = []
-    for family, (doc, unit) in PLANAR_DOCS.items():
+    for family, (doc, unit) in docs.items():
         of_family = [c for c in constants if c.symbol.identity.family is family]
+        full = CoefficientTable(family, TableKind.FULL, doc, unit, dimension=dimension)
         if of_family:
-            tables.append(_planar_table(CoefficientTable(family, TableKind.FULL, doc, unit, dimension=2), of_family))
+            tables.append(_table_of(full, of_family))
         elif INDICES[family] and family not in OPTIONAL:
             deforms = any(INDICES[c.symbol.identity.family] for c in constants)
-            tables.append(CoefficientTable(family, TableKind.ZERO, doc, unit, ODD if deforms else NO_SHAPES, "", 2))
+            tables.append(replace(full, kind=TableKind.ZERO, zero=ODD if deforms else NO_SHAPES))
     return tuple(tables)
 
 
-def _planar_table(full: CoefficientTable, constants: Sequence[ModelConstant]) -> CoefficientTable:
+def _table_of(full: CoefficientTable, constants: Sequence[ModelConstant]) -> CoefficientTable:
     reasons = {component: _reason(constants, component) for component in full.components}
     vanishing = tuple((component, reason) for component, reason in reasons.items() if reason)
     kind, zero = TableKind.FULL, ""
@@ -205,9 +213,7 @@ def _planar_table(full: CoefficientTable, constants: Sequence[ModelConstant]) ->
             kind, zero = TableKind.DIAGONAL, str(off[0].zero)
     elif full.counted == 2:
         kind = TableKind.DIAGONAL
-    return CoefficientTable(
-        full.family, kind, full.doc, full.unit, zero, "", 2, () if kind is TableKind.ZERO else vanishing
-    )
+    return replace(full, kind=kind, zero=zero, vanishing=() if kind is TableKind.ZERO else vanishing)
 
 
 def _reason(constants: Iterable[ModelConstant], component: tuple[int, ...]) -> str:

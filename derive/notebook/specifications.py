@@ -12,6 +12,7 @@ from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, BeamBody, Scene
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.spec_text import body_kind, quantity_text, shapes_text, simulation_text
@@ -62,6 +63,9 @@ def _body(body: Any) -> str:
         beam = body.beam
         mass, length = quantity_text(beam.mass, "kg"), quantity_text(beam.length, "m")
         return f"{mass}, {length}, bending stiffness {quantity_text(beam.bending_stiffness, 'N m^2')}"
+    if isinstance(body, SpatialBeam):
+        both = " and ".join(quantity_text(x, "N m^2") for x in dict.fromkeys(body.bending_stiffnesses))
+        return f"{quantity_text(body.mass, 'kg')}, {quantity_text(body.length, 'm')}, bending stiffness {both}"
     if isinstance(body, FlexibleBody):
         return f"{counted(len(body.body.data.positions), 'node')}, {body.body.frame.kind} frame"
     constant = getattr(body, "mass", None)

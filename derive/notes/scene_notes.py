@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.outputs.registry import output_type
+from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
-from derive.mechanics.multibody.space.rigid import SPATIAL_BODIES
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import Scene
 from derive.spec.model.specification import AnyScene

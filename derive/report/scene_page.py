@@ -36,6 +36,7 @@ from derive.report.sections.zeros import vanished_blocks
 from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
@@ -101,6 +102,7 @@ def scene_page(
 def _orders(spec: AnyScene) -> set[DisplacementOrder]:
     """The orders of the displacements of flexible bodies."""
     beams = {body.beam.order for body in spec.bodies if isinstance(body, BeamBody)}
+    beams |= {body.order for body in spec.bodies if isinstance(body, SpatialBeam)}
     return beams | {body.body.order for body in spec.bodies if isinstance(body, FlexibleBody)}
 
 

@@ -35,6 +35,7 @@ from derive.simulation.observables.motion import drive_unit
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import BeamBody, Joint
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialJoint
 from derive.spec.model.specification import AnyScene
@@ -256,7 +257,7 @@ def _labels(joint: Joint | SpatialJoint) -> tuple[str, ...]:
 
 def _taken_as_rigid(scene: AnyScene) -> str:
     """The word for the bodies of a scene that may deform; an empty text if all are rigid."""
-    if any(isinstance(body, BeamBody) for body in scene.bodies):
+    if any(isinstance(body, (BeamBody, SpatialBeam)) for body in scene.bodies):
         return "beams"
     return "bodies" if any(isinstance(body, FlexibleBody) for body in scene.bodies) else ""
 

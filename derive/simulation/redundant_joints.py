@@ -21,7 +21,8 @@ from derive.simulation.errors import (
 )
 from derive.simulation.scene_start import state_of
 from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
-from derive.spec.model.spatial_bodies import SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 

@@ -22,6 +22,7 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
+from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
 from derive.spec.model.spatial_bodies import NO_ROTATION, FlexibleBody, FrameMarker, NodeFrame
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
@@ -135,6 +136,15 @@ def _frame_marker(marker: FrameMarker) -> Any:
     return at if marker.rotation == NO_ROTATION else {"at": at, "rotation": [*marker.rotation]}
 
 
+def _section_frame(marker: SectionFrame) -> Any:
+    at = as_table(marker.at)
+    return at if marker.rotation == NO_ROTATION else {"at": at, "rotation": [*marker.rotation]}
+
+
+def _order_number(order: DisplacementOrder) -> Data:
+    return {"order": 1 if order is DisplacementOrder.FIRST_ORDER else 2}
+
+
 def _order(order: DisplacementOrder) -> Data:
     match order:
         case DisplacementOrder.FIRST_ORDER:
@@ -200,6 +210,8 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     FrameMarker: _frame_marker,
     FlexibleBody: _flexible_body,
     NodeFrame: _node_frame,
+    SectionFrame: _section_frame,
+    SpatialBeam: lambda beam: {**_declared(beam), "orthogonal": beam.orthogonal, **_order_number(beam.order)},
     SpatialJoint: _of_kind,
     SpatialSpring: lambda s: {"kind": s.kind, "between": [str(s.first), str(s.second)], **as_table(s.values)},
     Joint: _of_kind,

@@ -46,7 +46,8 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput
 from derive.spec.model.simulation import Simulation
-from derive.spec.model.spatial_bodies import FrameMarker, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import FrameMarker
 from derive.spec.model.spatial_forces import (
     SpatialForce,
     SpatialJointForce,

@@ -12,8 +12,8 @@ from typing import Any
 
 from written_scene import Table
 
+from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.mechanics.multibody.space.rigid import SPATIAL_BODIES
 from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS, SpatialSpringType
 from derive.spec.model.body import BodyFrame, Damping, NodalBody
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys

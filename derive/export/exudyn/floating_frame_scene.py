@@ -25,7 +25,8 @@ from derive.simulation.configurations import quaternion_of, rotation_matrix
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame, SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.spec.model.time_function import TimeFunction, value_at
@@ -120,6 +121,9 @@ def _of_body(body: SpatialBody) -> Iterator[Problem]:
         if body.mass is None or body.inertia is None:
             yield Problem(key, "a body of Exudyn needs mass and inertia, also where a drive prescribes its motion")
         return
+    if isinstance(body, SpatialBeam):
+        yield Problem(key, f"beams in space are written as no item of Exudyn; {ELSEWHERE}")
+        return
     if body.body.second_order:
         yield Problem(f"{key}.order", "a floating-frame body of Exudyn has displacements of first order: order = 1")
     if not body.markers:
@@ -159,8 +163,9 @@ def _rigid(body: SpatialRigidBody) -> Plain:
     return {"rigid": {"mass": mass, "inertia": _plain(np.array(six)), "centerOfMass": _plain(c)}}
 
 
-def _flexible(body: FlexibleBody, host: HostModel) -> Plain:
+def _flexible(body: FlexibleBody | SpatialBeam, host: HostModel) -> Plain:
     """The arguments of a floating-frame body whose nodes are those of its markers, and its amplitudes."""
+    assert isinstance(body, FlexibleBody), "beams are refused"
     modal, shapes = reduce(body.body), prepare(body.body).shapes
     points = [ModalPoint(str(n), "", shapes.x[n], np.ascontiguousarray(shapes.phi[:, n])) for n in _nodes(body)]
     start = {x.name: x.start for x in (*host.coordinates, *host.velocities)}
@@ -184,7 +189,7 @@ def _markers(scene: SpatialScene) -> list[MarkerRef]:
     return list(dict.fromkeys([*joints, *springs, *(_at(load) for load in (*scene.forces, *scene.torques))]))
 
 
-def _found(scene: SpatialScene, at: MarkerRef) -> tuple[SpatialBody | None, FrameMarker | NodeFrame]:
+def _found(scene: SpatialScene, at: MarkerRef) -> tuple[SpatialBody | None, FrameMarker | NodeFrame | SectionFrame]:
     if at.body == GROUND:
         return None, next(m for m in scene.ground if m.name == at.marker)
     body = next(b for b in scene.bodies if b.name == at.body)
@@ -199,6 +204,7 @@ def _marker(scene: SpatialScene, at: MarkerRef) -> Plain:
         numbers = [_nodes(body).index(node) for node in marker.nodes]
         weights = np.array([float(w) for w in marker.weights] or [1.0] * len(numbers))
         return {"body": at.body, "nodes": numbers, "weights": _plain(weights / weights.sum())}
+    assert isinstance(marker, FrameMarker)
     return {"body": at.body, "point": [si_value(x) for x in marker.position]}
 
 
@@ -213,7 +219,7 @@ def _joint(scene: SpatialScene, joint: SpatialJoint) -> Plain:
     return result | {"axes": _mask(joint), "rotations": axes}
 
 
-def _axes(marker: FrameMarker | NodeFrame) -> Any:
+def _axes(marker: FrameMarker | NodeFrame | SectionFrame) -> Any:
     quaternion = np.array(marker.rotation, dtype=float)
     return rotation_matrix(quaternion / np.linalg.norm(quaternion))
 

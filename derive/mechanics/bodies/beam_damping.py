@@ -24,6 +24,7 @@ from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import BeamDamping
 from derive.spec.model.quantity import Parameter
 
 if TYPE_CHECKING:
@@ -94,15 +95,19 @@ def _stiffness(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
 
 
 def _matrix(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
-    """The damping matrix B of bending (2) or of stretching (1). Proportional damping is exact.
+    """The damping matrix B of bending (2) or of stretching (1)."""
+    assert beam.damping is not None
+    shapes = tuple(field.of for field in displacement_fields(beam) if field.axis == axis)
+    M, K = deformation_mass(shapes, axis, pieces), _stiffness(beam, axis, pieces)
+    return damping_matrix(beam.damping, M, K, quantity.value(beam.mass), stiffness_units(beam, pieces)[axis])
+
+
+def damping_matrix(damping: BeamDamping, M: sp.Matrix, K: sp.Matrix, mass: sp.Expr, stiffness: sp.Expr) -> sp.Matrix:
+    """The damping matrix B of a deformation with the matrices mass M and stiffness K. Proportional damping is exact.
 
     In 2 ratio M (M^-1 K)^(1/2) every mode of M and K has the ratio; the root is that of matrices of numbers.
     """
-    assert beam.damping is not None
-    ratio, of_mass, of_stiffness = (quantity.value(x, positive=False) for x in vars(beam.damping).values())
-    shapes = tuple(field.of for field in displacement_fields(beam) if field.axis == axis)
-    M, K = deformation_mass(shapes, axis, pieces), _stiffness(beam, axis, pieces)
-    mass, stiffness = quantity.value(beam.mass), stiffness_units(beam, pieces)[axis]
+    ratio, of_mass, of_stiffness = (quantity.value(x, positive=False) for x in vars(damping).values())
     result = of_mass * mass * M + of_stiffness * stiffness * K
     if ratio != 0:
         number, symbols = sp.expand(mass * stiffness).as_coeff_Mul()

@@ -29,10 +29,14 @@ class ModalPoint:
 
 @dataclass(frozen=True)
 class ModalFrame:
-    """A marker frame: its point, and the rotation vectors (N, 3), rad/m, of the section there by unit amplitudes."""
+    """A marker frame: its point, and the rotation vectors (N, 3), rad/m, of the section there by unit amplitudes.
+
+    `second_twists` (N, N, 3), rad/m^2, are those of second order, of 1/2 sum a_i a_j s_ij; None at first order.
+    """
 
     point: ModalPoint
     twists: Array
+    second_twists: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

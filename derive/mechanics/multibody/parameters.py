@@ -12,7 +12,8 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import output_type
-from derive.mechanics.multibody.space.rigid import SPATIAL_BODIES, frame_constants
+from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
+from derive.mechanics.multibody.space.rigid import frame_constants
 from derive.mechanics.multibody.space.springs import spring_type
 from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter

@@ -117,6 +117,12 @@ def _tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.MOMENT, _at_point("r", known, below))
 
 
+def _section_tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """The derivative of the rotation vector of a section by the amplitude of a shape, with the point above."""
+    below = ",".join((component_digits(known), *map(index_text, known.shapes)))
+    return TypesetSymbol(Rank.MOMENT, _at_point("theta", known, below))
+
+
 def _named(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A parameter, or a quantity of a joint, a drive or the ground, under the name that it was given."""
     name = chosen(known.label) if known.label else Name("F")
@@ -136,7 +142,7 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.MASS: _mass,
     **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), integral),
     **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10), integral),
-    **dict.fromkeys((Family.STIFFNESS, Family.DAMPING, Family.ROTARY), integral),
+    **dict.fromkeys((Family.STIFFNESS, Family.CUBIC_STIFFNESS, Family.DAMPING, Family.ROTARY), integral),
     Family.FIELD_WEIGHT: field_weight,
     **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.D4, Family.S, Family.INERTIA), moment),
     **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM, Family.C9_SUM, Family.C10_SUM), row_times_column),
@@ -169,6 +175,7 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.INERTIAL_OMEGA: _moving_point("w"),
     Family.FRAME_AXES: _moving_point("A"),
     Family.SECTION_VECTOR: _moving_point("theta"),
+    Family.SECTION_TANGENT: _section_tangent,
     Family.SECTION_SCALE: _moving_point("sigma"),
     Family.SECTION_SPIN: _moving_point("nu"),
     Family.SECTION_VELOCITY: _moving_point("v"),

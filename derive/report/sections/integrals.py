@@ -57,7 +57,7 @@ def _value(coefficient: ModelConstant, notation: Notation) -> Content:
 NAMED = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity", Family.MASS: "mass"}
 """Families whose entries are grouped under a heading."""
 
-TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.PRELOAD, Family.DAMPING, Family.ROTARY)
+TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.CUBIC_STIFFNESS, Family.PRELOAD, Family.DAMPING, Family.ROTARY)
 """Families with a table of entries."""
 
 
@@ -84,6 +84,7 @@ def _kind(family: Family) -> str:
     """The kind of the entries of a family that is no integral, in words; empty for other families."""
     names = {
         Family.STIFFNESS: "stiffness",
+        Family.CUBIC_STIFFNESS: "stiffness of third order",
         Family.PRELOAD: "force at rest",
         Family.DAMPING: "damping",
         Family.ROTARY: "rotary inertia",

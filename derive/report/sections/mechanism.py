@@ -32,7 +32,8 @@ from derive.spec.model.forces import SceneForce
 from derive.spec.model.instances import instance_name, joined
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
-from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad, SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialAction, SpatialJointLoad
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
@@ -122,6 +123,8 @@ def _names(spec: AnyScene) -> set[str]:
 def _kind(body: SceneBody | SpatialBody) -> str:
     if isinstance(body, FlexibleBody):
         return f"flexible, {body.body.frame.kind} frame"
+    if isinstance(body, SpatialBeam):
+        return f"beam in space, {body.frame.kind} frame"
     if not isinstance(body, BeamBody):
         return body.kind
     cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
@@ -134,6 +137,10 @@ def _weight(body: SceneBody | SpatialBody) -> str:
         return f"{_quantity(body.mass, 'kg')}; {inertia} about its axes"
     if isinstance(body, FlexibleBody):
         return f"{len(body.body.data.positions)} nodes"
+    if isinstance(body, SpatialBeam):
+        both = " and ".join(_quantity(x, "N\u00a0m²") for x in dict.fromkeys(body.bending_stiffnesses))
+        values = [_quantity(body.mass, "kg"), _quantity(body.length, "m"), f"bending stiffness {both}"]
+        return ", ".join(values)
     if isinstance(body, BeamBody):
         beam = body.beam
         stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")

@@ -98,6 +98,16 @@ def drawn_body(body: NodalBody) -> DrawnBody:
     return DrawnBody(body.name, x, shapes.phi[:, shown], drawn, radius, markers)
 
 
+def beam_drawing(name: str, x: Array, phi: Array) -> DrawnBody:
+    """A beam by the corners x (4 n, 3), m, of n square sections from its left to its right end, and its modes there."""
+    starts = range(0, len(x) - 4, 4)
+    sides = [(s + i, s + (i + 1) % 4, s + 4 + (i + 1) % 4, s + 4 + i) for s in starts for i in range(4)]
+    faces = ((0, 1, 2, 3), *sides, tuple(range(len(x) - 4, len(x))))
+    ends = [(s + i, s + (i + 1) % 4) for s in (0, len(x) - 4) for i in range(4)]
+    edges = (*ends, *((s + i, s + 4 + i) for s in starts for i in range(4)))
+    return DrawnBody(name, x, phi, Surface(faces, edges), float(np.linalg.norm(x, axis=1).max()))
+
+
 def rigid_drawing(
     name: str, mass: float, centre: Array, inertia: Array, markers: Sequence[tuple[str, Array]]
 ) -> DrawnBody:

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from derive.mechanics.bodies.modal_body import ModalFrame
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import spring_type
 from derive.mechanics.symbols import amplitude_of
@@ -20,15 +21,18 @@ from derive.simulation.observables.spatial_player_data import (
     BodyPath,
     DrawnBody,
     Tie,
+    beam_drawing,
     bodies_data,
     bodies_motion_data,
     drawn_body,
     rigid_drawing,
     shown_frames,
 )
+from derive.simulation.space.beam_frames import beam_frames, drawn_points
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.spatial_bodies import FlexibleBody, SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 
 
@@ -82,15 +86,17 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
 
 def _drawn(body: SpatialBody) -> DrawnBody:
     if isinstance(body, FlexibleBody):
-        return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), body)
+        return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), modal_frames(body))
+    if isinstance(body, SpatialBeam):
+        return _with_markers(beam_drawing(body.name, *drawn_points(body)), tuple(beam_frames(body).values()))
     mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
     named = [(m.name, _vector(m.position)) for m in body.markers]
     return rigid_drawing(body.name, mass, _vector(body.centre), _inertia(body), named)
 
 
-def _with_markers(drawn: DrawnBody, body: FlexibleBody) -> DrawnBody:
-    """The drawing of a body with its markers, which move as the mean of their nodes."""
-    points = [frame.point for frame in modal_frames(body)]
+def _with_markers(drawn: DrawnBody, frames: Sequence[ModalFrame]) -> DrawnBody:
+    """The drawing of a body with its markers, which move with its modes."""
+    points = [frame.point for frame in frames]
     if not points:
         return drawn
     x = np.concatenate([drawn.x, [point.position for point in points]])

@@ -17,7 +17,8 @@ from derive.simulation.observables.motion import si_value, simulated_drive
 from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND
-from derive.spec.model.spatial_bodies import SpatialBody, SpatialRigidBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 Pose = tuple[Vector, Matrix]

@@ -12,9 +12,11 @@ from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
+from derive.simulation.space.beam_frames import beam_frames
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame, SpatialBody
+from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame
 from derive.spec.model.spatial_scene import SpatialScene
 
 
@@ -26,19 +28,21 @@ class MarkerFrame:
     axes: Matrix
 
 
-def own_frame(marker: FrameMarker | NodeFrame, body: SpatialBody | None = None) -> MarkerFrame:
+def own_frame(marker: FrameMarker | NodeFrame | SectionFrame, body: SpatialBody | None = None) -> MarkerFrame:
     """A marker in the frame of its undeformed body, or of the ground."""
     quaternion = np.array(marker.rotation)
     axes = rotation_matrix(quaternion / np.linalg.norm(quaternion))
-    if isinstance(marker, NodeFrame):
-        assert isinstance(body, FlexibleBody)
-        return MarkerFrame(_modal_frames(body)[marker.name].point.position, axes)
+    if not isinstance(marker, FrameMarker):
+        assert isinstance(body, (FlexibleBody, SpatialBeam))
+        return MarkerFrame(modal_frames_of(body)[marker.name].point.position, axes)
     return MarkerFrame(np.array([si_value(x) for x in marker.position]), axes)
 
 
 @lru_cache(8)
-def _modal_frames(body: FlexibleBody) -> dict[str, ModalFrame]:
-    """The markers of a finite-element body in its floating frame by their names."""
+def modal_frames_of(body: FlexibleBody | SpatialBeam) -> dict[str, ModalFrame]:
+    """The markers of a flexible body in its floating frame by their names."""
+    if isinstance(body, SpatialBeam):
+        return beam_frames(body)
     from derive.reduction.frame_points import modal_frames  # only for finite-element bodies
 
     return {frame.point.name: frame for frame in modal_frames(body)}
@@ -83,20 +87,22 @@ class DeformedFrame:
 
 
 def deformed_frame(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) -> DeformedFrame | None:
-    """A marker of a finite-element body in its floating frame; None for a marker of another body."""
+    """A marker of a flexible body in its floating frame; None for a marker of another body."""
     body = next((b for b in scene.bodies if b.name == marker.body), None)
-    if not isinstance(body, FlexibleBody):
+    if not isinstance(body, (FlexibleBody, SpatialBeam)):
         return None
-    of = _modal_frames(body)[marker.marker]
+    of = modal_frames_of(body)[marker.marker]
     point, native = of.point, poses.native
     modes = range(1, len(point.shapes) + 1)
     alpha = poses.q[[native.coordinates.index(amplitude_of(body.name, i).shown) for i in modes]]
     columns = tuple(native.velocities.index(amplitude_of(body.name, i, 1).shown) for i in modes)
     bent = np.zeros_like(point.shapes) if point.second is None else np.einsum("j,ijk->ik", alpha, point.second)
     position = point.position + alpha @ (point.shapes + bent / 2)
-    theta = alpha @ of.twists
+    bent_twists = 0 * of.twists if of.second_twists is None else np.einsum("j,ijk->ik", alpha, of.second_twists)
+    theta = alpha @ (of.twists + bent_twists / 2)
+    tangents = of.twists + bent_twists
     p = np.array([1.0, *(theta / 2)])
     own = own_frame(next(m for m in body.markers if m.name == marker.marker), body)
     axes = rotation_matrix(p / np.linalg.norm(p)) @ own.axes
-    turns = (of.twists + np.cross(theta, of.twists) / 2) / (p @ p)
+    turns = (tangents + np.cross(theta, tangents) / 2) / (p @ p)
     return DeformedFrame(MarkerFrame(position, axes), columns, (point.shapes + bent).T, turns.T)

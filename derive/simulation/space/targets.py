@@ -27,7 +27,7 @@ from derive.simulation.space.joint_targets import (
     rotation_of_frames,
 )
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.spatial_bodies import SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 

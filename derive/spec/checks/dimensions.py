@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.spec.model.markers import GROUND
+from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
 from derive.spec.parsing.faults import Fault, KeyPath, path_text
 
 PLANE, SPACE = 2, 3
@@ -12,17 +13,19 @@ VECTORS = ("centre",)
 OF_START = ("position", "velocity")
 IN_SPACE = ("rotation", "angular_velocity")
 """The keys of a start that bodies in space alone have."""
-OF_BEAM = ("length", "bending_stiffness", "ansatz")
-"""The keys that beams alone have."""
 OF_NODES = ("nodes",)
 """The keys that finite-element bodies alone have."""
 
 
 def is_in_space(data: Mapping[str, object]) -> bool:
-    """Whether the data of a scene have vectors with three components or nodes, and no beam, which is in the plane."""
-    if _has_body_with(data, OF_BEAM):
-        return False
-    return _has_body_with(data, OF_NODES) or any(dimension == SPACE for _, dimension in vectors(data))
+    """Whether the data of a scene have nodes, a beam in space, or vectors with three components.
+
+    A beam without keys of beams in space is one in the plane unless all vectors have three components.
+    """
+    if _has_body_with(data, (*OF_NODES, *OF_BEAM_IN_SPACE)):
+        return True
+    dimensions = {dimension for _, dimension in vectors(data)}
+    return dimensions == {SPACE} if _has_body_with(data, OF_BEAM) else SPACE in dimensions
 
 
 def _has_body_with(data: Mapping[str, object], keys: tuple[str, ...]) -> bool:
@@ -34,7 +37,8 @@ def _has_body_with(data: Mapping[str, object], keys: tuple[str, ...]) -> bool:
 def dimension_faults(data: Mapping[str, object]) -> Iterator[Fault]:
     """Faults of scenes with vectors of two and of three components: the first of each kind."""
     first: dict[int, KeyPath] = {}
-    for path, dimension in () if _has_body_with(data, OF_BEAM) else vectors(data):
+    beams_in_plane = _has_body_with(data, OF_BEAM) and not is_in_space(data)
+    for path, dimension in () if beams_in_plane else vectors(data):
         first.setdefault(dimension, path)
     if len(first) == 2:
         for dimension, other in ((PLANE, SPACE), (SPACE, PLANE)):
@@ -67,7 +71,8 @@ def _values(data: Mapping[str, object]) -> Iterator[tuple[KeyPath, object]]:
         if not isinstance(body, Mapping):
             continue
         path: KeyPath = ("bodies", str(name))
-        yield from ((((*path, key)), body.get(key)) for key in (*VECTORS, "inertia"))
+        own = () if any(key in body for key in OF_BEAM) else (*VECTORS, "inertia")
+        yield from ((((*path, key)), body.get(key)) for key in own)
         yield from _markers((*path, "markers"), body.get("markers"))
         start = body.get("start")
         if isinstance(start, Mapping):

@@ -69,6 +69,7 @@ class KeyType(Enum):
     INERTIA_TENSOR = "six entries of a tensor of inertia, numbers or run-time parameters"
     FRAMES = "marker frames by their names, with three coordinates each and a rotation"
     MARKER_NAMES = "names of markers of the same body"
+    SECTION_FRAMES = "marker frames of a beam in space by their names, with their positions xi and a rotation"
     NODE_FRAMES = "markers of a finite-element body by their names: nodes, or sets of nodes"
     WEIGHTS = "weights, positive numbers"
     LOADED_NODES = "numbers of nodes with forces"
@@ -113,9 +114,18 @@ class Key:
     @property
     def has_names(self) -> bool:
         """Whether the value is a table of elements by their names."""
-        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS, KeyType.FRAMES, KeyType.NODE_FRAMES)
-        return self.type in points or (isinstance(self.type, type) and has_name(self.type))
+        return self.type in MARKER_TABLES or (isinstance(self.type, type) and has_name(self.type))
 
+
+MARKER_TABLES = (
+    KeyType.POINTS,
+    KeyType.BEAM_POINTS,
+    KeyType.NODE_POINTS,
+    KeyType.FRAMES,
+    KeyType.NODE_FRAMES,
+    KeyType.SECTION_FRAMES,
+)
+"""The types of values that are tables of markers by their names."""
 
 QUANTITIES = (
     KeyType.POSITIVE_QUANTITY,

@@ -295,6 +295,3 @@ class FlexibleBody:
     keep_coordinates: ClassVar[bool] = True
     kind: ClassVar[str] = "flexible"
     __repr__ = record_text
-
-
-SpatialBody = SpatialRigidBody | FlexibleBody

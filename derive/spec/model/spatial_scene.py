@@ -28,7 +28,8 @@ from derive.spec.model.scene import (
     SceneStart,
 )
 from derive.spec.model.simulation import Simulation
-from derive.spec.model.spatial_bodies import FRAMES, FrameMarker, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import FRAMES, FrameMarker
 from derive.spec.model.spatial_forces import (
     SpatialAction,
     SpatialForce,

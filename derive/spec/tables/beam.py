@@ -72,7 +72,7 @@ def _check_load(load: DistributedLoad) -> None:
         raise WrongValueError("both components of the load are zero; leave it out")
 
 
-def _deflection(
+def assumed_deflection(
     ansatz: tuple[Polynomial, ...] | ShapeFamily,
     frame: Frame | None = None,
     orthogonal: bool | None = None,
@@ -86,7 +86,7 @@ def _deflection(
 
 def _beam(order: int, terms: str | None = None, **given: Any) -> PlanarBeam:
     """The beam, whose deflection and order are completed. Raises WrongValueError."""
-    shapes = _deflection(**{field.name: given.pop(field.name, None) for field in fields(AssumedDeflection)})
+    shapes = assumed_deflection(**{field.name: given.pop(field.name, None) for field in fields(AssumedDeflection)})
     if shapes.ends is not None and isinstance(shapes.ansatz, ShapeFamily):
         raise WrongValueError(
             f"`ends` is for polynomials; {shapes.ansatz.kind} shapes fulfil conditions of their own; leave it out"
@@ -190,6 +190,6 @@ BEAM_BODY = declare(
     base=AnyBeamTable,
     tables=_tables,
 )
-_deflected = declare(AssumedDeflection, "ShapeKeys", keys=_shapes, make=_deflection, base=PartOfBeamTable)
+_deflected = declare(AssumedDeflection, "ShapeKeys", keys=_shapes, make=assumed_deflection, base=PartOfBeamTable)
 DEFLECTION: TypeAdapter[AssumedDeflection] = TypeAdapter(_deflected.value)
 """The reader of the assumed deflection in the table of a beam, other keys of which may be faulty."""

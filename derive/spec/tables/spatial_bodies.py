@@ -13,6 +13,7 @@ from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.simulation import AT_REST
+from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
 from derive.spec.model.spatial_bodies import (
     FlexibleBody,
     FrameMarker,
@@ -25,6 +26,7 @@ from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
 from derive.spec.tables.shared import ElementName, by_name, one_of
+from derive.spec.tables.spatial_beam import beam_in_space
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
 declare(SpatialInitialValues, "SpatialInitialValuesTable")
@@ -150,13 +152,20 @@ SPATIAL_RIGID = declare(
 )
 
 
+BEAM_IN_SPACE = beam_in_space()
+
+
 def bodies_in_space() -> Any:
     """The type of the bodies of a scene in space by their names."""
-    body = one_of(kind_of_spatial_body, rigid=SPATIAL_RIGID.value, flexible=FLEXIBLE_MODEL)
+    body = one_of(kind_of_spatial_body, rigid=SPATIAL_RIGID.value, flexible=FLEXIBLE_MODEL, beam=BEAM_IN_SPACE.value)
     bodies = by_name(body, "bodies", "[bodies.rod]", ElementName, minProperties=1)
-    return Annotated[bodies, Field(description="Bodies of a scene in space by name: rigid, or finite elements.")]
+    return Annotated[bodies, Field(description="Bodies of a scene in space by name: rigid, finite elements, or beams.")]
 
 
 def kind_of_spatial_body(value: Any) -> str:
     """The kind of body that a table describes: a discriminator."""
-    return "flexible" if isinstance(value, Mapping) and ("nodes" in value or "modes" in value) else "rigid"
+    if not isinstance(value, Mapping):
+        return "rigid"
+    if "nodes" in value or "modes" in value:
+        return "flexible"
+    return "beam" if any(key in value for key in (*OF_BEAM, *OF_BEAM_IN_SPACE)) else "rigid"

@@ -24,7 +24,8 @@ from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import CustomBody, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.sweep.dependence import initial_parameters

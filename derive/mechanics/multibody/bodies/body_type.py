@@ -14,7 +14,7 @@ from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import Joint, SceneBody
-from derive.spec.model.spatial_bodies import SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
 
 if TYPE_CHECKING:
     from derive.mechanics.body import Body
@@ -33,13 +33,15 @@ class CrossSection:
     """A cross-section of a body: its material point, and its rotation by each assumed mode (none in a rigid body).
 
     In space it is the frame of a marker, with the axes of this frame in that of the undeformed body as columns of
-    `axes`, and its rotation vectors by unit amplitudes of the modes, `twists`.
+    `axes`, and its rotation vectors by unit amplitudes of the modes, `twists`; `second_twists` (N, N) are those of
+    second order, s_ij of 1/2 sum alpha_i alpha_j s_ij, empty at first order.
     """
 
     point: MaterialPoint
     rotations: tuple[ModelConstant, ...] = ()
     axes: sp.ImmutableMatrix = field(default_factory=no_rotation)
     twists: tuple[sp.ImmutableMatrix, ...] = ()
+    second_twists: tuple[tuple[sp.ImmutableMatrix, ...], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.assembly import SceneAssembly
 from derive.mechanics.multibody.parameters import spatial_parameters
 from derive.mechanics.multibody.space.actions import keys_of, specified
+from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.coordinates import free_spatial_coordinates
 from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
@@ -20,7 +21,6 @@ from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, m
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.multibody.space.nodal_loads import nodal_forces
-from derive.mechanics.multibody.space.rigid import SPATIAL_BODIES
 from derive.mechanics.symbols import element
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef

@@ -178,14 +178,20 @@ class _Definitions:
         )
 
     def one(
-        self, family: Family, value: sp.Expr, doc: str, k: int | tuple[int, ...] = (), derivative: int = 0
+        self,
+        family: Family,
+        value: sp.Expr,
+        doc: str,
+        k: int | tuple[int, ...] = (),
+        derivative: int = 0,
+        shapes: tuple[int, ...] = (),
     ) -> sp.Expr:
         """The name of a scalar."""
         value = sp.sympify(value)
         if value.is_Rational or value.is_Symbol:
             return value
         components = (k,) if isinstance(k, int) else k
-        symbol = Identity(family, components=components, derivative=derivative, point=self.point).symbol
+        symbol = Identity(family, shapes, components, derivative, point=self.point).symbol
         self.made.append(Intermediate(symbol, value, self.point or "w", "(1)", doc))
         return symbol
 
@@ -262,23 +268,42 @@ class _Turned:
 
 
 def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turned:
-    twists = section.twists
+    twists, second = section.twists, section.second_twists
     if not any(entry for twist in twists for entry in twist):
         none = sp.zeros(3, 1)
         return _Turned(sp.eye(3), sp.eye(3), none, none, (still(),) * len(motion.alpha), False)
-
-    def total(factors: Sequence[sp.Expr]) -> sp.Matrix:
-        return sum((sp.Matrix(twist) * f for twist, f in zip(twists, factors, strict=True)), sp.zeros(3, 1))
-
     name = section.point.name
-    theta = named(Family.SECTION_VECTOR, total(motion.alpha), f"rotation vector of {name} by deformation")
-    rate = named(Family.SECTION_VECTOR, total(motion.alphadot), f"rate of the rotation vector of {name}", 1)
+    tangents = twists
+    if second:
+        tangents = tuple(
+            sp.ImmutableMatrix(
+                [
+                    named.one(Family.SECTION_TANGENT, entry, f"dtheta/dalpha_{i} of {name}, about {k}", k, shapes=(i,))
+                    for k, entry in enumerate(sp.Matrix(twist) + _total(row, motion.alpha), 1)
+                ]
+            )
+            for i, (twist, row) in enumerate(zip(twists, second, strict=True), 1)
+        )
+    mean = [(sp.Matrix(a) + sp.Matrix(b)) / 2 for a, b in zip(twists, tangents, strict=True)]
+    theta = named(Family.SECTION_VECTOR, _total(mean, motion.alpha), f"rotation vector of {name} by deformation")
+    rate = named(Family.SECTION_VECTOR, _total(tangents, motion.alphadot), f"rate of the rotation vector of {name}", 1)
+    of_rates = _total([_total(row, motion.alphadot) for row in second], motion.alphadot) if second else sp.zeros(3, 1)
     scale = named.one(Family.SECTION_SCALE, 1 / (1 + dot(theta, theta) / 4), f"scale of the rotation of {name}")
     values = {**dict(zip(THETA, theta, strict=True)), **dict(zip(RATE, rate, strict=True)), SCALE: scale}
     matrix, tangent, bias = (of.xreplace(values) for of in section_rotation())
     return _Turned(
-        matrix, tangent, product(tangent, rate), bias + product(tangent, total(motion.alphaddot)), twists, True
+        matrix,
+        tangent,
+        product(tangent, rate),
+        bias + product(tangent, _total(tangents, motion.alphaddot) + of_rates),
+        tuple(map(sp.ImmutableMatrix, tangents)),
+        True,
     )
+
+
+def _total(vectors: Sequence[sp.Matrix], factors: Sequence[sp.Expr]) -> sp.Matrix:
+    """The sum of vectors with factors."""
+    return sum((sp.Matrix(vector) * f for vector, f in zip(vectors, factors, strict=True)), sp.zeros(3, 1))
 
 
 def _virtual(motion: Motion, point: MaterialPoint, turned: _Turned) -> Iterator[VirtualMotion]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
@@ -47,10 +47,6 @@ class SpatialRigid(BodyType[SpatialRigidBody]):
         for axis, x in enumerate(body.centre, 1):
             yield Constant(x, f"centre of mass of {body.name} along its e{axis}")
         yield from frame_constants(body.name, body.markers)
-
-
-SPATIAL_BODIES: Mapping[str, BodyType[Any]] = {"rigid": SpatialRigid()}
-"""The types of bodies in space by their kinds; those of finite elements have a type each, with their data."""
 
 
 def frame_constants(body: str, markers: Sequence[FrameMarker]) -> Iterator[Constant]:

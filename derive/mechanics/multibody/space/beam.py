@@ -1,0 +1,67 @@
+"""The beam of a mechanism in space: its body, and marker frames that turn with its sections."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from derive.algebra import sp
+from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
+from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
+from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
+
+if TYPE_CHECKING:
+    from derive.mechanics.body import Body
+    from derive.mechanics.terms import ModelConstant
+
+KEPT = 32
+"""The number of beams that are kept, since many bodies of a scene may be equal but for their names."""
+
+
+class BeamInSpace(BodyType[SpatialBeam]):
+    """The type of a beam in space, which keeps all its coordinates."""
+
+    doc = "beam in space"
+
+    def components(self, body: SpatialBeam, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
+        """The beam with its floating frame."""
+        alike = replace(body, name="", start=NOT_GIVEN_IN_SPACE)
+        of, sections = _beam(alike, gravity)
+        names = tuple(m.name for m in body.markers)
+        return (Component(body.name, body.name, of, sections, names, body.name),)
+
+    def constants(self, body: SpatialBeam) -> Iterator[Constant]:
+        """The mass, length, inertia and stiffnesses, the offset of the centres of mass, the damping."""
+        name = body.name
+        yield Constant(body.mass, f"mass of {name}", positive=True)
+        yield Constant(body.length, f"length of {name}", positive=True)
+        yield Constant(body.rotary_inertia, f"moment of inertia of {name} about its axis", positive=True)
+        for axis, value in zip((3, 2), body.bending_stiffnesses, strict=True):
+            yield Constant(value, f"bending stiffness EI of {name} about its e{axis}", positive=True)
+        if body.torsion:
+            yield Constant(body.torsion.stiffness, f"torsional stiffness GJ of {name}", positive=True)
+        if body.axial:
+            yield Constant(body.axial.stiffness, f"axial stiffness EA of {name}", positive=True)
+            yield Constant(body.axial.preload, f"axial force at rest of {name}")
+        for axis, value in zip((2, 3), body.centre, strict=True):
+            yield Constant(value, f"offset of the centres of mass of {name} along its e{axis}")
+        for key, value in vars(body.damping).items() if body.damping else ():
+            yield Constant(value, f"{DAMPING_DOCS[key]} of {name}")
+
+
+@lru_cache(KEPT)
+def _beam(beam: SpatialBeam, gravity: tuple[ModelConstant, ...]) -> tuple[Body, Mapping[str, CrossSection]]:
+    from derive.mechanics.bodies.spatial_beam import spatial_beam_body
+    from derive.mechanics.multibody.space.beam_sections import section_at
+
+    body = spatial_beam_body(beam, gravity)
+    sections = {m.name: section_at(m, beam) for m in beam.markers}
+    still = sp.ImmutableMatrix([0, 0, 0])
+    origin = MaterialPoint(BODY_FRAME, "origin of the floating frame", still, (still,) * body.modes)
+    sections[BODY_FRAME] = CrossSection(origin, twists=(still,) * body.modes)
+    return body, sections

@@ -1,0 +1,58 @@
+"""The table of a beam in a scene in space, and of its parts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from derive.spec.model.beam_parts import ShapeFamily
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.instances import COUNT
+from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.spatial_beam import (
+    DEFLECTION_FIELDS,
+    LateralDeflection,
+    SectionFrame,
+    SpatialBeam,
+    TorsionalDeformation,
+)
+from derive.spec.parsing.values import WrongValueError
+from derive.spec.tables.beam import assumed_deflection
+from derive.spec.tables.declared_tables import DeclaredTable, declare
+from derive.spec.tables.value_types import VALUE_TYPES, markers_type
+
+declare(LateralDeflection, "LateralTable")
+declare(TorsionalDeformation, "TorsionTable")
+SECTION_FRAME = declare(
+    SectionFrame,
+    "SectionFrameTable",
+    plain=VALUE_TYPES[KeyType.POSITION],
+    doc="A marker of a beam in space: its position, and its rotation.",
+)
+
+
+def _section_frame(name: str, at: Any) -> SectionFrame:
+    return replace(at, name=name) if isinstance(at, SectionFrame) else SectionFrame(name, at)
+
+
+VALUE_TYPES[KeyType.SECTION_FRAMES] = markers_type(SECTION_FRAME.value, "positions", _section_frame)
+
+
+def _beam(name: str, order: int, **given: Any) -> SpatialBeam:
+    """The beam, whose deflection and order are completed. Raises WrongValueError."""
+    shapes = assumed_deflection(**{field: given.pop(field, None) for field in DEFLECTION_FIELDS})
+    own = {field: getattr(shapes, field) for field in DEFLECTION_FIELDS}
+    kept = DisplacementOrder.FIRST_ORDER if order == 1 else DisplacementOrder.TRUNCATED
+    beam = SpatialBeam(name=name, order=kept, **own, **given)
+    if beam.ends is not None and any(isinstance(of.ansatz, ShapeFamily) for of in beam.deflections):
+        raise WrongValueError("`ends` is for polynomials; families of shapes fulfil conditions of their own")
+    if order == 1 and beam.axial is not None and beam.axial.preload != 0:
+        raise WrongValueError(
+            "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
+        )
+    return beam
+
+
+def beam_in_space() -> DeclaredTable:
+    """The table of a beam in space, after that of its initial values is declared."""
+    return declare(SpatialBeam, "SpatialBeamTable", keys=(*declared_keys(SpatialBeam), COUNT), make=_beam)
