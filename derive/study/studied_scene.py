@@ -1,4 +1,4 @@
-"""The scene of a study, as its function is given it: a planar scene with a simulation, and with beams where they matter."""
+"""The scene that the function of a study is given: planar, with a simulation, and with beams where they matter."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def several(name: str, values: Any) -> tuple[Any, ...]:
 
 def whole(name: str, value: Any, most: float = inf, least: int = 1) -> int:
     """A whole number in a range. Raises ValueError."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= most:
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         text = f"from {least} to {most}" if isfinite(most) else f"from {least} on"
         raise ValueError(f"{name}: a whole number {text} is needed, not {value!r}")
     return int(value)
@@ -100,7 +100,7 @@ def whole(name: str, value: Any, most: float = inf, least: int = 1) -> int:
 
 def fraction(name: str, value: Any) -> float:
     """An error relative to a peak, or a tolerance. Raises ValueError."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < value < 1:
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < 1:
         raise ValueError(f"{name}: a number between 0 and 1 is needed, such as 0.01, not {value!r}")
     return float(value)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+from collections.abc import Sequence
 
 from derive.cli.arguments.types import count, pieces
 from derive.study.study_options import FRAMES, MAX_SHAPES, MODES, ORDERS, LadderRange
@@ -56,7 +57,7 @@ def add_ladder(command: argparse.ArgumentParser, default: LadderRange) -> None:
     )
 
 
-def joined(values: tuple[object, ...]) -> str:
+def joined(values: Sequence[object]) -> str:
     """Default values as they are written in a command."""
     return ",".join(map(str, values)) or "none"
 

@@ -88,7 +88,9 @@ def _add_methods(studies: Any) -> None:
     methods.add_argument(
         "--steps", type=count, default=STEPS, metavar="N", help=f"steps of the runs that show drift (default: {STEPS})"
     )
-    methods.add_argument("--states", type=states, default=STATES, metavar="N", help=f"states along the motion (default: {STATES})")
+    methods.add_argument(
+        "--states", type=states, default=STATES, metavar="N", help=f"states along the motion (default: {STATES})"
+    )
     methods.add_argument(
         "--integrators",
         type=integrators,
