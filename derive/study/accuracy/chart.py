@@ -28,6 +28,8 @@ WIDTH, PANEL, HEIGHT, LEFT, GAP, MARGIN = 11.2, 3.55, 4.3, 0.78, 0.2, 2.95
 """The picture, its two panels, and the margins to their left, between them and to their right, in inches."""
 LABEL = 0.165
 """The least distance of labels, in inches."""
+LABELLED = 1.7
+"""The powers of ten on an axis below which ticks between them have labels as well."""
 ROW, EDGE = 0.19, 0.4
 """The height of a line of the head, and the margin to its right, in inches."""
 SMALL, POINTS = 8.5, 72
@@ -188,8 +190,8 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
     axes.set_ylim(low, high)
     axes.yaxis.set_major_formatter(lambda value, _: percent(value))
     axes.xaxis.set_major_formatter(lambda value, _: _power(value))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_minor_formatter("")
+    axes.yaxis.set_minor_formatter("")
+    axes.xaxis.set_minor_formatter(_between if _decades(axes) < LABELLED else "")
     axes.tick_params(length=3, which="both")
     axes.axhline(chart.error, color=style.INK, linewidth=0.7, dashes=(1, 2))
     if chart.reference.error:
@@ -209,6 +211,21 @@ def peer_text(run: tuple[float, float, float]) -> str:
     """The text of a run of another program."""
     seconds, rms, largest = run
     return f"rms {percent(rms)}, largest {percent(largest)}, {duration(seconds)}"
+
+
+def _decades(axes: Axes) -> float:
+    """The powers of ten that the horizontal axis covers."""
+    low, high = axes.get_xlim()
+    return math.log10(high / low)
+
+
+def _between(value: float, _: object = None) -> str:
+    """The text of 2 and 5 times a power of ten, where an axis has hardly any powers: 0.2, 5, 2·10⁵; else empty."""
+    exponent = math.floor(math.log10(value) + 1e-9)
+    mantissa = round(value / 10.0**exponent)
+    if mantissa not in (2, 5):
+        return ""
+    return f"{value:g}" if -3 <= exponent < 4 else f"{mantissa}·{_power(10.0**exponent)}"
 
 
 def _power(value: float) -> str:
