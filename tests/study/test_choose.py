@@ -28,7 +28,7 @@ from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, cheapest_model
 from derive.study.choice.trusted_reference import Agreement, NotConverged, TrustedReference, trusted_reference
-from derive.study.choice.written_specification import chosen_specification
+from derive.study.choice.written_specification import chosen_specification, relative_path
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
 
@@ -200,6 +200,25 @@ def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.M
         match=r"accurate enough: 2 beams, P2, P3, truncated differs by .* from the model with fewer shapes",
     ):
         trusted_reference(runs_of(scene), 1e-3, quiet)
+
+
+def test_paths_on_another_drive_are_written_whole(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """There is no relative path between two drives of Windows."""
+
+    def across_drives(*_: object) -> str:
+        raise ValueError("path is on mount 'C:', start on mount 'D:'")
+
+    assert relative_path(tmp_path / "curve.csv", tmp_path / "x") == "../curve.csv"
+    monkeypatch.setattr("os.path.relpath", across_drives)
+    scene = read(SCENE)
+    assert isinstance(scene, Scene)
+    text = chosen_specification(
+        SCENE.read_text(), SCENE, tmp_path / "c.toml", scene, LadderModel(Shapes.SINES, 1), 1e-5
+    )
+    whole = f'file = "{SCENE.parent.as_posix()}/'
+    assert whole in text.text
+    (tmp_path / "c.toml").write_text(text.text)
+    assert read(tmp_path / "c.toml").name == "crank_slider_3_chosen"
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from derive.simulation.errors import SimulationError
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.models import LadderModel, ladder, refinements
 from derive.study.stability.model_path import ModelPath, model_path
-from derive.study.stability.parameter import ParameterRange, StudiedParameter, studied
+from derive.study.stability.parameter import ParameterRange, StudiedParameter, parameter_range, studied
 from derive.study.stability.thresholds import Interval, wrong_intervals
 from derive.study.studied_scene import COMPARED, studied_scene
 from derive.study.study_options import NEVER, STABILITY, LadderRange
@@ -199,9 +199,11 @@ def study_stability(
         >>> round(study.reference.loss, 3)  # that of Euler is pi^2 / 4
         2.467
     """
-    limits = ParameterRange(*parameter)
+    limits = parameter_range(parameter)
     models = ladder(LadderRange(orders, frames, shapes, pieces, sines, modes))
-    known = None if exact is None else KnownLoss(None if exact == NEVER else float(exact))
+    if isinstance(exact, str) and exact != NEVER:
+        raise ValueError(f'exact: a number or "{NEVER}" is needed, not {exact!r}')
+    known = None if exact is None else KnownLoss(None if isinstance(exact, str) else exact)
     given = studied(studied_scene(scene, COMPARED.format("stability")), limits)
     with reports_of(progress) as (task, _):
         return ladder_stability(scene.name, given, models, known, task)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,15 @@ class ParameterRange:
     def values(self) -> tuple[float, ...]:
         """The values, rising."""
         return tuple(float(x) for x in np.linspace(self.low, self.high, self.count))
+
+
+def parameter_range(given: Any) -> ParameterRange:
+    """The range from its name, its first and last value and their number. Raises ValueError for anything else."""
+    match given:
+        case (str(name), int() | float() as low, int() | float() as high, count):
+            return ParameterRange(name, float(low), float(high), count)
+    text = 'a name, the first and the last value and their number are needed, such as ("P", 0, 10, 11)'
+    raise ValueError(f"parameter: {text}, not {given!r}")
 
 
 @dataclass(frozen=True)
