@@ -1,4 +1,4 @@
-"""What studies may be asked for, and their defaults, for functions and commands. Only light modules are imported here.
+"""The options of studies and their defaults, for functions and commands. Only light modules are imported here.
 
 The command line reads them before anything else is loaded.
 """

@@ -45,7 +45,7 @@ SYMBOL = 6.0
 
 
 class JointSymbol(Enum):
-    """What a symbol says of a joint: the relative motions that it leaves."""
+    """The symbol of a joint, by the relative motions that it leaves."""
 
     WELD = "none"
     HINGE = "a rotation"

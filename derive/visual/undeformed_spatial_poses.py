@@ -82,7 +82,7 @@ def _changed(poses: SpatialPosesByName, names: list[str], changes: Array) -> dic
 
 @dataclass(frozen=True)
 class _JointRows:
-    """What vanishes of a joint, and of its drive with the motion `driven` at t = 0."""
+    """The rows of a joint that vanish, and that of its drive with the motion `driven` at t = 0."""
 
     scene: SpatialScene
     joint: SpatialJoint

@@ -110,7 +110,7 @@ class LadderStability:
         return self.reference.loss if self.known is None else self.known.value
 
     def wrong(self, path: ModelPath) -> tuple[Interval, ...]:
-        """The intervals where a model is stable and the truth is not, or vice versa, beyond the error of the reference.
+        """The intervals where the model of a `path` is stable and the truth is not, or vice versa, beyond its error.
 
         Nothing is wrong while the truth is not known: then the verdict is undecided.
 
