@@ -34,7 +34,7 @@ RUNS = 5
 METHODS = ("rk4", "adaptive", "rk45", "generalised-alpha", "trapezoidal")
 """The integrators of a study of methods."""
 STUDIED_METHODS = tuple(name for name in METHODS if name != "rk45")
-"""Those that are studied by default: rk45 calls Python at each step."""
+"""The integrators that are studied by default: rk45 is not, which calls Python at each step."""
 STEPS, STATES = 100_000, 61
 """The steps of runs that show drift, and the states along the motion."""
 
