@@ -32,6 +32,8 @@ The public interface, by stages:
     modes           modes; Modes, Mode, Linearisation
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
+    studies         choose, study_accuracy, study_stability, study_methods; Choice, LadderChart, LadderStability,
+                    MethodStudy
     sweeps          sweep; grid, listed, random_samples; Samples, SweepResult
     other programs  exported, host_model, casadi_function; HostModel
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
@@ -74,4 +76,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-_display.register(lambda shown: str(import_module("derive.notebook.html").html(shown)))
+_display.register(
+    lambda shown: str(import_module("derive.notebook.html").html(shown)),
+    lambda shown: import_module("derive.notebook.tables").data_frame(shown),
+)

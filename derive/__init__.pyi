@@ -119,6 +119,15 @@ from derive.spec.model.spatial_scene import (
 from derive.spec.model.time_function import TimeFunction as TimeFunction
 from derive.spec.parsing.time_expression import time_function as time_function
 from derive.spec.toml.read import read as read
+from derive.study.accuracy.chart import LadderChart as LadderChart
+from derive.study.accuracy.study import study_accuracy as study_accuracy
+from derive.study.choice.choose import choose as choose
+from derive.study.choice.search import Choice as Choice
+from derive.study.methods.method_study import MethodStudy as MethodStudy, study_methods as study_methods
+from derive.study.stability.ladder_stability import (
+    LadderStability as LadderStability,
+    study_stability as study_stability,
+)
 from derive.study.sweep.result import SweepResult as SweepResult
 from derive.study.sweep.run import sweep as sweep
 from derive.study.sweep.samples import (

@@ -204,6 +204,33 @@ def progress_of(given: Reported | bool | None, line: Callable[[], Reporter]) -> 
         yield None if isinstance(given, bool) else given
 
 
+Report = Callable[[str], None]
+"""A function that takes a line of text on work that goes on."""
+
+
+@contextmanager
+def reports_of(given: Report | bool | None) -> Iterator[tuple[Report, Report]]:
+    """The functions to which a study reports what it does, and the results of its steps.
+
+    given: one function for both; True for a line of progress, beside which results are lines of their own where stderr
+    is no tty; None for a line in a notebook alone, after a while; False for none. The line is removed at the end.
+    """
+    if callable(given):
+        yield given, given
+    elif given or (given is None and in_notebook()):
+        line = DelayedLine(0.0 if given else PATIENCE)
+        try:
+            yield line.show, show_result if given else line.show
+        finally:
+            line.end()
+    else:
+        yield _silent, _silent
+
+
+def _silent(_: str) -> None:
+    """Report nothing."""
+
+
 def duration_text(seconds: float) -> str:
     """A duration in words with one or two units: "8 s", "3 min 20 s", "2 h 5 min"."""
     whole = max(1, round(seconds))

@@ -18,7 +18,10 @@ from conftest import ROOT
 from derive.registry import Registry
 from derive.spec.model.documentation import SECTIONS
 
-LONG = {"GeneralisedAlpha", "Ida", "casadi_function", "sweep", "SweepResult"}
+LONG = {
+    *("GeneralisedAlpha", "Ida", "casadi_function", "sweep", "SweepResult", "choose", "Choice"),
+    *("study_accuracy", "LadderChart", "study_methods", "MethodStudy", "study_stability", "LadderStability"),
+}
 """Names whose examples take more than half a second of a processor."""
 PUBLIC = [name for name in derive.__all__ if name != "__version__"]
 RUN = [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in PUBLIC]

@@ -18,6 +18,9 @@ NODES = {
 BEAM = derive.planar_beam("beam", markers={"tip": 1})
 SQUARE = derive.nodal_body("square", NODES, units="SI")
 BODY = derive.modal(SQUARE)
+BALL = derive.scene(
+    "ball", bodies={"ball": {"mass": 1, "inertia": 1}}, simulation={"duration": 1, "output": 0.1}, gravity=(0, -10)
+)
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +48,13 @@ def equations() -> Any:
             r"derive.lower\(derive.derive\(spec\)\) returns is needed, not PlanarBeam",
         ),
         (lambda: derive.time_function(3), "a text is needed.*, not int"),
+        (lambda: derive.study_accuracy(BEAM), "a planar scene is needed, .*, not PlanarBeam"),
+        (lambda: derive.study_methods(SQUARE), "a planar scene is needed, .*, not NodalBody"),
+        (lambda: derive.study_stability(BEAM, ("P", 0, 1, 2)), "a planar scene is needed, .*, not PlanarBeam"),
+        (lambda: derive.choose(BEAM), "a planar scene is needed, .*, not PlanarBeam"),
+        (lambda: derive.study_accuracy(BALL, orders="first"), r"several values are needed, such as \['first'\]"),
+        (lambda: derive.study_accuracy(BALL, shapes=2), r"shapes: several values are needed, such as \[2\], not 2"),
+        (lambda: derive.study_accuracy(BALL, tolerances=1e-3), "tolerances: several values are needed"),
     ],
 )
 def test_the_type_that_is_needed(call: Any, needed: str) -> None:
@@ -57,6 +67,20 @@ def test_the_type_that_is_needed(call: Any, needed: str) -> None:
     [
         (lambda: derive.derive_modal(BODY, lowering="loop"), 'auto, flat, loops, not "loop"'),
         (lambda: derive.derive_modal(BODY, gravity=(0, -10)), "gravity has three components, not 2"),
+        (
+            lambda: derive.study_accuracy(BALL, error=1),
+            "error: a number between 0 and 1 is needed.*, not 1",
+        ),
+        (lambda: derive.study_accuracy(BALL, tolerances=[0]), "tolerances: a number between 0 and 1 is needed"),
+        (lambda: derive.study_accuracy(BALL, shapes=[2.5]), "shapes: a whole number from 1 to 12 is needed, not 2.5"),
+        (lambda: derive.study_accuracy(BALL, pieces=[65]), "pieces: a whole number from 1 to 64 is needed, not 65"),
+        (lambda: derive.study_accuracy(BALL, runs=0), "runs: a whole number from 1 on is needed, not 0"),
+        (lambda: derive.study_methods(BALL, states=1), "states: a whole number from 2 on is needed, not 1"),
+        (lambda: derive.study_stability(BALL, ("P", 1, 0, 2)), "the first value is a number less than the last"),
+        (lambda: derive.study_stability(BALL, ("P", 0, 1, 1)), "a whole number from 2 to 10000 is needed, not 1"),
+        (lambda: derive.study_stability(BALL, ("P", 0, 1, 2), exact="never"), "exact: .*\"none\".*, not 'never'"),
+        (lambda: derive.study_stability(BALL, "P"), r'parameter: .*\("P", 0, 10, 11\), not \'P\''),
+        (lambda: derive.choose(BALL, error="1 %"), "error: a number between 0 and 1 is needed"),
     ],
 )
 def test_the_value_that_is_needed(call: Any, needed: str) -> None:
@@ -89,6 +113,11 @@ def test_samples_without_names_or_numbers(call: Any) -> None:
         (lambda of: of.expanded().sum_of("alpha_1"), 'did you mean "alpha1"'),
         (lambda _: derive.grid({"EI": [1, 2]}).axis("m"), "known: EI"),
         (lambda _: derive.JOINTS[3], "known: revolute"),
+        (lambda _: derive.study_accuracy(BALL, orders=["frist"]), 'did you mean "first"'),
+        (lambda _: derive.study_accuracy(BALL, frames=["men"]), 'did you mean "mean"'),
+        (lambda _: derive.study_accuracy(BALL, modes=["free"]), "known: free-free, clamped-free"),
+        (lambda _: derive.study_accuracy(BALL, integrators=["ida"]), "known: rk4, generalised-alpha"),
+        (lambda _: derive.study_methods(BALL, integrators=["rk5"]), 'did you mean "rk45"'),
         (lambda _: derive.JOINTS["weld", "fixed"], r"there is no joint .*'weld', 'fixed'"),
     ],
 )
@@ -127,3 +156,11 @@ def test_states_of_other_lengths_are_refused() -> None:
 def test_kernels_without_an_argument_say_which(equations: Any) -> None:
     with pytest.raises(ValueError, match="mass needs k as well"):
         derive.interpret(derive.lower(equations).kernel("mass"), {"q": [0] * 5})
+
+
+@pytest.mark.parametrize(
+    "study", [derive.study_accuracy, derive.choose, lambda scene: derive.study_stability(scene, ("P", 0, 1, 2))]
+)
+def test_studies_of_beams_need_a_beam(study: Any) -> None:
+    with pytest.raises(derive.SpecError, match="bodies: there is no beam here"):
+        study(BALL)

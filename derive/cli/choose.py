@@ -5,24 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 from derive.artifacts import File, check_folder
+from derive.cli.arguments.keywords import keywords
 from derive.cli.specifications import read_scene
-from derive.errors import Problem, SpecError, TisserandError
-from derive.remaining_time import ElapsedTime
-from derive.simulation.inputs import with_functions
-from derive.simulation.observables.beams import beam_bodies
+from derive.errors import SpecError, TisserandError
 from derive.spec.toml.read import parse, with_lines
-from derive.study.accuracy.reference import compared_plot
 from derive.study.choice.choice_text import choice_data, choice_text
-from derive.study.choice.model_runs import ModelRuns
-from derive.study.choice.screening import screening
-from derive.study.choice.search import Choice, choose
+from derive.study.choice.choose import choose
+from derive.study.choice.search import Choice
 from derive.study.choice.written_specification import WrittenSpecification, chosen_specification
-from derive.study.computed_ahead import available_workers
-from derive.terminal import show_progress, show_result
 
 EXPECTED_SIZE = 100_000
 """The approximate size that a specification has at most, in bytes."""
@@ -39,39 +32,23 @@ def run(options: argparse.Namespace) -> int:
     if os.path.lexists(target):
         raise ExistingFile(f"{target} exists, and is not overwritten; move it, or give another file with --out")
     check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
-    runs = None
     try:
-        if not beam_bodies(scene):
-            raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
-        plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
-        runs = ModelRuns(with_functions(scene, {}), plots, _shown(), available_workers())
-        screened = screening(runs)
-        choice = choose(runs, options.error, show_result)
+        choice = choose(scene, **keywords(choose, options), progress=True)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
-    finally:
-        if runs is not None:
-            runs.close()
-        show_progress()
     written = None if choice.chosen is None else _written(options.spec, target, choice)
     if options.json:
-        data = choice_data(scene.name, [plot.name for plot in plots], screened, choice)
+        data = choice_data(choice)
         target_data = {
             "specification": str(target) if written else None,
             "notes": list(written.notes) if written else [],
         }
         print(json.dumps({**data, **target_data}, indent=2))
     else:
-        print(choice_text(scene.name, [plot.name for plot in plots], screened, choice))
+        print(choice_text(choice))
         if written:
             print("\n".join(["", f"wrote {target}", *(f"  {note}" for note in written.notes)]))
     return 0 if written else 1
-
-
-def _shown() -> Callable[[str], None]:
-    """The line of progress of a search, whose number of steps is not known before: with the time so far."""
-    elapsed = ElapsedTime()
-    return lambda text: show_progress(f"{text.removesuffix(' ...')}{elapsed.text} ...")
 
 
 def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:

@@ -6,14 +6,14 @@ import argparse
 from pathlib import Path
 
 from derive.artifacts import check_folder, write
+from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
 from derive.spec.model.scene import Scene
 from derive.study.methods.failures import failure_table, failures
-from derive.study.methods.method_study import method_study
+from derive.study.methods.method_study import study_methods
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.methods_table import methods_data, methods_html, methods_text
-from derive.study.methods.scene_methods import Method
-from derive.terminal import show_progress, timed_stages
+from derive.terminal import timed_stages
 
 NAME = "methods"
 EXPECTED_SIZE = 1_000_000
@@ -24,10 +24,8 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its picture, page, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
-    chosen = [Method(name) for name in options.integrators]
     with timed_stages():
-        study = method_study(scene, chosen, options.steps, options.states, show_progress)
-    show_progress()
+        study = study_methods(scene, **keywords(study_methods, options), progress=True)
     data, table = methods_data(study), failure_table(failures(study))
     files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})
     write(files, folder)

@@ -6,16 +6,13 @@ import argparse
 from pathlib import Path
 
 from derive.artifacts import check_folder, write
-from derive.cli.arguments.stability import NEVER
+from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
 from derive.cli.specifications import read_changed_scene
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderRange, ladder
 from derive.study.stability.chart import stability_svg
-from derive.study.stability.ladder_stability import KnownLoss, LadderStability, ladder_stability
-from derive.study.stability.parameter import ParameterRange, studied
+from derive.study.stability.ladder_stability import study_stability
 from derive.study.stability.table import mode_table, stability_data, stability_text
-from derive.terminal import show_progress
 
 NAME = "stability"
 EXPECTED_SIZE = 5_000_000
@@ -27,20 +24,10 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     scene, changes = read_changed_scene(options.spec, options.set)
-    result = study(scene, options)
-    show_progress()
+    result = study_stability(scene, options.parameter, **keywords(study_stability, options), progress=True)
     data = {**stability_data(result), "set": list(map(str, changes))}
     files = study_files(NAME, data, {"svg": stability_svg(result), "csv": mode_table(result).csv})
     write(files, folder)
     text = "\n".join([*(f"{scene.name}: {change}" for change in changes), stability_text(result)])
     print_result(text, data, [str(folder / file.path) for file in files], options.json)
     return 0
-
-
-def study(scene: Scene, options: argparse.Namespace) -> LadderStability:
-    """The stability of the ladder of models that the options describe. Raises SpecError, CompilerError."""
-    parameter = studied(scene, ParameterRange(*options.parameter))
-    limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
-    models = ladder(limits)
-    known = None if options.exact is None else KnownLoss(None if options.exact == NEVER else options.exact)
-    return ladder_stability(scene.name, parameter, models, known, show_progress)

@@ -10,7 +10,7 @@ from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
 from derive.cli.result_files import print_result
 from derive.cli.specifications import read_scene
-from derive.errors import Problem, SpecError
+from derive.errors import SpecError
 from derive.lowering.elimination_orders import EliminationRule
 from derive.remaining_time import RemainingTime
 from derive.simulation.inputs import with_functions
@@ -23,11 +23,11 @@ from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
 from derive.study.pivot_stability import frame_stability
 from derive.study.pivot_table import pivot_data, pivot_legend, pivot_text
 from derive.study.states import period
+from derive.study.studied_scene import COMPARED, studied_scene
 from derive.study.variants import variant
 from derive.terminal import show_progress
 
-FRAMES = "frames"
-STABILITY = stability.NAME
+FRAMES, PIVOTS = "frames", "pivots"
 EXPECTED_SIZE = 100_000
 """The approximate size of the chart of frames, in bytes."""
 
@@ -35,12 +35,7 @@ EXPECTED_SIZE = 100_000
 def run(options: argparse.Namespace) -> int:
     """Run the study that is asked for, a key of `STUDIES`. Raises SpecError if it needs a beam and there is none."""
     scene = read_scene(options.spec)
-    if options.study != methods.NAME and not beam_bodies(scene):
-        message = f"there is no beam here, and study {options.study} compares models of beams"
-        raise SpecError((Problem("bodies", f"{message}; see scenes/crank_slider_3.toml"),), str(options.spec))
     try:
-        if options.study != STABILITY:  # which needs no values of inputs
-            scene = with_functions(scene, {})
         return STUDIES[options.study](scene, options)
     except SpecError as error:
         raise (with_lines(error, options.spec) if error.source is None else error) from None
@@ -49,6 +44,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
+    scene = with_functions(studied_scene(scene, COMPARED.format(FRAMES)), {})
     names = options.frames
     target = options.chart or Path("results") / scene.name / f"{FRAMES}.svg"
     check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
@@ -62,6 +58,7 @@ def _frames(scene: Scene, options: argparse.Namespace) -> int:
 
 
 def _pivots(scene: Scene, options: argparse.Namespace) -> int:
+    scene = with_functions(studied_scene(scene, COMPARED.format(PIVOTS)), {})
     along = period(scene)[1]
     numbers = options.pieces or sorted({beam.pieces for beam in beam_bodies(scene)})
     results = []
@@ -83,8 +80,8 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
 
 STUDIES = {
     FRAMES: _frames,
-    "pivots": _pivots,
-    "accuracy": accuracy.run,
-    "methods": methods.run,
-    STABILITY: stability.run,
+    PIVOTS: _pivots,
+    accuracy.NAME: accuracy.run,
+    methods.NAME: methods.run,
+    stability.NAME: stability.run,
 }

@@ -21,6 +21,8 @@ PLAYER_HEIGHT, STRIP_HEIGHT, MOST_STRIPS = 640, 120, 3
 NARROW = '"max-width: 100%; height: auto"'
 """The style of pictures, which are no wider than a page."""
 PADDING = "padding: 2px 10px"
+SHORT = 12
+"""The characters of a text, such as a number with its unit, that is not broken into lines in a table."""
 
 
 def head(name: str, text: str = "") -> str:
@@ -55,6 +57,8 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[object]], left: int = 
 
 def _cell(tag: str, content: object, left: bool) -> str:
     style = f"text-align: {'left' if left else 'right'}; {PADDING}"
+    if len(str(content)) <= SHORT:
+        style += "; white-space: nowrap"
     return f'<{tag} style="{style}">{escape(str(content))}</{tag}>'
 
 

@@ -17,6 +17,7 @@ from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.spec_text import body_kind, quantity_text, shapes_text, simulation_text
 from derive.visual.mechanism import mechanism_picture
+from derive.visual.spatial_scene_picture import undeformed_picture
 
 ACTIONS = ("drives", "gears", "forces", "torques", "springs", "inputs", "outputs", "plots")
 """The sections of a scene after its bodies and joints."""
@@ -32,8 +33,9 @@ KEYS = {
 
 
 def scene_html(scene: Scene | SpatialScene) -> str:
-    """A scene: its drawing where it is planar, its bodies, its joints, and what acts in it."""
+    """A scene: its drawing, its bodies, its joints, and what acts in it."""
     planar = isinstance(scene, Scene)
+    drawn = mechanism_picture(scene) if isinstance(scene, Scene) else undeformed_picture(scene)
     bodies = [(body.name, body_kind(body), _body(body), _names(body.markers)) for body in scene.bodies]
     joints = [(joint.name, joint.kind, joint.first, joint.second) for joint in scene.joints]
     actions = [
@@ -45,7 +47,7 @@ def scene_html(scene: Scene | SpatialScene) -> str:
     gravity = f", gravity ({', '.join(quantity_text(g, 'm/s^2') for g in scene.gravity)})" if scene.gravity else ""
     return joined(
         head(scene.name, f"{'planar scene' if planar else 'scene in space'} of {size}{gravity}"),
-        picture(mechanism_picture(scene), f"The mechanism {scene.name} at t = 0") if isinstance(scene, Scene) else "",
+        picture(drawn, f"The mechanism {scene.name} at t = 0") if scene.bodies else "",
         table(("body", "kind", "constants", "markers"), bodies, left=4),
         table(("joint", "kind", "marker 1", "marker 2"), joints, left=4),
         table(("element", "kind", "values"), actions, left=3),

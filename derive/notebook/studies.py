@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.notebook.parts import Writers, folded, head, joined, lines, number, paragraph, picture, table
-from derive.short_text import counted
+from derive.notebook.parts import Writers, folded, head, joined, lines, number, picture, table
+from derive.percentages import percent
+from derive.short_text import counted, listed
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
-from derive.study.accuracy.table import model_table
+from derive.study.accuracy.table import ON_PAGE, model_table
+from derive.study.choice.choice_text import tried_table, verdict_lines
+from derive.study.choice.search import Choice
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.methods_table import tables
 from derive.study.stability.chart import stability_svg
 from derive.study.stability.ladder_stability import LadderStability
-from derive.study.stability.table import mode_table, truth_sentences
+from derive.study.stability.table import gap_sentences, loss_table
 from derive.study.sweep.picture import sweep_svg
 from derive.study.sweep.result import SweepResult
 from derive.study.table import StudyTable
@@ -55,8 +58,7 @@ def accuracy_html(chart: LadderChart) -> str:
     return joined(
         head(chart.name, "accuracy against cost"),
         picture(accuracy_svg(chart), f"{chart.name}: error over CPU time and over operations"),
-        folded("Models", study_table(model_table(chart))),
-        paragraph(f"Times were measured on {chart.machine}."),
+        folded("Models", study_table(model_table(chart).only(ON_PAGE))),
     )
 
 
@@ -70,12 +72,25 @@ def methods_html(study: MethodStudy) -> str:
 
 
 def stability_html(of: LadderStability) -> str:
-    """A study of stability: its chart, what is known of the loss of stability, and the models."""
+    """A study of stability: its chart, where each model loses its stability, and those without a steady motion."""
     return joined(
-        head(of.name, "stability over a ladder of models"),
+        head(of.name, "stability of a ladder of models"),
         picture(stability_svg(of), f"{of.name}: stability"),
-        lines(truth_sentences(of)),
-        folded("Models", study_table(mode_table(of))),
+        folded("Models", study_table(loss_table(of))),
+        lines(gap_sentences(of)),
+    )
+
+
+def choice_html(choice: Choice) -> str:
+    """A search for a model: the verdict, the loads on the beams, and the models that were tried."""
+    return joined(
+        head(
+            choice.name,
+            f"the cheapest model with an error of at most {percent(choice.error)} in {listed(choice.plots)}",
+        ),
+        lines(verdict_lines(choice)),
+        lines(of.text for of in choice.screening),
+        study_table(tried_table(choice)),
     )
 
 
@@ -84,4 +99,5 @@ WRITERS: Writers = {
     LadderChart: accuracy_html,
     MethodStudy: methods_html,
     LadderStability: stability_html,
+    Choice: choice_html,
 }

@@ -20,13 +20,18 @@ class XarrayMissing(TisserandError):
 
 def data_frame(table: Sequence[Column]) -> Any:
     """A pandas.DataFrame of columns, indexed by the first one. Raises PandasMissing."""
-    try:
-        pandas = import_module("pandas")
-    except ImportError as error:
-        raise PandasMissing("to_pandas needs the package pandas: pip install pandas") from error
+    pandas = pandas_module()
     time, *columns = table
     index = pandas.Index(time.values, name=time.name)
     return pandas.DataFrame({column.name: column.values for column in columns}, index=index)
+
+
+def pandas_module() -> Any:
+    """The package pandas. Raises PandasMissing."""
+    try:
+        return import_module("pandas")
+    except ImportError as error:
+        raise PandasMissing("to_pandas needs the package pandas: pip install pandas") from error
 
 
 def data_set(name: str, table: Sequence[Column], docs: Mapping[str, str]) -> Any:

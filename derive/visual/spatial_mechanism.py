@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
 from html import escape
+from typing import assert_never
 
 import numpy as np
 
@@ -27,12 +30,40 @@ STYLE = """\
     .edge { stroke: #1f7fab; stroke-width: 1.6; } .tie, .spring { stroke: #5c6975; stroke-width: 1.6; }
     .spring { stroke-dasharray: 5 3; }
     .axis { stroke: #9aa6b2; stroke-width: 1.4; } .point { fill: #1c2733; }
+    .stand { fill: none; stroke: #5a6670; stroke-width: 1.4; } .along { stroke: #a8560f; stroke-width: 1.8; }
+    .joint { fill: #ffffff; stroke: #1c2733; stroke-width: 1.6; } .weld { fill: #1c2733; }
     @media (prefers-color-scheme: dark) {
       text { fill: #e6edf3; stroke: #0d1117; } .face { stroke: #0d1117; } .rigid { fill: #8d9aa6; }
       .flexible { fill: #58b4dc; } .link { stroke: #8d9aa6; } .edge { stroke: #58b4dc; }
-      .tie, .spring { stroke: #8d9aa6; } .point { fill: #e6edf3; }
+      .tie, .spring { stroke: #8d9aa6; } .point { fill: #e6edf3; } .stand { stroke: #9ba7b1; }
+      .along { stroke: #e0a564; } .joint { fill: #13171b; stroke: #e6edf3; } .weld { fill: #e6edf3; }
     }
   </style>"""
+
+SYMBOL = 6.0
+"""The radius of the symbol of a joint, in pixels."""
+
+
+class JointSymbol(Enum):
+    """The symbol of a joint, by the relative motions that it leaves."""
+
+    WELD = "none"
+    HINGE = "a rotation"
+    UNIVERSAL = "two rotations"
+    BALL = "three rotations"
+    GUIDE = "displacements"
+    GUIDE_THAT_TURNS = "displacements and rotations"
+
+
+@dataclass(frozen=True, eq=False)
+class JointMark:
+    """The symbol of a joint at a place (3,), m, with the direction (3,) of its z axis; `label` is its title."""
+
+    label: str
+    symbol: JointSymbol
+    at: Array
+    axis: Array
+
 
 Shape = tuple[float, str]
 """A depth and the element of SVG that is drawn there."""
@@ -44,10 +75,12 @@ def spatial_picture(
     paths: list[BodyPath],
     ground: list[tuple[str, Array]],
     ties: Sequence[Tie] = (),
+    joints: Sequence[JointMark] = (),
 ) -> str:
     """The picture of bodies at the first instant of their paths.
 
     ground: names and places (3,), m, of the markers of the ground. ties: the lines between markers.
+    joints: their symbols, which are drawn above the bodies.
     """
     shown = [placed(body, path)[0] @ _axes().T for body, path in zip(bodies, paths, strict=True)]
     fixed = [(label, _axes() @ at) for label, at in ground]
@@ -68,14 +101,24 @@ def spatial_picture(
     shapes += [_tie(tie, pixels(np.array([ends[end] for end in tie.ends]))) for tie in ties]
     tips = pixels(np.vstack([np.zeros(3), 0.35 * float(np.ptp(every, axis=0).max()) * _axes().T]))
     axes = [_line("axis", tips[0], tip) for tip in tips[1:]]
+    places = _beside_each_other([pixels((_axes() @ joint.at)[None])[0] for joint in joints])
+
+    def label(name: str, at: Array) -> str:
+        """The label of a marker; its point is left out below the symbol of a joint."""
+        hidden = any(np.hypot(*(at - place)[:2]) < SYMBOL for place in places)
+        return _text(name, at) if hidden else _label(name, at)
+
     labels = [
-        _label(marker, pixels(points[number][None])[0])
+        label(marker, pixels(points[number][None])[0])
         for body, points in zip(bodies, shown, strict=True)
         for marker, number in body.markers
     ]
-    labels += [_label(label, pixels(at[None])[0]) for label, at in fixed]
+    labels += [label(name, pixels(at[None])[0]) for name, at in fixed]
     labels += [_text(f"e{k}", tip) for k, tip in enumerate(tips[1:], 1)]
-    content = [*axes, *(text for _, text in sorted(shapes, key=lambda shape: shape[0])), *labels]
+    marks = [_joint(joint, at[:2], _axes() @ joint.axis) for joint, at in zip(joints, places, strict=True)]
+    stands = [_stand(pixels(at[None])[0][:2]) for _, at in fixed]
+    bodies_drawn = [text for _, text in sorted(shapes, key=lambda shape: shape[0])]
+    content = [*axes, *stands, *bodies_drawn, *marks, *labels]
     box = f"0 0 {size[0]:.0f} {size[1]:.0f}"
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{size[0]:.0f}" role="img">'
     return "\n".join([head, f"  <!-- {MARK} -->", f"  <title>{escape(name)}</title>", STYLE, *content, "</svg>", ""])
@@ -111,6 +154,51 @@ def _tie(tie: Tie, points: Array) -> Shape:
 
 def _line(kind: str, a: Array, b: Array) -> str:
     return f'  <path class="{kind}" d="M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}"/>'
+
+
+def _beside_each_other(places: Sequence[Array]) -> list[Array]:
+    """Places (3,) of symbols, of which those that would cover another one are moved to the right."""
+    result: list[Array] = []
+    for place in places:
+        moved = place.copy()
+        while any(np.hypot(*(moved - other)[:2]) < 2 * SYMBOL for other in result):
+            moved[0] += 2.4 * SYMBOL
+        result.append(moved)
+    return result
+
+
+def _stand(at: Array) -> str:
+    """A hatched line below a marker of the ground."""
+    x, y = at
+    hatches = "".join(f"M{x + k:.1f} {y + 8:.1f}l-4 5" for k in (-6, 0, 6, 12))
+    return f'  <path class="stand" d="M{x - 10:.1f} {y + 8:.1f}h20{hatches}M{x:.1f} {y:.1f}v8"/>'
+
+
+def _joint(joint: JointMark, at: Array, axis: Array) -> str:
+    """The symbol of a joint; those with an axis have a line along it, as long as it is seen from the reader."""
+    (x, y), r = at, SYMBOL
+    square = f'<rect class="joint" x="{x - r:.1f}" y="{y - r:.1f}" width="{2 * r:g}" height="{2 * r:g}"/>'
+    circle = f'<circle class="joint" cx="{x:.1f}" cy="{y:.1f}" r="{r:g}"/>'
+    dx, dy = 2.6 * r * axis[0], -2.6 * r * axis[1]
+    line = f'<path class="along" d="M{x - dx:.1f} {y - dy:.1f}L{x + dx:.1f} {y + dy:.1f}"/>'
+    match joint.symbol:
+        case JointSymbol.WELD:
+            drawn = square.replace('"joint"', '"joint weld"')
+        case JointSymbol.HINGE:
+            drawn = line + circle
+        case JointSymbol.UNIVERSAL:
+            d = 0.7 * r
+            cross = f"M{x - d:.1f} {y - d:.1f}L{x + d:.1f} {y + d:.1f}M{x - d:.1f} {y + d:.1f}L{x + d:.1f} {y - d:.1f}"
+            drawn = f'{circle}<path class="joint" d="{cross}"/>'
+        case JointSymbol.BALL:
+            drawn = f'{circle}<circle class="point" cx="{x:.1f}" cy="{y:.1f}" r="{r / 2:g}"/>'
+        case JointSymbol.GUIDE:
+            drawn = line + square
+        case JointSymbol.GUIDE_THAT_TURNS:
+            drawn = f'{line}{square}<circle class="joint" cx="{x:.1f}" cy="{y:.1f}" r="{r / 2:g}"/>'
+        case _ as never:
+            assert_never(never)
+    return f"  <g><title>{escape(joint.label)}</title>{drawn}</g>"
 
 
 def _label(name: str, at: Array) -> str:

@@ -67,9 +67,14 @@ GROUPS = {
         {"": "equilibrium Equilibrium modes Modes Mode Linearisation"},
     ),
     "study": Group(
-        "Run sweeps",
-        "Simulations with many sets of parameters, on the processors of one machine or of many.",
-        {"": "sweep grid listed random_samples Samples SweepResult"},
+        "Studies and sweeps",
+        "What models of beams and methods of integration cost, and where they fail; and simulations with many sets of "
+        "parameters, on the processors of one machine or of many.",
+        {
+            "Studies": "choose Choice study_accuracy LadderChart study_stability LadderStability study_methods "
+            "MethodStudy",
+            "Sweeps": "sweep grid listed random_samples Samples SweepResult",
+        },
     ),
     "export": Group(
         "Export to other programs",

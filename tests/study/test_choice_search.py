@@ -31,7 +31,7 @@ from derive.study.choice.combinations import combinations
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.one_beam import try_one_beam
 from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
-from derive.study.choice.search import choose
+from derive.study.choice.search import cheapest_model
 from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials
 from derive.study.choice.trusted_reference import COARSE, FINE, Agreement, NotConverged, TrustedReference
@@ -436,7 +436,7 @@ def test_three_beams_of_which_one_bends() -> None:
     gravity = (Fraction(0), Fraction(-10))
     scene = replace(scene, bodies=stiff, plots=(plot,), simulation=simulation, gravity=gravity)
     runs = ModelRuns(scene, scene.plots, lambda _: None)
-    choice = choose(runs, 0.05)
+    choice = cheapest_model(runs, 0.05)
     assert choice.chosen is not None
     line, point = choice.chosen
     assert line.model.of("b0") == line.model.of("b2") == RIGID != line.model.of("b1")

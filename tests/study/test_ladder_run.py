@@ -141,7 +141,7 @@ def test_what_there_is_is_written_meanwhile(tmp_path: Path, monkeypatch: pytest.
             seen.append([*(line["model"] for line in data["models"]), *data["notes"]])
         return opened(of)
 
-    monkeypatch.setattr("derive.cli.accuracy.BETWEEN", 0.0)
+    monkeypatch.setattr("derive.study.accuracy.study.BETWEEN", 0.0)
     monkeypatch.setattr(ladder_run, "opened", watching)
     assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 0
     assert seen[0] == ["rigid", "unfinished: more models are being run"]

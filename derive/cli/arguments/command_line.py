@@ -24,6 +24,7 @@ from derive.cli.arguments.types import (
     number,
     spec_file,
 )
+from derive.study.study_options import ERROR
 from derive.version import VERSION
 
 DESCRIPTION = """\
@@ -162,8 +163,8 @@ def _add_choose(commands: Any) -> None:
     )
     choose.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
     choose.add_argument(
-        "--error", "--tolerance", type=error_fraction, default=0.01, metavar="X",
-        help="largest error (rms) that is allowed, relative to the peak of a curve (default: 0.01)",
+        "--error", "--tolerance", type=error_fraction, default=ERROR, metavar="X",
+        help=f"largest error (rms) that is allowed, relative to the peak of a curve (default: {ERROR})",
     )  # fmt: skip
     choose.add_argument(
         "--plot",

@@ -1,73 +1,80 @@
-"""The options of the studies that go through a ladder of models. Only the standard library is imported here."""
+"""The options of the studies that go through a ladder of models. Only light modules are imported here."""
 
 from __future__ import annotations
 
 import argparse
 import difflib
+from collections.abc import Sequence
 
 from derive.cli.arguments.types import count, pieces
-
-MAX_SHAPES = 12
-"""The largest number of shape functions in a ladder."""
+from derive.study.study_options import FRAMES, MAX_SHAPES, MODES, ORDERS, LadderRange
 
 
-def add_ladder(
-    command: argparse.ArgumentParser, many_shapes: tuple[int, ...] = (2, 3, 4, 6), many_sines: tuple[int, ...] = (1, 2)
-) -> None:
-    """Add the options for the orders, the frames and the shapes of a ladder, with these numbers of shapes."""
+def add_ladder(command: argparse.ArgumentParser, default: LadderRange) -> None:
+    """Add the options for the orders, the frames and the shapes of a ladder, with these defaults."""
     command.add_argument(
         "--orders",
         type=orders,
-        default=("first", "truncated"),
+        default=default.orders,
         metavar="A,...",
-        help="orders of the displacements among first, truncated, full (default: first,truncated)",
+        help=f"orders of the displacements among {', '.join(ORDERS)} (default: {joined(default.orders)})",
     )
     command.add_argument(
         "--frames",
         type=frames_of_ladder,
-        default=("mean",),
+        default=default.frames,
         metavar="A,...",
-        help="frames of polynomials among mean, chord, point, tangent (default: mean)",
+        help=f"frames of polynomials among {', '.join(FRAMES)} (default: {joined(default.frames)})",
     )
     command.add_argument(
         "--shapes",
         type=shapes,
-        default=many_shapes,
+        default=default.shapes,
         metavar="N,...",
-        help=f"polynomials of one beam (default: {','.join(map(str, many_shapes))})",
+        help=f"polynomials of one beam (default: {joined(default.shapes)})",
     )
     command.add_argument(
-        "--pieces", type=pieces, default=(2, 3), metavar="N,...", help="numbers of beams with P2, P3 (default: 2,3)"
+        "--pieces",
+        type=pieces,
+        default=default.pieces,
+        metavar="N,...",
+        help=f"numbers of beams with P2, P3 (default: {joined(default.pieces)})",
     )
     command.add_argument(
         "--sines",
         type=shapes,
-        default=many_sines,
+        default=default.sines,
         metavar="N,...",
-        help=f"half sine waves of one beam (default: {','.join(map(str, many_sines))})",
+        help=f"half sine waves of one beam (default: {joined(default.sines)})",
     )
     command.add_argument(
         "--modes",
         type=modes,
-        default=(),
+        default=default.modes,
         metavar="A,...",
-        help="other natural modes of one beam in the same numbers, among free-free and clamped-free (default: none)",
+        help=f"other natural modes of one beam in the same numbers, among {' and '.join(MODES)} "
+        f"(default: {joined(default.modes)})",
     )
+
+
+def joined(values: Sequence[object]) -> str:
+    """Default values as they are written in a command."""
+    return ",".join(map(str, values)) or "none"
 
 
 def orders(text: str) -> tuple[str, ...]:
     """Orders of displacements by their names."""
-    return among(text, ("first", "truncated", "full"))
+    return among(text, ORDERS)
 
 
 def frames_of_ladder(text: str) -> tuple[str, ...]:
     """Frames of beams by their names."""
-    return among(text, ("mean", "chord", "point", "tangent"))
+    return among(text, FRAMES)
 
 
 def modes(text: str) -> tuple[str, ...]:
     """Natural modes of beams by their names."""
-    return among(text, ("free-free", "clamped-free"))
+    return among(text, MODES)
 
 
 def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:

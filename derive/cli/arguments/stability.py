@@ -1,4 +1,4 @@
-"""The arguments of `tisserand study stability`. Only the standard library is imported here."""
+"""The arguments of `tisserand study stability`. Only light modules are imported here."""
 
 from __future__ import annotations
 
@@ -16,11 +16,7 @@ from derive.cli.arguments.types import (
     number,
     spec_file,
 )
-
-MAX_VALUES = 10_000
-"""The largest number of values of a parameter."""
-NEVER = "none"
-"""The text in place of a value if the reference never loses its stability."""
+from derive.study.study_options import MAX_VALUES, NEVER, STABILITY
 
 
 def add_stability(studies: Any) -> None:
@@ -42,7 +38,7 @@ def add_stability(studies: Any) -> None:
         metavar="X",
         help="the known value at which stability is lost, or none: the truth in place of the richest model",
     )
-    add_ladder(stability, many_shapes=(2, 4), many_sines=(1,))
+    add_ladder(stability, STABILITY)
     stability.add_argument(
         "--out", type=folder, metavar="FOLDER", help="folder of the chart and the tables (default: results/NAME)"
     )

@@ -1,4 +1,4 @@
-"""The arguments of `tisserand study`. Only the standard library is imported here."""
+"""The arguments of `tisserand study`. Only light modules are imported here."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from derive.cli.arguments.ladder import add_ladder, among
+from derive.cli.arguments.ladder import add_ladder, among, joined
 from derive.cli.arguments.stability import add_stability
 from derive.cli.arguments.types import (
     SPEC,
@@ -19,6 +19,17 @@ from derive.cli.arguments.types import (
     pieces,
     spec_file,
     tolerance,
+)
+from derive.study.study_options import (
+    ACCURACY,
+    ERROR,
+    FIXED_STEPS,
+    METHODS,
+    RUNS,
+    STATES,
+    STEPS,
+    STUDIED_METHODS,
+    TOLERANCES,
 )
 
 
@@ -75,13 +86,15 @@ def _add_methods(studies: Any) -> None:
     methods = add_command(studies, "methods", "limits of steps, drift, ringing, conditioning: by theory and experiment")
     methods.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene, which may be rigid")
     methods.add_argument(
-        "--steps", type=count, default=100_000, metavar="N", help="steps of the runs that show drift (default: 100000)"
+        "--steps", type=count, default=STEPS, metavar="N", help=f"steps of the runs that show drift (default: {STEPS})"
     )
-    methods.add_argument("--states", type=states, default=61, metavar="N", help="states along the motion (default: 61)")
+    methods.add_argument(
+        "--states", type=states, default=STATES, metavar="N", help=f"states along the motion (default: {STATES})"
+    )
     methods.add_argument(
         "--integrators",
         type=integrators,
-        default=("rk4", "adaptive", "generalised-alpha", "trapezoidal"),
+        default=STUDIED_METHODS,
         metavar="A,...",
         help="among rk4, adaptive, rk45, generalised-alpha and trapezoidal, which is generalised-alpha with rho = 1 "
         "(default: all but rk45, which calls Python at each step)",
@@ -98,7 +111,7 @@ def _add_methods(studies: Any) -> None:
 
 def integrators(text: str) -> tuple[str, ...]:
     """Integrators of a study of methods by their names."""
-    return among(text, ("rk4", "adaptive", "rk45", "generalised-alpha", "trapezoidal"))
+    return among(text, METHODS)
 
 
 def states(text: str) -> int:
@@ -122,9 +135,9 @@ def _add_accuracy(studies: Any) -> None:
     accuracy.add_argument(
         "--error",
         type=error_fraction,
-        default=0.01,
+        default=ERROR,
         metavar="X",
-        help="largest error (rms) that is allowed, relative to the peak (default: 0.01)",
+        help=f"largest error (rms) that is allowed, relative to the peak (default: {ERROR})",
     )
     accuracy.add_argument(
         "--reference-error",
@@ -135,13 +148,13 @@ def _add_accuracy(studies: Any) -> None:
     accuracy.add_argument(
         "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"
     )
-    add_ladder(accuracy)
+    add_ladder(accuracy, ACCURACY)
     accuracy.add_argument(
         "--tolerances",
         type=tolerances,
-        default=(1e-3, 1e-4, 1e-5, 1e-6, 1e-8),
+        default=TOLERANCES,
         metavar="X,...",
-        help="of the adaptive integrator, for each model (default: 1e-3,1e-4,1e-5,1e-6,1e-8)",
+        help=f"of the adaptive integrator, for each model (default: {joined(TOLERANCES)})",
     )
     accuracy.add_argument(
         "--integrators",
@@ -158,7 +171,7 @@ def _add_accuracy(studies: Any) -> None:
         help="CSV of runs of other programs: model, cpu_s, rms_error, largest_error (default: none)",
     )
     accuracy.add_argument(
-        "--runs", type=count, default=5, metavar="N", help="interleaved measurements of each run (default: 5)"
+        "--runs", type=count, default=RUNS, metavar="N", help=f"interleaved measurements of each run (default: {RUNS})"
     )
     add_no_cache(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the numbers as JSON")
@@ -166,7 +179,7 @@ def _add_accuracy(studies: Any) -> None:
 
 def fixed_step_integrators(text: str) -> tuple[str, ...]:
     """Integrators with fixed steps by their names."""
-    return among(text, ("rk4", "generalised-alpha"))
+    return among(text, FIXED_STEPS)
 
 
 def tolerances(text: str) -> tuple[float, ...]:

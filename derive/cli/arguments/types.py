@@ -1,4 +1,4 @@
-"""Kinds of values of arguments, which several commands share. Only the standard library is imported here."""
+"""Kinds of values of arguments, which several commands share. Only light modules are imported here."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import math
 from pathlib import Path
 from typing import Any
 
+from derive.study.study_options import MAX_PIECES
+
 SPEC = "specification file (.toml)"
-MAX_PIECES = 64
-"""The largest number of beams that a study divides a rod into."""
 
 
 def add_command(commands: Any, name: str, text: str) -> argparse.ArgumentParser:

@@ -32,7 +32,8 @@ TRIALS = 16
 def guessed_configuration(scene: SpatialScene, native: NativeScene, k: Vector, size: float) -> Vector:
     """A configuration (nq,) near what is given or guessed of bodies and joints."""
     q = np.zeros(native.nq)
-    wanted = _wanted(scene, _joint_starts(scene, native))
+    driven = {d.joint: float(simulated_drive(native, d, np.zeros(1))[0]) for d in scene.drives}
+    wanted = laid_poses(scene, driven)
     names = {name: i for i, name in enumerate(native.coordinates)}
     for body in scene.bodies:
         own = [names[name] for name in _possible(body) if name in names]
@@ -103,13 +104,8 @@ JointGuess = tuple[float, Vector]
 """The rotation about z, rad, and the displacements (3,), m, of the second marker of a joint against the first."""
 
 
-def _joint_starts(scene: SpatialScene, native: NativeScene) -> dict[str, JointGuess]:
-    """The motions of joints at t = 0 that are given or prescribed, others zero."""
-    driven = {d.joint: float(simulated_drive(native, d, np.zeros(1))[0]) for d in scene.drives}
-    return {joint.name: _joint_start(joint, driven.get(joint.name)) for joint in scene.joints}
-
-
 def _joint_start(joint: SpatialJoint, driven: float | None) -> JointGuess:
+    """The motion of a joint at t = 0 that is given or prescribed, else zero."""
     joint_type, start = SPATIAL_JOINTS[joint.kind], joint.start
     x, y = start.displacements or (0.0, 0.0)
     angle, along = start.angle or 0.0, start.displacement or 0.0
@@ -122,8 +118,12 @@ def _joint_start(joint: SpatialJoint, driven: float | None) -> JointGuess:
     return angle, np.array([x, y, along])
 
 
-def _wanted(scene: SpatialScene, starts: Mapping[str, JointGuess]) -> dict[str, Pose]:
-    """The pose of each body that is given, guessed, or such that it meets joints to bodies with a pose."""
+def laid_poses(scene: SpatialScene, driven: Mapping[str, float]) -> dict[str, Pose]:
+    """The pose of each body that is given, guessed, or such that it meets joints to bodies with a pose.
+
+    driven: the motions of joints with a drive at t = 0, by their names.
+    """
+    starts = {joint.name: _joint_start(joint, driven.get(joint.name)) for joint in scene.joints}
     poses: dict[str, Pose] = {GROUND: (np.zeros(3), np.eye(3))}
     waiting = {body.name: body for body in scene.bodies}
     for body in scene.bodies:

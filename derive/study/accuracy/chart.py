@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from derive.display import html
+from derive.display import data_frame, html
 from derive.percentages import percent
 from derive.short_text import counted, summary
 from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, duration, group_label, label_groups, spread
@@ -28,6 +28,8 @@ WIDTH, PANEL, HEIGHT, LEFT, GAP, MARGIN = 11.2, 3.55, 4.3, 0.78, 0.2, 2.95
 """The picture, its two panels, and the margins to their left, between them and to their right, in inches."""
 LABEL = 0.165
 """The least distance of labels, in inches."""
+LABELLED = 1.7
+"""The powers of ten on an axis below which ticks between them have labels as well."""
 ROW, EDGE = 0.19, 0.4
 """The height of a line of the head, and the margin to its right, in inches."""
 SMALL, POINTS = 8.5, 72
@@ -41,12 +43,35 @@ DASHES: dict[str, tuple[float | None, ...]] = {
 DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LadderChart:
-    """The data of a chart: the lines of a ladder of `name`, their reference, the requested error, and peers.
+    """The result of a study of accuracy: the error of each model of a ladder against what it costs.
 
-    shown: the names of the beams that the plot shows, if it shows some alone. notes: lines on models that were left
-    out, on approximate starts, and on an interruption.
+    Attributes:
+        name: that of the scene.
+        lines: the models, each with its runs from coarse to fine.
+        reference: the curves that models are compared with, and their own error.
+        error: the largest error (rms) that is allowed, relative to the peak.
+        machine: the processor, the compiler and its flags.
+        peers: the runs of other programs.
+        shown: the names of the beams that the plot shows, if it shows some alone.
+        notes: lines on models that were left out, on approximate starts, and on an interruption.
+
+    Examples:
+        >>> import derive
+        >>> arm = derive.scene(
+        ...     "arm",
+        ...     gravity=(0, -9.81),
+        ...     ground={"hub": [0, 0]},
+        ...     bodies={"arm": {"mass": 1, "length": 1, "bending_stiffness": 20, "markers": {"root": -1, "tip": 1}}},
+        ...     joints={"hub": {"kind": "revolute", "between": ["ground.hub", "arm.root"]}},
+        ...     outputs={"tip": {"kind": "position", "marker": "arm.tip"}},
+        ...     plots={"height": {"y": "tip_2"}},
+        ...     simulation={"duration": 0.3, "output": 0.01},
+        ... )
+        >>> study = derive.study_accuracy(arm, orders=["first"], shapes=[2], pieces=[], sines=[1], runs=1)
+        >>> study.lines[0].model.label, len(study.lines)
+        ('rigid', 3)
     """
 
     name: str
@@ -60,7 +85,7 @@ class LadderChart:
 
     @property
     def drawn(self) -> tuple[Line, ...]:
-        """The lines that have runs."""
+        """The models that have runs."""
         return tuple(line for line in self.lines if line.points)
 
     @property
@@ -71,9 +96,22 @@ class LadderChart:
     def __repr__(self) -> str:
         runs = sum(len(line.points) for line in self.lines)
         models = f"{counted(len(self.lines), 'model')} in {counted(runs, 'run')}"
-        return summary(f"LadderChart of {self.name}: {models}", {"notes": "; ".join(self.notes)})
+        result = dict(headline_texts(self.headline, self.shown)) if self.drawn else {}
+        return summary(f"LadderChart of {self.name}: {models}", {**result, "notes": "; ".join(self.notes)})
 
     _repr_html_ = html
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with a row for each run of each model: its errors, its times and its operations.
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> study.to_pandas()["model"].unique().tolist()
+            ['rigid', '1 sine, first', '1 beam, P2, P3, first']
+        """
+        return data_frame(self)
 
 
 def accuracy_svg(chart: LadderChart, alone: bool = True) -> str:
@@ -152,8 +190,8 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
     axes.set_ylim(low, high)
     axes.yaxis.set_major_formatter(lambda value, _: percent(value))
     axes.xaxis.set_major_formatter(lambda value, _: _power(value))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_minor_formatter("")
+    axes.yaxis.set_minor_formatter("")
+    axes.xaxis.set_minor_formatter(_between if _decades(axes) < LABELLED else "")
     axes.tick_params(length=3, which="both")
     axes.axhline(chart.error, color=style.INK, linewidth=0.7, dashes=(1, 2))
     if chart.reference.error:
@@ -173,6 +211,21 @@ def peer_text(run: tuple[float, float, float]) -> str:
     """The text of a run of another program."""
     seconds, rms, largest = run
     return f"rms {percent(rms)}, largest {percent(largest)}, {duration(seconds)}"
+
+
+def _decades(axes: Axes) -> float:
+    """The powers of ten that the horizontal axis covers."""
+    low, high = axes.get_xlim()
+    return math.log10(high / low)
+
+
+def _between(value: float, _: object = None) -> str:
+    """The text of 2 and 5 times a power of ten, where an axis has hardly any powers: 0.2, 5, 2·10⁵; else empty."""
+    exponent = math.floor(math.log10(value) + 1e-9)
+    mantissa = round(value / 10.0**exponent)
+    if mantissa not in (2, 5):
+        return ""
+    return f"{value:g}" if -3 <= exponent < 4 else f"{mantissa}·{_power(10.0**exponent)}"
 
 
 def _power(value: float) -> str:

@@ -23,6 +23,7 @@ from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
 from derive.spec.tables.beam import frame_from
 from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
+from derive.study.study_options import LadderRange
 from derive.study.table import columns
 from derive.terminal import beam_count
 
@@ -126,21 +127,6 @@ MODEL_COLUMNS = columns("model", "order", "shapes", "number_of_shapes", "beams",
 def model_row(model: LadderModel, label: str) -> tuple[Any, ...]:
     """The values of `MODEL_COLUMNS`, with the text that names the model."""
     return label, model.order.value, model.shapes.value, model.count, model.pieces, model.frame
-
-
-@dataclass(frozen=True)
-class LadderRange:
-    """The range of models of a ladder: the numbers of shapes of one beam, and of beams with two shapes each.
-
-    modes: the natural modes beside the half sine waves, in the same numbers.
-    """
-
-    orders: tuple[str, ...] = ("first", "truncated")
-    frames: tuple[str, ...] = ("mean",)
-    shapes: tuple[int, ...] = (2, 3, 4, 6)
-    pieces: tuple[int, ...] = (2, 3)
-    sines: tuple[int, ...] = (1, 2)
-    modes: tuple[str, ...] = ()
 
 
 def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:

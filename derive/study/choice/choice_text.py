@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -11,7 +10,6 @@ from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import MODEL_DOC, cheapest
 from derive.study.choice.model_runs import FLEXIBLE
-from derive.study.choice.screening import Screening
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
 from derive.study.table import Row, StudyColumn, StudyTable, general
@@ -35,17 +33,21 @@ TRIED = (
 """The columns of a model that was tried, with one of its runs."""
 
 
-def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], choice: Choice) -> str:
+def choice_text(choice: Choice) -> str:
     """The whole search as lines for a terminal."""
     known = choice.reference
-    asked = f"an error of at most {percent(choice.error)} in {' and '.join(plots)}"
-    lines = [f"{name}: search for the cheapest model with {asked}", "", "Screening"]
-    lines += [f"  {one.text}" for one in screened]
+    asked = f"an error of at most {percent(choice.error)} in {' and '.join(choice.plots)}"
+    lines = [f"{choice.name}: search for the cheapest model with {asked}", "", "Screening"]
+    lines += [f"  {one.text}" for one in choice.screening]
     lines += ["", f"Reference: {known.model.label}. Its error is at most {percent(known.error)}, by comparison with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
     lines += _shares(choice)
-    table = StudyTable(TRIED, tuple(_tried(line, choice) for line in choice.tried))
-    return "\n".join([*lines, "", *table.text, "", *_verdict(choice)])
+    return "\n".join([*lines, "", *tried_table(choice).text, "", *verdict_lines(choice)])
+
+
+def tried_table(choice: Choice) -> StudyTable:
+    """A row for each model that was tried."""
+    return StudyTable(TRIED, tuple(_tried(line, choice) for line in choice.tried))
 
 
 def _shares(choice: Choice) -> list[str]:
@@ -84,7 +86,8 @@ def shown(line: Line, choice: Choice) -> Point:
     return min(good, key=lambda p: p.operations) if good else cheapest(line)
 
 
-def _verdict(choice: Choice) -> list[str]:
+def verdict_lines(choice: Choice) -> list[str]:
+    """The lines on the chosen model and its neighbours, or on the best one if none is accurate enough."""
     if choice.chosen is None:
         lines = [f"No model that was tried has an error of at most {percent(choice.error)}."]
         if choice.best is not None:
@@ -124,7 +127,7 @@ def _ms(point: Point) -> str:
     return f"{1e3 * point.seconds[0]:.3g} ms"
 
 
-def choice_data(name: str, plots: Sequence[str], screened: Sequence[Screening], choice: Choice) -> dict[str, Any]:
+def choice_data(choice: Choice) -> dict[str, Any]:
     """The whole search as plain data."""
     known, chosen = choice.reference, choice.chosen
 
@@ -132,10 +135,10 @@ def choice_data(name: str, plots: Sequence[str], screened: Sequence[Screening], 
         return {"model": line.model.label, **asdict(point)}
 
     return {
-        "name": name,
-        "plots": list(plots),
+        "name": choice.name,
+        "plots": list(choice.plots),
         "error": choice.error,
-        "screening": [asdict(one) for one in screened],
+        "screening": [asdict(one) for one in choice.screening],
         "reference": {
             "model": known.model.label,
             "error": known.error,

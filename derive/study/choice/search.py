@@ -10,16 +10,22 @@ reason, and those that made the reference.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
+from derive.display import data_frame, html
+from derive.percentages import percent
+from derive.short_text import counted, listed, summary
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.scene import Scene
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.models import LadderModel, Shapes, model_scene
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.one_beam import try_more_accurate, try_one_beam
 from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
+from derive.study.choice.screening import Screening
 from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials, accurate, usable
 from derive.study.choice.trusted_reference import SHARE, TrustedReference, trusted_reference
@@ -27,18 +33,62 @@ from derive.study.choice.trusted_reference import SHARE, TrustedReference, trust
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Choice:
     """The result of a search for an error: its reference, and the models in the order in which they were tried.
 
-    shares: those of the beams in the error of a scene with several beams, measured against the model `base`.
+    Attributes:
+        scene: the scene whose models were tried, with the plots whose curves have to be accurate.
+        error: the largest error (rms) that is allowed, relative to the peak of a curve.
+        reference: the curves that can be trusted, the model that has them, and its own error.
+        tried: the models with their runs.
+        base: the model of the other beams while the share of one is measured; None in a scene with one beam.
+        shares: those of the beams in the error of a scene with several beams.
+        screening: the loads on the beams relative to their resistance.
+
+    Examples:
+        >>> import derive
+        >>> arm = derive.scene(
+        ...     "arm",
+        ...     gravity=(0, -9.81),
+        ...     ground={"hub": [0, 0]},
+        ...     bodies={"arm": {"mass": 1, "length": 1, "bending_stiffness": 20, "markers": {"root": -1, "tip": 1}}},
+        ...     joints={"hub": {"kind": "revolute", "between": ["ground.hub", "arm.root"]}},
+        ...     outputs={"tip": {"kind": "position", "marker": "arm.tip"}},
+        ...     plots={"height": {"y": "tip_2"}},
+        ...     simulation={"duration": 0.3, "output": 0.01},
+        ... )
+        >>> choice = derive.choose(arm, error=0.05)
+        >>> choice.chosen[0].model.label  # the beam hardly bends
+        'rigid'
     """
 
+    scene: Scene
     error: float
     reference: TrustedReference
     tried: tuple[Line, ...]
     base: LadderModel | None = None
     shares: tuple[BeamShare, ...] = ()
+    screening: tuple[Screening, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The name of the scene."""
+        return self.scene.name
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """The names of the plots whose curves have to be accurate."""
+        return tuple(plot.name for plot in self.scene.plots)
+
+    @property
+    def chosen_scene(self) -> Scene | None:
+        """The scene with the chosen model and its tolerance, and of the outputs those that its plots show."""
+        if self.chosen is None or self.scene.simulation is None:
+            return None
+        line, point = self.chosen
+        changed = replace(self.scene, simulation=replace(self.scene.simulation, tolerance=point.tolerance))
+        return model_scene(changed, line.model)
 
     @property
     def chosen(self) -> tuple[Line, Point] | None:
@@ -60,15 +110,40 @@ class Choice:
         runs = [(line, point) for line in self.tried for point in line.points]
         return min(runs, key=lambda pair: pair[1].rms, default=None)
 
+    def __repr__(self) -> str:
+        asked = f"an error of {percent(self.error)} in {listed(self.plots)}"
+        result = "none is accurate enough"
+        if self.chosen is not None:
+            line, point = self.chosen
+            result = f"{line.label}, {point.setting}, with {percent(point.rms)}"
+        tried = counted(len(self.tried), "model")
+        return summary(f"Choice for {self.name}: {asked}", {"chosen": result, "tried": tried})
+
+    _repr_html_ = html
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with a row for each model that was tried, of the run that speaks for it.
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> bool(choice.to_pandas()["measured"].min() < 0.05)
+            True
+        """
+        return data_frame(self)
+
 
 def quiet(_: str) -> None:
     """Report nothing."""
 
 
-def choose(runs: ModelRuns, error: float, report: Progress = quiet) -> Choice:
+def cheapest_model(
+    runs: ModelRuns, error: float, report: Progress = quiet, screened: tuple[Screening, ...] = ()
+) -> Choice:
     """The cheapest model of a scene whose plots have at most an error, rms over the peak; see the text of this module.
 
-    report: takes a line on each model.
+    report: takes a line on each model. screened: the loads on the beams, which the result shows.
 
     Raises NotConverged, SpecError, SimulationError, CompilerError.
     """
@@ -86,7 +161,7 @@ def choose(runs: ModelRuns, error: float, report: Progress = quiet) -> Choice:
     if not trials.good:
         trials.run_until_good(model for model, of in known.errors if usable(model) and of <= trials.budget)
     try_more_accurate(trials)
-    return Choice(error, known, trials.timed(), base, shares)
+    return Choice(runs.scene, error, known, trials.timed(), base, shares, screened)
 
 
 def _base(known: TrustedReference, cost: PredictedCost, error: float) -> LadderModel:

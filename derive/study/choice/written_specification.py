@@ -121,7 +121,7 @@ def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
     first, _, rest = text.partition("\n")
     if not first.startswith(SCHEMA):
         return comment + text
-    schema = Path(os.path.relpath(source.parent / first.removeprefix(SCHEMA).strip(), target.parent)).as_posix()
+    schema = relative_path(source.parent / first.removeprefix(SCHEMA).strip(), target.parent)
     return f"{SCHEMA} {schema}\n{comment}{rest}"
 
 
@@ -187,12 +187,20 @@ def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
         start["guess"] = True
 
 
+def relative_path(path: Path, folder: Path) -> str:
+    """A path relative to a folder, as TOML has it; the whole path where none is relative, as on another drive."""
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:
+        return path.resolve().as_posix()
+
+
 def _relocate(table: Any, source: Path, target: Path) -> None:
     """Rewrite the relative paths of files, from the folder of the source to the folder of the target."""
     if isinstance(table, MutableMapping):
         for key, value in table.items():
             if key == "file" and isinstance(value, str) and not Path(value).is_absolute():
-                table[key] = Path(os.path.relpath(source / value, target)).as_posix()
+                table[key] = relative_path(source / value, target)
             else:
                 _relocate(value, source, target)
     elif isinstance(table, list):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from derive.display import html
+from derive.display import data_frame, html
 from derive.errors import TisserandError, first_line
 from derive.runtime.native_call import Vector
 from derive.short_text import counted, summary
@@ -15,6 +16,7 @@ from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import SimulationError
+from derive.simulation.inputs import with_functions
 from derive.spec.model.scene import Scene
 from derive.study.methods.drift import FEWEST, ORDER_STEPS, DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
@@ -22,6 +24,9 @@ from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, me
 from derive.study.methods.stability_functions import classical, step_limit
 from derive.study.methods.step_limits import LONGEST, HighestFrequency, StepLimit, highest_frequency, step_limits
 from derive.study.states import State
+from derive.study.studied_scene import studied_scene
+from derive.study.study_options import METHODS, STATES, STEPS, STUDIED_METHODS, among, whole
+from derive.terminal import Report, reports_of
 
 HALF = 0.5
 """The step of long runs, divided by the limit of RK4, where stability limits explicit steps."""
@@ -48,14 +53,39 @@ class Conditioning:
     weakest: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MethodStudy:
-    """The results of a study of methods; `along` names the motion of `period` (s) from which the states are taken; `h`
-    (s) is the step of long runs.
+    """The results of a study of methods: limits of steps, drift, formulations and conditioning.
 
-    stiff: whether stability limits explicit steps; they resolve the motion otherwise, and there are no `limits`.
-    conserved: whether the work of drives alone changes the energy. order: None for a scene without constraints, and
-    where it cannot be measured. notes: the parts that could not be done, and why.
+    Attributes:
+        name: that of the scene.
+        along: the motion from which the states are taken, in words.
+        period: its duration, s.
+        h: the step of long runs, s.
+        steps: their number of steps.
+        frequency: the highest frequency at rest and in motion.
+        stiff: whether stability limits explicit steps; they resolve the motion otherwise, and there are no `limits`.
+        limits: the largest stable step of each integrator, by theory and by experiment.
+        conserved: whether the work of drives alone changes the energy.
+        drifts: the long runs, with their errors of constraints and energy.
+        order: that of the drift of index 3; None without constraints, and where it cannot be measured.
+        forms: the runs of the formulations.
+        conditioning: the condition numbers along the motion.
+        notes: the parts that could not be done, and why.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"hub": [0, 0]},
+        ...     bodies={"rod": {"mass": 1, "inertia": 0.1, "markers": {"top": [0, 0.5]}, "start": {"angle": 1.5}}},
+        ...     joints={"hub": {"kind": "revolute", "between": ["ground.hub", "rod.top"]}},
+        ...     simulation={"duration": 1, "output": 0.01},
+        ... )
+        >>> study = derive.study_methods(pendulum, integrators=["rk4"], steps=500, states=3)
+        >>> study.along, study.steps
+        ('1 s', 500)
     """
 
     name: str
@@ -94,6 +124,18 @@ class MethodStudy:
 
     _repr_html_ = html
 
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with a row for each way in which methods fail: its criterion, and what was measured.
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> list(study.to_pandas().columns)
+            ['failure', 'criterion', 'measured', 'agrees']
+        """
+        return data_frame(self)
+
 
 MEMORY = 2e9
 """The largest memory of the rows of a run, in bytes."""
@@ -107,6 +149,56 @@ def check_memory(of: MethodScene, steps: int) -> None:
         raise SimulationError(
             f"{of.scene.name}: the rows of {steps} steps need {needed / 1e9:.3g} GB; give at most {most} --steps"
         )
+
+
+def study_methods(
+    scene: Scene,
+    *,
+    integrators: Sequence[str] = STUDIED_METHODS,
+    steps: int = STEPS,
+    states: int = STATES,
+    progress: Report | bool | None = None,
+) -> MethodStudy:
+    """Study integrators and formulations on a scene: limits of steps, drift, ringing and conditioning.
+
+    The command `tisserand study methods` calls this function.
+
+    Arguments:
+        scene: a planar scene with a simulation, which may be rigid.
+        integrators: among "rk4", "adaptive", "rk45", "generalised-alpha" and "trapezoidal", which is generalised-alpha
+            with rho = 1; by default all but rk45.
+        steps: the number of steps of the runs that show drift.
+        states: the number of states along the motion, at least 2.
+        progress: called with a line of text on each step; True shows a line, False shows none; by default notebooks
+            show one.
+
+    Raises:
+        SpecError: if the scene has no simulation.
+        UnknownNameError: for an integrator that there is not.
+        ValueError: for a number out of its range.
+        TypeError: for what is no planar scene.
+        SimulationError: if the scene cannot be simulated, or its runs need too much memory.
+        CompilerError: if there is no compiler.
+
+    Examples:
+        >>> import derive
+        >>> pendulum = derive.scene(
+        ...     "pendulum",
+        ...     gravity=(0, -9.81),
+        ...     ground={"hub": [0, 0]},
+        ...     bodies={"rod": {"mass": 1, "inertia": 0.1, "markers": {"top": [0, 0.5]}, "start": {"angle": 1.5}}},
+        ...     joints={"hub": {"kind": "revolute", "between": ["ground.hub", "rod.top"]}},
+        ...     simulation={"duration": 1, "output": 0.01},
+        ... )
+        >>> study = derive.study_methods(pendulum, integrators=["rk4"], steps=500, states=3)
+        >>> study.stiff, [run.label for run in study.drifts]
+        (False, ['rk4, not projected', 'rk4, projected'])
+    """
+    chosen = [Method(name) for name in among("integrator of a study", integrators, METHODS)]
+    counts = whole("steps", steps), whole("states", states, least=2)
+    given = with_functions(studied_scene(scene), {})
+    with reports_of(progress) as (task, _):
+        return method_study(given, chosen, *counts, task)
 
 
 def method_study(

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from derive.display import html
+from derive.display import data_frame, html
 from derive.enumerations import enumeration
 from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
 from derive.simulation.errors import SimulationError
-from derive.study.accuracy.models import LadderModel, refinements
+from derive.spec.model.scene import Scene
+from derive.study.accuracy.models import LadderModel, ladder, refinements
 from derive.study.stability.model_path import ModelPath, model_path
-from derive.study.stability.parameter import ParameterRange, StudiedParameter
+from derive.study.stability.parameter import ParameterRange, StudiedParameter, parameter_range, studied
 from derive.study.stability.thresholds import Interval, wrong_intervals
+from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.study_options import NEVER, STABILITY, LadderRange
+from derive.terminal import Report, reports_of
 
 CONVERGED = 0.05
 """The reference has converged if the verdicts of both richest models differ over less than this part of a threshold."""
@@ -26,12 +31,33 @@ class KnownLoss:
     value: float | None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LadderStability:
-    """The models of a ladder of `name` over a parameter.
+    """The result of a study of stability: where the models of a ladder lose their stability as a parameter grows.
 
-    reference: the richest model. before: the next coarser one, whose difference is the error of the reference. known:
-    the value that a user gives. motion: the text on the motion about which the models are linearised.
+    Attributes:
+        name: that of the scene.
+        range: the parameter with its values.
+        paths: the models, each with its eigenvalues and thresholds.
+        reference: the richest model.
+        before: the next coarser one, whose difference is the error of the reference.
+        known: the value at which stability is lost, where it is given.
+        motion: the text on the motion about which the models are linearised.
+
+    Examples:
+        >>> import derive
+        >>> column = derive.scene(
+        ...     "column",
+        ...     parameters={"P": {"unit": "N", "default": 0}},
+        ...     ground={"base": [0, 0]},
+        ...     bodies={"rod": {"mass": 1, "length": 1, "bending_stiffness": 1, "markers": {"root": -1, "tip": 1}}},
+        ...     joints={"clamp": {"kind": "weld", "between": ["ground.base", "rod.root"]}},
+        ...     forces={"load": {"at": "rod.tip", "components": ["-P", 0]}},
+        ...     simulation={"duration": 1, "output": 0.1},
+        ... )
+        >>> study = derive.study_stability(column, ("P", 2, 3.5, 2), shapes=[2], pieces=[], sines=[])
+        >>> [(path.model.label, round(path.loss, 2)) for path in study.paths if path.loss]
+        [('1 beam, P2, P3, first', 3.01), ('1 beam, P2, P3, truncated', 2.49)]
     """
 
     name: str
@@ -84,9 +110,13 @@ class LadderStability:
         return self.reference.loss if self.known is None else self.known.value
 
     def wrong(self, path: ModelPath) -> tuple[Interval, ...]:
-        """The intervals where a model is stable and the truth is not, or vice versa, beyond the error of the reference.
+        """The intervals where the model of a `path` is stable and the truth is not, or vice versa, beyond its error.
 
         Nothing is wrong while the truth is not known: then the verdict is undecided.
+
+        Examples:
+            >>> [(round(wrong.low, 2), round(wrong.high, 2)) for wrong in study.wrong(study.paths[1])]
+            [(2.47, 3.01)]
         """
         if not self.converged:
             return ()
@@ -97,10 +127,86 @@ class LadderStability:
 
     _repr_html_ = html
 
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with a row for each mode of each model at each value of the parameter.
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> study.to_pandas()["parameter"].max().item()
+            3.5
+        """
+        return data_frame(self)
+
 
 def distance(value: float | None, truth: float | None) -> float | None:
     """The relative distance of a threshold from the true one; None if one of them is missing, or the true one is 0."""
     return None if value is None or not truth else (value - truth) / abs(truth)
+
+
+def study_stability(
+    scene: Scene,
+    parameter: tuple[str, float, float, int],
+    *,
+    exact: float | str | None = None,
+    orders: Sequence[str] = STABILITY.orders,
+    frames: Sequence[str] = STABILITY.frames,
+    shapes: Sequence[int] = STABILITY.shapes,
+    pieces: Sequence[int] = STABILITY.pieces,
+    sines: Sequence[int] = STABILITY.sines,
+    modes: Sequence[str] = STABILITY.modes,
+    progress: Report | bool | None = None,
+) -> LadderStability:
+    """Find where each model of a ladder loses its stability as a parameter of a scene grows.
+
+    The command `tisserand study stability` calls this function.
+
+    Arguments:
+        scene: a planar scene with a beam and a simulation.
+        parameter: the name of a parameter or a key such as "P" or "bodies.rod.start.spin", its first and its last
+            value, and the number of values from 2 on.
+        exact: the value at which stability is lost, or "none" if it never is: the truth in place of the richest model.
+        orders: those of the displacements, among "first", "truncated" and "full".
+        frames: those of polynomials, among "mean", "chord", "point" and "tangent".
+        shapes: the numbers of polynomials of one beam.
+        pieces: the numbers of beams, with two polynomials each, into which a beam is divided.
+        sines: the numbers of half sine waves of one beam.
+        modes: other natural modes in the same numbers, among "free-free" and "clamped-free".
+        progress: called with a line of text on each model; True shows a line with the remaining time, False shows none;
+            by default notebooks show one.
+
+    Raises:
+        SpecError: if the scene has no beam or no simulation, or the parameter cannot have these values.
+        UnknownNameError: for an order, a frame or modes that there are not.
+        ValueError: for numbers out of their range.
+        TypeError: for what is no planar scene.
+        SimulationError: if no model has a steady motion.
+        CompilerError: if there is no compiler.
+
+    Examples:
+        >>> import derive
+        >>> column = derive.scene(
+        ...     "column",
+        ...     parameters={"P": {"unit": "N", "default": 0}},
+        ...     ground={"base": [0, 0]},
+        ...     bodies={"rod": {"mass": 1, "length": 1, "bending_stiffness": 1, "markers": {"root": -1, "tip": 1}}},
+        ...     joints={"clamp": {"kind": "weld", "between": ["ground.base", "rod.root"]}},
+        ...     forces={"load": {"at": "rod.tip", "components": ["-P", 0]}},
+        ...     simulation={"duration": 1, "output": 0.1},
+        ... )
+        >>> study = derive.study_stability(column, ("P", 2, 3.5, 2), shapes=[2], pieces=[], sines=[])
+        >>> round(study.reference.loss, 3)  # that of Euler is pi^2 / 4
+        2.467
+    """
+    limits = parameter_range(parameter)
+    models = ladder(LadderRange(orders, frames, shapes, pieces, sines, modes))
+    if isinstance(exact, str) and exact != NEVER:
+        raise ValueError(f'exact: a number or "{NEVER}" is needed, not {exact!r}')
+    known = None if exact is None else KnownLoss(None if isinstance(exact, str) else exact)
+    given = studied(studied_scene(scene, COMPARED.format("stability")), limits)
+    with reports_of(progress) as (task, _):
+        return ladder_stability(scene.name, given, models, known, task)
 
 
 def ladder_stability(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Any
 
 import numpy as np
 
@@ -11,21 +13,40 @@ from derive.simulation.linear.settled_functions import SettledFunctions, settled
 from derive.spec.model.scene import JointInitialValues, Scene
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.set_values import with_values
+from derive.study.study_options import MAX_VALUES, whole
 
 
 @dataclass(frozen=True)
 class ParameterRange:
-    """A parameter or a key of the specification, with `count` values from `low` to `high` in the units of the file."""
+    """A parameter or a key of the specification, with `count` values from `low` to `high` in the units of the file.
+
+    Raises ValueError for values that do not rise, and for fewer than two.
+    """
 
     name: str
     low: float
     high: float
     count: int
 
+    def __post_init__(self) -> None:
+        whole(f"the number of values of {self.name}", self.count, MAX_VALUES, 2)
+        if not (isfinite(self.low) and isfinite(self.high) and self.low < self.high):
+            text = "the first value is a number less than the last"
+            raise ValueError(f"parameter {self.name}: {text}, not {self.low!r} to {self.high!r}")
+
     @property
     def values(self) -> tuple[float, ...]:
         """The values, rising."""
         return tuple(float(x) for x in np.linspace(self.low, self.high, self.count))
+
+
+def parameter_range(given: Any) -> ParameterRange:
+    """The range from its name, its first and last value and their number. Raises ValueError for anything else."""
+    match given:
+        case (str(name), int() | float() as low, int() | float() as high, count):
+            return ParameterRange(name, float(low), float(high), count)
+    text = 'a name, the first and the last value and their number are needed, such as ("P", 0, 10, 11)'
+    raise ValueError(f"parameter: {text}, not {given!r}")
 
 
 @dataclass(frozen=True)

@@ -18,18 +18,26 @@ MODE_COLUMNS = columns("parameter", "spin_rad_s", "growth_rate_1_s", "frequency_
 
 
 def stability_text(of: LadderStability) -> str:
-    """The table of the models: where each loses its stability, how far that is from the truth, and wrong verdicts."""
+    """The table of the models, and what is known of the truth."""
+    lines = [head(of), *wrapped([*filter(None, [of.motion]), *truth_sentences(of)], "  "), "", *loss_table(of).text]
+    return "\n".join([*lines, *wrapped(gap_sentences(of), "  ")])
+
+
+def loss_table(of: LadderStability) -> StudyTable:
+    """A row for each model: where it loses its stability, how far that is from the truth, and wrong verdicts."""
     truth = "exact" if of.known else "reference"
     shown = (
         *columns("model", "loses stability at"),
         StudyColumn(f"from the {truth}", lambda near: percent(near, signed=True)),
         *columns("further changes at", "wrong verdict"),
     )
-    table = StudyTable(shown, tuple(_row(of, path) for path in _listed(of) if not path.failure))
-    lines = [head(of), *wrapped([*filter(None, [of.motion]), *truth_sentences(of)], "  "), "", *table.text]
+    return StudyTable(shown, tuple(_row(of, path) for path in _listed(of) if not path.failure))
+
+
+def gap_sentences(of: LadderStability) -> list[str]:
+    """A sentence on each model that fails, or has no steady motion at some values."""
     failures = [f"{path.model.label}: {path.failure}" for path in _listed(of) if path.failure]
-    gaps = [gap_text(path) for path in _listed(of) if path.gaps and not path.failure]
-    return "\n".join([*lines, *wrapped([*failures, *gaps], "  ")])
+    return [*failures, *(gap_text(path) for path in _listed(of) if path.gaps and not path.failure)]
 
 
 def head(of: LadderStability) -> str:

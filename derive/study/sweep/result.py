@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.display import html
+from derive.display import data_frame, html
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 from derive.short_text import summary
@@ -103,6 +104,18 @@ class SweepResult:
             {'g': -20.0}
         """
         return dict(zip(self.samples.names, self.samples.values[number].tolist(), strict=True))
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with a row for each sample: its values, its outputs and its failure, if any.
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+
+        Examples:
+            >>> result.to_pandas()["peak_ball_c2"].round(6).tolist()
+            [5.0, 20.0]
+        """
+        return data_frame(self)
 
     def reasons(self) -> Iterator[tuple[str, int, int]]:
         """The reasons of failures, the most frequent first: the text, how often, and the first sample with it.

@@ -1,0 +1,168 @@
+"""The study of accuracy: a ladder of models of a scene is run and compared with a reference, and its runs are timed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from derive.simulation.inputs import with_functions
+from derive.spec.model.scene import Scene
+from derive.study.accuracy.chart import LadderChart
+from derive.study.accuracy.fixed_steps import fixed_step_lines
+from derive.study.accuracy.ladder_run import LadderRun
+from derive.study.accuracy.measurement import LADDER_FLAGS, preparation, retimed
+from derive.study.accuracy.models import ladder
+from derive.study.accuracy.peers import read_peers
+from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
+from derive.study.computed_ahead import available_workers
+from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.study_options import (
+    ACCURACY,
+    ERROR,
+    FIXED_STEPS,
+    RUNS,
+    TOLERANCES,
+    LadderRange,
+    among,
+    fraction,
+    several,
+    whole,
+)
+from derive.study.timing import machine_description
+from derive.terminal import Report, reports_of
+
+BETWEEN = 60.0
+"""The time (s) between two records of the part of the ladder that is finished."""
+
+Record = Callable[[LadderChart], None]
+
+
+def study_accuracy(
+    scene: Scene,
+    *,
+    plot: str | None = None,
+    error: float = ERROR,
+    reference_error: float | None = None,
+    own_reference: bool = False,
+    orders: Sequence[str] = ACCURACY.orders,
+    frames: Sequence[str] = ACCURACY.frames,
+    shapes: Sequence[int] = ACCURACY.shapes,
+    pieces: Sequence[int] = ACCURACY.pieces,
+    sines: Sequence[int] = ACCURACY.sines,
+    modes: Sequence[str] = ACCURACY.modes,
+    tolerances: Sequence[float] = TOLERANCES,
+    integrators: Sequence[str] = (),
+    peers: str | Path | None = None,
+    runs: int = RUNS,
+    progress: Report | bool | None = None,
+    record: Record | None = None,
+) -> LadderChart:
+    """Run a ladder of models of the beams of a scene: the error of each against what it costs.
+
+    The command `tisserand study accuracy` calls this function. Times are CPU times of the integration; compiling is
+    left out.
+
+    Arguments:
+        scene: a planar scene with a beam, a simulation and a plot.
+        plot: the name of the plot that is compared; by default the first one.
+        error: the largest error (rms) that is allowed, relative to the peak of the plot.
+        reference_error: the error (rms) of the reference of the plot itself, relative to its peak, if it is known.
+        own_reference: whether ever finer models are the reference in place of the curve that the plot refers to.
+        orders: those of the displacements, among "first", "truncated" and "full".
+        frames: those of polynomials, among "mean", "chord", "point" and "tangent".
+        shapes: the numbers of polynomials of one beam.
+        pieces: the numbers of beams, with two polynomials each, into which a beam is divided.
+        sines: the numbers of half sine waves of one beam.
+        modes: other natural modes in the same numbers, among "free-free" and "clamped-free".
+        tolerances: those of the adaptive integrator, with each of which every model is run.
+        integrators: integrators with fixed steps beside it, among "rk4" and "generalised-alpha".
+        peers: a CSV file of runs of other programs, with the columns model, cpu_s, rms_error and largest_error.
+        runs: the number of measurements of the time of each run.
+        progress: called with a line of text on each step; True shows a line with the remaining time, False shows none;
+            by default notebooks show one.
+        record: called now and then with the finished part of the ladder, and with what there is before a
+            KeyboardInterrupt, which ends the study.
+
+    Raises:
+        SpecError: if the scene has no beam, no plot or no simulation, or there is no such plot.
+        UnknownNameError: for an order, a frame, modes or an integrator that there is not.
+        ValueError: for a number out of its range.
+        TypeError: for what is no planar scene.
+        SimulationError: if the reference cannot be computed.
+        CompilerError: if there is no compiler.
+        WrongPeers: if the file of other programs cannot be used.
+
+    Examples:
+        >>> import derive
+        >>> arm = derive.scene(
+        ...     "arm",
+        ...     gravity=(0, -9.81),
+        ...     ground={"hub": [0, 0]},
+        ...     bodies={"arm": {"mass": 1, "length": 1, "bending_stiffness": 20, "markers": {"root": -1, "tip": 1}}},
+        ...     joints={"hub": {"kind": "revolute", "between": ["ground.hub", "arm.root"]}},
+        ...     outputs={"tip": {"kind": "position", "marker": "arm.tip"}},
+        ...     plots={"height": {"y": "tip_2"}},
+        ...     simulation={"duration": 0.3, "output": 0.01},
+        ... )
+        >>> study = derive.study_accuracy(arm, orders=["first"], shapes=[2], pieces=[], sines=[1], runs=1)
+        >>> [line.model.label for line in study.lines]
+        ['rigid', '1 sine, first', '1 beam, P2, P3, first']
+    """
+    models = ladder(LadderRange(orders, frames, shapes, pieces, sines, modes))
+    integrators = among("integrator with fixed steps", integrators, FIXED_STEPS)
+    fractions = {fraction("tolerances", tolerance) for tolerance in several("tolerances", tolerances)}
+    error, runs = fraction("error", error), whole("runs", runs)
+    if reference_error is not None:
+        fraction("reference_error", reference_error)
+    given = with_functions(studied_scene(scene, COMPARED.format("accuracy")), {})
+    compared = replace(given, plots=(compared_plot(given, plot),))
+    others = read_peers(Path(peers)) if peers else ()
+    with reports_of(progress) as (task, result), preparation(compared, available_workers()) as ahead:
+        known = reference(compared, compared.plots[0], reference_error, own_reference, task, result, ahead)
+        shown = plotted_beams(compared.plots[0], compared)
+        empty = LadderChart(compared.name, (), known, error, _machine(), others, shown)
+        ladder_run = LadderRun(compared, known, sorted(fractions, reverse=True), not integrators, ahead)
+        finished = _Finished(empty, ladder_run, record)
+        try:
+            ladder_run.run(models, task, result, finished.record_now_and_then)
+            ahead.close()
+            lines = retimed(ladder_run.lines, ladder_run.ready, runs, task)
+            fixed = fixed_step_lines(list(ladder_run.ready.values()), integrators, known.plots, runs, task)
+        except KeyboardInterrupt:
+            finished.record_interruption(len(models))
+            raise
+    warnings = {line.model: line.warning for line in lines}
+    every = (*lines, *(replace(line, warning=warnings[line.model]) for line in fixed))
+    return replace(empty, lines=every, notes=tuple(ladder_run.notes))
+
+
+class _Finished:
+    """The part of a ladder that is finished, for those who want a record of it."""
+
+    def __init__(self, empty: LadderChart, ladder_run: LadderRun, record: Record | None) -> None:
+        self._empty, self._ladder, self._record, self._last = empty, ladder_run, record, time.monotonic()
+
+    def record_now_and_then(self) -> None:
+        """Record the part after a while."""
+        if time.monotonic() - self._last > BETWEEN:
+            self._note("unfinished: more models are being run")
+            self._last = time.monotonic()
+
+    def record_interruption(self, models: int) -> None:
+        """Record the part of a ladder of `models` models before its study ends, if there are runs."""
+        missing = models - self._ladder.count
+        if any(line.points for line in self._ladder.lines):
+            self._note(f"interrupted: {missing} models were not run" if missing > 0 else "interrupted")
+
+    def _note(self, note: str) -> None:
+        if self._record is not None:
+            notes = (*self._ladder.notes, note)
+            self._record(replace(self._empty, lines=tuple(self._ladder.lines), notes=notes))
+
+
+def _machine() -> str:
+    """The processor, the compiler and its flags in a line."""
+    known = machine_description(LADDER_FLAGS)
+    return f"{known['machine']}; {known['compiler']}, {known['flags']}"
