@@ -18,7 +18,7 @@ from derive.simulation.observables.motion import drive_values, si_value
 from derive.simulation.space.guess import Pose, laid_poses
 from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_bodies import SpatialBody
+from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.visual.undeformed_poses import CLOSED, DIFFERENCE, STEPS, ZERO, Array
 

@@ -48,11 +48,6 @@ def modal_frames_of(body: FlexibleBody | SpatialBeam) -> dict[str, ModalFrame]:
     return {frame.point.name: frame for frame in modal_frames(body)}
 
 
-def modal_frame_of(body: FlexibleBody, marker: str) -> ModalFrame:
-    """A marker of a finite-element body in its floating frame, with its displacement and rotation in each mode."""
-    return _modal_frames(body)[marker]
-
-
 def frame_in_body(scene: SpatialScene, marker: MarkerRef) -> MarkerFrame:
     """A marker in the undeformed frame of its body, or in the inertial frame."""
     if marker.body == GROUND:

@@ -22,7 +22,7 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
 from derive.simulation.configurations import rotation_matrix, skew
-from derive.simulation.space.marker_frames import modal_frame_of
+from derive.simulation.space.marker_frames import modal_frames_of
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -114,7 +114,7 @@ def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: V
     quaternion = rest[of.coordinate - 4 : of.coordinate]
     for marker in of.fixed:
         assert of.in_scene is not None
-        frame = modal_frame_of(of.in_scene, marker)
+        frame = modal_frames_of(of.in_scene)[marker]
         point, Q = frame.point, rotation_matrix(quaternion / np.linalg.norm(quaternion))
         translation = np.hstack([Q.T, -skew(point.position), point.shapes.T])
         rotation = np.hstack([np.zeros((3, 3)), np.eye(3), frame.twists.T])
