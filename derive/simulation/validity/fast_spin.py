@@ -1,4 +1,4 @@
-"""Finite-element bodies of first order that spin fast: what their missing geometric stiffness would change.
+"""Bodies in space of first order that spin fast: what their missing geometric stiffness would change.
 
 To first order in the amplitudes the centrifugal forces soften a body by spin^2 c8, and the stiffening that belongs to
 them, of K0omega, K0t and the reactions of K0F, is missing. Both are of the size (spin / omega)^2 against the stiffness
@@ -23,7 +23,8 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
 from derive.simulation.configurations import rotation_matrix, skew
 from derive.simulation.space.marker_frames import modal_frames_of
-from derive.spec.model.body import NodalBody
+from derive.spec.model.body import DisplacementOrder, NodalBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
@@ -35,17 +36,17 @@ RIGID = 6
 class Spinning:
     """A body of first order: its specification, its first velocity and coordinate, and the markers that joints fix."""
 
-    spec: NodalBody
+    spec: NodalBody | SpatialBeam
     velocity: int
     coordinate: int
     fixed: tuple[str, ...] = ()
-    in_scene: FlexibleBody | None = None
+    in_scene: FlexibleBody | SpatialBeam | None = None
 
 
 def fast_spin_notes(
     scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem, k: Vector, q: Matrix, v: Matrix
 ) -> Iterator[str]:
-    """Yield a note on each finite-element body of first order that spins fast; q (n, nq) and v (n, nv) of a motion.
+    """Yield a note on each flexible body of first order that spins fast; q (n, nq) and v (n, nv) of a motion.
 
     body: the body alone that moves, in an empty scene.
     """
@@ -65,7 +66,9 @@ def fast_spin_notes(
             )
 
 
-def _remedy(spec: NodalBody) -> str:
+def _remedy(spec: NodalBody | SpatialBeam) -> str:
+    if isinstance(spec, SpatialBeam):
+        return "write order = 2, with which it shortens as it bends"
     if spec.uses_given_modes and spec.data.has_geometric_stiffness:
         return "write order = 2, which uses the geometric stiffness of its files"
     if spec.data.has_geometric_stiffness:
@@ -81,11 +84,21 @@ def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) 
         return
     for own in scene.bodies if isinstance(scene, SpatialScene) else ():
         first = amplitude_of(own.name, 1)
-        if isinstance(own, FlexibleBody) and not own.body.second_order and first.shown in native.coordinates:
+        if (spec := _of_first_order(own)) and first.shown in native.coordinates:
             ends = (end for joint in scene.joints if joint.kind == "fixed" for end in (joint.first, joint.second))
             fixed = tuple(end.marker for end in ends if end.body == own.name)
             velocity = native.velocities.index(amplitude_of(own.name, 1, 1).shown) - RIGID
-            yield Spinning(own.body, velocity, native.coordinates.index(first.shown), fixed, own)
+            in_scene = own if isinstance(own, (FlexibleBody, SpatialBeam)) else None
+            yield Spinning(spec, velocity, native.coordinates.index(first.shown), fixed, in_scene)
+
+
+def _of_first_order(body: SpatialBody) -> NodalBody | SpatialBeam | None:
+    """The flexible body if its displacements are of first order, else None."""
+    if isinstance(body, FlexibleBody):
+        return None if body.body.second_order else body.body
+    if isinstance(body, SpatialBeam):
+        return body if body.order is DisplacementOrder.FIRST_ORDER else None
+    return None
 
 
 def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: Vector) -> Iterator[tuple[str, float]]:
