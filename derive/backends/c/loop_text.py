@@ -10,7 +10,7 @@ from derive.backends.wrapping import WIDTH
 from derive.ir.expressions import Element
 from derive.ir.indices import LANE, ElementIndex
 from derive.ir.library_calls import STATE
-from derive.ir.loop_nests import Assign, For, If, Local, LoopKind, Node, ends_of, every, reindexed
+from derive.ir.loop_nests import Assign, For, Local, LoopKind, Node, every
 
 Lines = list[SourceLine]
 
@@ -55,24 +55,6 @@ def loop_head(node: For, counter: str, short: bool) -> str:
     vectors = any(isinstance(item, For) and item.variable in (LANE, STATE) for item in node.body)
     pragma = short and not vectors and node.step == 1 and 1 < (node.count or 0) <= SHORT
     return f"{'TISSERAND_SHORT ' if pragma else ''}for ({counter} {i} = {start}; {i} < {stop}; {step}) {{"
-
-
-def runs_once(node: For) -> bool:
-    """Whether a loop has one iteration, and its variable is in indices alone.
-
-    It may also be in conditions, in bounds, or at both ends of a path. Blocks of lanes stay as they are.
-    """
-    if node.count != 1 or node.step != 1 or any(True for _ in ends_of(node)):
-        return False
-    parts = tuple(every(node.body))
-    conditions = any(isinstance(item, If) and item.variable == node.variable for item in parts)
-    bounds = (bound for item in parts if isinstance(item, For) for bound in (item.start, item.stop))
-    return not conditions and not any(bound.has(node.variable) for bound in bounds)
-
-
-def once(node: For) -> list[Node]:
-    """The body of a loop that has one iteration, without its variable."""
-    return [reindexed(item, lambda index: index.with_value(node.variable, node.start.offset)) for item in node.body]
 
 
 def _step(node: For) -> str:

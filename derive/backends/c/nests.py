@@ -12,16 +12,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count, groupby
 from typing import assert_never
 
-from derive.backends.c.loop_text import (
-    Lines,
-    address_text,
-    declarations,
-    indented,
-    loop_head,
-    once,
-    row_distance,
-    runs_once,
-)
+from derive.backends.c.loop_text import Lines, address_text, declarations, indented, loop_head, row_distance
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import defining, plain, storing
 from derive.backends.wrapping import BreakableText, join, statement
@@ -386,10 +377,7 @@ class CNests:
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
                 if node.count == 0:
                     return []
-                if runs_once(node):  # compilers take time to find out that a loop has one iteration
-                    body, head = self._body(once(node)), "{"
-                else:
-                    body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
+                body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *indented(body), *plain("    }")]
