@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
-from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.spec.model.spatial_beam import SpatialBeam
@@ -57,6 +56,7 @@ class BeamInSpace(BodyType[SpatialBeam]):
 @lru_cache(KEPT)
 def _beam(beam: SpatialBeam, gravity: tuple[ModelConstant, ...]) -> tuple[Body, Mapping[str, CrossSection]]:
     from derive.mechanics.bodies.spatial_beam import spatial_beam_body
+    from derive.mechanics.motion.material_points import MaterialPoint
     from derive.mechanics.multibody.space.beam_sections import section_at
 
     body = spatial_beam_body(beam, gravity)
