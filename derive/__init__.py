@@ -19,6 +19,7 @@ The public interface, by stages:
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve
                     in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, SpatialJoint, Gear,
+                    SpatialBeam, SectionFrame, LateralDeflection, TorsionalDeformation,
                     SpatialForce, SpatialTorque, SpatialJointForce, SpatialJointTorque,
                     SpatialSpring, SpatialInitialValues, SpatialJointInitialValues
                     all: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space

@@ -96,6 +96,18 @@ from derive.spec.model.simulation import (
     Simulation as Simulation,
     SpatialStart as SpatialStart,
 )
+from derive.spec.model.spatial_beam import (
+    LateralDeflection as LateralDeflection,
+)
+from derive.spec.model.spatial_beam import (
+    SectionFrame as SectionFrame,
+)
+from derive.spec.model.spatial_beam import (
+    SpatialBeam as SpatialBeam,
+)
+from derive.spec.model.spatial_beam import (
+    TorsionalDeformation as TorsionalDeformation,
+)
 from derive.spec.model.spatial_bodies import (
     FlexibleBody as FlexibleBody,
     FrameMarker as FrameMarker,

@@ -138,7 +138,9 @@ INDEX = """\
 [four_bars.toml](four_bars.toml) has forty linkages that pass positions in which all of their rods lie in one line.
 [spatial_crank_slider.toml](spatial_crank_slider.toml) is a mechanism in space with a finite-element rod, which
 [make_spatial_rod.py](../scenes/make_spatial_rod.py) makes, and
-[spatial_crank_slider_rigid.toml](spatial_crank_slider_rigid.toml) one of rigid bodies.
+[spatial_crank_slider_rigid.toml](spatial_crank_slider_rigid.toml) one of rigid bodies, and
+[spatial_crank_slider_beam.toml](spatial_crank_slider_beam.toml) one with a rod that is a beam in space;
+[rotating_blade.toml](rotating_blade.toml) is a beam in space whose rotation stiffens it.
 
 Each script prints a number that a test compares with theory, a published value or an independent computation. Run it
 with `.venv/bin/python examples/NAME.py`. Scripts that draw a picture take a folder for it as an argument.

@@ -119,10 +119,12 @@ GROUPS = (
     ),
     Group(
         "In space",
-        "Rigid and finite-element bodies, whose rotations are quaternions.",
+        "Rigid bodies, finite-element bodies and beams, whose rotations are quaternions.",
         (
             Entry("examples/spatial_crank_slider.toml", card="drawing"),
+            Entry("examples/spatial_crank_slider_beam.toml", card="drawing"),
             Entry("examples/spatial_crank_slider_rigid.toml", card="drawing"),
+            Entry("examples/rotating_blade.toml", (("modes",),)),
             *_scripts("screw_jack", "block_tumbling", "spinning_solid_beam"),
         ),
     ),
@@ -134,7 +136,7 @@ GROUPS = (
             _stability(
                 "rotating_cantilever", "speed=0:6:13", "--orders", "first", "--frames", "tangent", "--exact", "none"
             ),
-            _stability("pinned_column", "P=0:30:13", "--orders", "first", "--exact", "9.8696"),
+            _stability("pinned_column", "P=0:30:13", "--orders", "first", "--exact", "9.8696044"),
             _stability("beck_column", "P=0:30:13", "--orders", "truncated", "--exact", "20.0509"),
             *_scripts("monomial_conditioning"),
             Entry("examples/dop853_or_ida.py", needs="sksundae"),

@@ -36,6 +36,7 @@ GROUPS = {
             "Scenes in the plane": "Scene RigidBody BeamBody CustomBody PointMarker MarkerRef Joint CustomJoint Drive "
             "Force Torque Spring Bushing DistributedLoad CustomForce InitialValues JointInitialValues",
             "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame SpatialJoint Gear "
+            "SpatialBeam SectionFrame LateralDeflection TorsionalDeformation "
             "SpatialForce SpatialTorque SpatialJointForce SpatialJointTorque SpatialSpring SpatialInitialValues "
             "SpatialJointInitialValues SpatialStart",
             "Simulations and plots": "Simulation TimeFunction Plot Deflection ReferenceCurve",

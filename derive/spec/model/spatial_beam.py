@@ -51,12 +51,21 @@ def _shared(own: Key) -> dict[str, object]:
     return {name: getattr(own, name) for name in names}
 
 
+@documented
 @dataclass(frozen=True)
 class SectionFrame:
     """A named marker of a beam in space: a point of its axis, and a frame that turns with the section there.
 
     Attributes:
         name: the name of the marker.
+
+    Examples:
+        >>> import derive
+        >>> from fractions import Fraction
+        >>> tip = derive.SectionFrame("tip", Fraction(1))
+        >>> rod = {"length": 1, "mass": 2, "bending_stiffness": 100, "rotary_inertia": 1e-3, "markers": {"tip": tip}}
+        >>> derive.spatial_scene("floating", bodies={"rod": rod}).bodies[0].markers[0].at
+        Fraction(1, 1)
     """
 
     name: str
@@ -72,9 +81,18 @@ class SectionFrame:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class LateralDeflection:
-    """The deflection of a beam in space along its e3, where it differs from that along e2."""
+    """The deflection of a beam in space along its e3, where it differs from that along e2.
+
+    Examples:
+        >>> import derive
+        >>> flat = derive.LateralDeflection(bending_stiffness=5)
+        >>> rod = {"length": 1, "mass": 2, "bending_stiffness": 100, "rotary_inertia": 1e-3, "lateral": flat}
+        >>> derive.spatial_scene("floating", bodies={"rod": rod}).bodies[0].bending_stiffnesses
+        (Fraction(100, 1), Fraction(5, 1))
+    """
 
     ansatz: Annotated[
         tuple[Polynomial, ...] | ShapeFamily | None,
@@ -91,9 +109,18 @@ class LateralDeflection:
     __repr__ = record_text
 
 
+@documented
 @dataclass(frozen=True)
 class TorsionalDeformation:
-    """How a beam twists about its axis. Without this table it is rigid in torsion."""
+    """How a beam twists about its axis. Without this table it is rigid in torsion.
+
+    Examples:
+        >>> import derive
+        >>> twist = derive.TorsionalDeformation(ansatz=["xi"], stiffness=10)
+        >>> rod = {"length": 1, "mass": 2, "bending_stiffness": 100, "rotary_inertia": 1e-3, "torsion": twist}
+        >>> derive.spatial_scene("floating", bodies={"rod": rod}).bodies[0].torsion.stiffness
+        Fraction(10, 1)
+    """
 
     ansatz: Annotated[
         tuple[Polynomial, ...],
