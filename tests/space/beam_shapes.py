@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any
 
 import mpmath
+import numpy as np
 import sympy as sp
 from decimal_vectors import DIGITS, ONE, number
 
@@ -28,6 +29,8 @@ FAMILY_FRAMES = {
 }
 NODES_OF_MODES = 20
 """The number of nodes with which products of modes are integrated to some 20 digits."""
+NEWTON = 3
+"""The steps from 16 digits to all."""
 
 
 @dataclass(frozen=True)
@@ -245,9 +248,14 @@ MODES = {"pinned": _pinned, "free-free": _free, "clamped-free": _clamped}
 def gauss_points(n: int) -> tuple[tuple[Decimal, Decimal], ...]:
     """The nodes and weights of Gauss-Legendre quadrature on (-1, 1)."""
     with mpmath.workdps(DIGITS + 10):
-        guesses = [mpmath.cos(mpmath.pi * (k + mpmath.mpf(3) / 4) / (n + mpmath.mpf(1) / 2)) for k in range(n)]
-        roots = [mpmath.findroot(lambda x: mpmath.legendre(n, x), guess) for guess in guesses]
-        slopes = [n * (mpmath.legendre(n - 1, r) - r * mpmath.legendre(n, r)) / (1 - r**2) for r in roots]
+        roots = [mpmath.mpf(float(x)) for x in np.polynomial.legendre.leggauss(n)[0]]
+
+        def slope(x: Any) -> Any:
+            return n * (mpmath.legendre(n - 1, x) - x * mpmath.legendre(n, x)) / (1 - x**2)
+
+        for _ in range(NEWTON):
+            roots = [x - mpmath.legendre(n, x) / slope(x) for x in roots]
+        slopes = [slope(x) for x in roots]
         pairs = [(r, 2 / ((1 - r**2) * slope**2)) for r, slope in zip(roots, slopes, strict=True)]
         return tuple(tuple(Decimal(mpmath.nstr(x, DIGITS + 5)) for x in pair) for pair in pairs)  # type: ignore[misc]
 
