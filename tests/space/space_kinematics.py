@@ -135,7 +135,9 @@ class SpaceKinematics:
                 self.bodies[name] = rigid_body(name, table, self.value)
         ground = scene.get("ground", {}).get("markers", {})
         self.ground = {name: rigid_marker(of, self.value) for name, of in ground.items()}
-        centres = {name: table.get("centre") for name, table in scene.get("bodies", {}).items() if "length" not in table}
+        centres = {
+            name: table.get("centre") for name, table in scene.get("bodies", {}).items() if "length" not in table
+        }
         self.centres = {name: self.value.vector(centres.get(name) or (0, 0, 0)) for name in self.bodies}
         self.gravity = self.value.vector(scene.get("scene", {}).get("gravity", (0, 0, 0)))
 
