@@ -44,8 +44,6 @@ ROD: dict[str, Any] = {
 }
 DATA = Path(__file__).parents[1] / "second_order" / "rotating_cantilever.json"
 KNOWN = json.loads(DATA.read_text())["inextensible"]
-    "inextensible"
-]
 """The frequencies of a rotating cantilever in units of sqrt(EI/(m l^3))."""
 FRAMES: tuple[Any, ...] = ("mean", "chord", {"kind": "tangent", "at": -1}, {"kind": "point", "at": "1/3"})
 
