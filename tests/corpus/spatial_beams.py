@@ -52,7 +52,7 @@ def beam_scene(draft: SpatialDraft) -> str:
 
 
 def _tree(draft: SpatialDraft, count: int) -> None:
-    """Beams one after the other from the ground, each at the tip of the last one, and perhaps a body at the last tip."""
+    """Beams from the ground on, each at the tip of the last one, and perhaps a body at the last tip."""
     draws, at, base = draft.draws, draft.vector(draft.size), draft.ground
     for _ in range(count):
         beam = beam_body(draft, at)

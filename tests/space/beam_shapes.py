@@ -98,7 +98,9 @@ def combined(polynomials: Sequence[Polynomial], weights: Sequence[Fraction]) -> 
     """The sum of polynomials with weights."""
     size = max(map(len, polynomials))
     padded = [(*p, *[Fraction(0)] * (size - len(p))) for p in polynomials]
-    return tuple(sum((w * c for w, c in zip(weights, column, strict=True)), Fraction(0)) for column in zip(*padded))
+    return tuple(
+        sum((w * c for w, c in zip(weights, column, strict=True)), Fraction(0)) for column in zip(*padded, strict=True)
+    )
 
 
 def _deflections(ansatz: Any, frame: Mapping[str, Any], ends: str | None, orthogonal: bool) -> list[Any]:
@@ -158,7 +160,7 @@ def _eliminated(polynomials: list[Polynomial], rows: list[list[Fraction]]) -> li
 
 
 def _scaled(shapes: list[Polynomial], orthogonal: bool) -> list[Polynomial]:
-    """The shapes made orthogonal in turn, if that is asked for, with the value or the first slope 1 at the right end."""
+    """The shapes made orthogonal in turn, if that is asked for, with a value or a first slope of 1 at the right end."""
     done: list[Polynomial] = []
     for shape in shapes:
         weights = [-mean(shape, other) / mean(other, other) for other in done] if orthogonal else []

@@ -1,4 +1,4 @@
-"""Random rigid bodies, finite-element bodies and beams of scenes in space, with markers of all kinds and loads on nodes."""
+"""Random rigid and finite-element bodies and beams of scenes in space, with all kinds of markers and loads on nodes."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def test_a_marker_in_the_middle(keys: str, tmp_path: Path) -> None:
 PENDULUM = """
 name = "beam_pendulum"
 [scene]
-gravity = [0, 0, -9.81]
+gravity = [1, -7, -7]
 [ground.markers]
 o = [0, 0, 0]
 [bodies.rod]
