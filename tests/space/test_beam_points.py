@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from space_kernels import disagreements, space_model
 
+from derive.errors import SpecError
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.toml.read import parse
 
@@ -92,3 +93,12 @@ def test_energy_is_conserved() -> None:
     names = list(motion.native.coordinates)
     for i in range(1, 6):  # along e2 and e3, and twisting
         assert np.ptp(motion.q[:, names.index(f"rod_alpha{i}")]) > 1e-6
+
+
+def test_every_ansatz_is_checked_where_it_is_written() -> None:
+    """Shapes along e3, of torsion and along the axis that do not fit the frame are faults, all at once."""
+    wrong = 'frame = "point"\nlateral = { ansatz = ["1", "xi"] }\ntorsion = { ansatz = ["1"], stiffness = 3 }\n'
+    with pytest.raises(SpecError) as faults:
+        parse(MIDDLE.replace("KEYS", wrong + 'axial = { ansatz = ["xi", "2*xi"], stiffness = 3 }'))
+    for key in ("lateral.ansatz", "torsion.ansatz", "axial.ansatz"):
+        assert f"bodies.rod.{key}: " in str(faults.value)
