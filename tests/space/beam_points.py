@@ -24,7 +24,7 @@ from written_scene import Numbers, Table, rotation
 
 E1 = array([1, 0, 0])
 DERIVATIVES = {"v1": ("v", 1), "v2": ("v", 2), "w1": ("w", 1), "w2": ("w", 2), "theta": ("theta", 0), "u1": ("u", 1)}
-"""What a section knows of its axis: functions with the order of their derivatives by x."""
+"""The quantities of a section that follow from its axis: functions with the order of their derivatives by x."""
 
 
 @dataclass(frozen=True, eq=False)
