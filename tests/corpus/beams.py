@@ -75,10 +75,10 @@ def beam_keys(draft: Draft, bar: Bar, scene: bool) -> Table:
             table["terms"] = draws.choice(words(PlanarBeam, "terms"))
     if draws.chance(0.2):
         stretch = stiffness / length**2 * draws.scale(300, 3000)
-        table["axial"] = _axial(draft, stretch, stiffness / length**2, table.get("order", 1))
+        table["axial"] = axial_table(draft, stretch, stiffness / length**2, table.get("order", 1))
         highest = max(highest, 10 * math.sqrt(stretch / (mass * length)))
     if draws.chance(0.35):
-        table["damping"] = _damping(draft, lowest, table.get("pieces", 1))
+        table["damping"] = damping_table(draft, lowest, table.get("pieces", 1))
     if draws.chance(0.2):
         full = table.get("order", 1) == 2 and "axial" in table
         table["masses"] = _masses(draft, bar, rotary=not full)
@@ -105,7 +105,7 @@ def _shapes(draft: Draft, bar: Bar) -> tuple[Table, int]:
         return table, count + 1
     frame = draws.choice(["", *FRAME_KINDS, "mean", "mean"])
     if frame:
-        table["frame"] = _frame(draft, frame)
+        table["frame"] = frame_value(draft, frame)
     degree = draws.choice([3, 3, 3, 4, 5])
     if frame == "given":
         table["ansatz"] = ["xi^2 - 1/3", "xi^3 - 3/5*xi", "xi^4 - 6/7*xi^2 + 3/35"][: degree - 1]
@@ -124,7 +124,7 @@ def _shapes(draft: Draft, bar: Bar) -> tuple[Table, int]:
     return table, count
 
 
-def _frame(draft: Draft, kind: str) -> Any:
+def frame_value(draft: Draft, kind: str) -> Any:
     draws = draft.draws
     if kind == "tangent":
         return {"kind": kind, "at": draws.sign()}
@@ -133,7 +133,7 @@ def _frame(draft: Draft, kind: str) -> Any:
     return kind if draws.chance(0.8) else {"kind": kind}
 
 
-def _axial(draft: Draft, stretch: float, euler: float, order: int) -> Table:
+def axial_table(draft: Draft, stretch: float, euler: float, order: int) -> Table:
     draws = draft.draws
     table: Table = {"ansatz": draws.choice([["xi"], ["xi"], ["xi", "xi^2"], ["xi", "xi^3"]])}
     table["stiffness"] = draft.quantity(rounded(stretch, 3), "N")
@@ -142,7 +142,7 @@ def _axial(draft: Draft, stretch: float, euler: float, order: int) -> Table:
     return table
 
 
-def _damping(draft: Draft, lowest: float, pieces: int) -> Table:
+def damping_table(draft: Draft, lowest: float, pieces: int) -> Table:
     """Damping with a ratio between .1 and 5 % of the lowest free mode, in each form."""
     draws = draft.draws
     ratio = draws.scale(1e-3, 0.05)

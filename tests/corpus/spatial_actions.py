@@ -236,7 +236,7 @@ def _options(draft: SpatialDraft, at: list[str], kind: str, key: Key) -> list[An
     turning = [marker for marker in at if _turns(draft, marker)]
     match key.type:
         case KeyType.MARKER if kind == "deflection":
-            return [marker for marker in at if "nodes" in draft.section("bodies")[marker.split(".")[0]]]
+            return [marker for marker in at if {"nodes", "length"} & {*draft.section("bodies")[marker.split(".")[0]]}]
         case KeyType.MARKER:
             return turning if key.name == "frame" or "rotation" in kind or kind.startswith("angular_") else at
         case KeyType.MARKER_PAIR if kind == "deflection":

@@ -16,6 +16,7 @@ import numpy as np
 from corpus.draft import NAMES, Table
 from corpus.draws import Draws, rounded, words
 from corpus.spatial_actions import act_in_space, observe_in_space
+from corpus.spatial_beams import SHARE, beam_scene
 from corpus.steady_scenes import steady_scene
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.spec.model.body import NodalBody
@@ -47,6 +48,10 @@ class SolidBody:
     x: Vector
     R: Vector
     flexible: bool = False
+    length: float = 0.0
+    """The length of a beam, 0 of other bodies."""
+    bends: int = 0
+    """The number of shapes along e2 of a beam."""
     markers: dict[str, Vector] = field(default_factory=dict)
     """The markers with the axes that they have in the inertial frame."""
 
@@ -144,18 +149,23 @@ class SpatialDraft:
                 table["centre"] = listed(self.vector(0.2 * self.size))
             if draws.chance(0.3):
                 table["keep_coordinates"] = draws.chance(0.8)
+        return self.added(name, table, flexible)
+
+    def added(self, name: str, table: Table, flexible: bool = False) -> SolidBody:
+        """A body with a table, somewhere."""
         body = SolidBody(name, self.vector(self.size), self.rotation(), flexible)
         self.section("bodies")[name] = table | {"markers": {}}
         self.bodies[name] = body
         return body
 
     def marker(self, body: SolidBody, at: Vector, axes: Vector) -> str:
-        """A marker of a rigid body or the ground at an inertial point with inertial axes, by its reference."""
+        """A marker of a rigid body, a beam or the ground at an inertial point with inertial axes, by its reference."""
         name = f"m{len(body.markers)}"
         body.markers[name] = axes
-        position, turned_by = listed(body.R.T @ (at - body.x)), body.R.T @ axes
+        place, turned_by = body.R.T @ (at - body.x), body.R.T @ axes
+        position: Any = rounded(2 * place[0] / body.length, 12) if body.length else listed(place)
         plain = np.abs(turned_by - np.eye(3)).max() < 1e-12
-        value: Any = position if plain else {"at": position, "rotation": self.written_rotation(turned_by)}
+        value = position if plain else {"at": position, "rotation": self.written_rotation(turned_by)}
         holder = self.section("ground") if body is self.ground else self.section("bodies")[body.name]
         holder.setdefault("markers", {})[name] = value
         return f"{body.name}.{name}"
@@ -203,6 +213,10 @@ def listed(values: Vector) -> list[float]:
 def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
     """The tables of a scene, the files beside it, and its linkage."""
     draft = SpatialDraft(draws, name)
+    beams = Draws(f"beams {name}")
+    if beams.chance(SHARE):
+        draft.draws = beams
+        return draft.tables, {}, _timed(draft, beam_scene(draft))
     linkage = draws.choice(["tree", "tree", "gears", "flexible", "free", "door", "steady", *LOOPS])
     if linkage in LOOPS:
         _loop(draft, LOOPS[linkage], parallel=linkage == "four_parallel_axes")
@@ -224,13 +238,20 @@ def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path]
         observe_in_space(draft)
     else:
         act_in_space(draft)
+    linkage = _timed(draft, linkage)
+    files: dict[str, str | Path] = {BLOCK.name: BLOCK} if any(body.flexible for body in draft.bodies.values()) else {}
+    return draft.tables, files, linkage
+
+
+def _timed(draft: SpatialDraft, linkage: str) -> str:
+    """Complete a scene with its initial values and its duration; the name of the linkage."""
+    if "start" not in draft.tables.get("scene", {}):  # else a steady one
         _starts(draft)
-    duration = rounded(draws.between(0.1, 0.4) / draft.rate, 2)
+    duration = rounded(draft.draws.between(0.1, 0.4) / draft.rate, 2)
     if any(body.flexible for body in draft.bodies.values()):
-        duration = rounded(draws.between(1, 3) * 1e-3, 2)
+        duration = rounded(draft.draws.between(1, 3) * 1e-3, 2)
     draft.section("simulation").update({"duration": duration, "output": rounded(duration / 10, 2)})
-    files: dict[str, str | Path] = {BLOCK.name: BLOCK} if duration < 5e-3 else {}
-    return draft.tables, files, f"spatial {linkage}"
+    return f"spatial {linkage}"
 
 
 def _tree(draft: SpatialDraft, flexible: bool, kinds: tuple[str, ...] = tuple(SPATIAL_JOINTS)) -> None:
@@ -337,6 +358,9 @@ def _starts(draft: SpatialDraft) -> None:
             start["guess"] = True
         elif body.name not in joined:
             start |= {"velocity": listed(draft.vector(draft.size)), "angular_velocity": listed(draft.vector(5))}
+            if body.bends:
+                bent = [rounded(1e-3 * body.length * draws.between(-1, 1), 2) for _ in range(body.bends)]
+                start |= {"amplitudes": bent, "amplitude_rates": [rounded(draws.between(-0.1, 0.1), 2)]}
             if body.flexible:
                 start |= {"amplitudes": [1e-5], "amplitude_rates": [0.01]}
         draft.section("bodies")[body.name]["start"] = start

@@ -12,7 +12,7 @@ from decimal import Decimal
 from typing import Any
 
 import numpy as np
-from decimal_vectors import ONE, Array, cholesky, identity, zeros
+from decimal_vectors import ONE, ZERO, Array, cholesky, identity, zeros
 from written_scene import Numbers, Table, rotation
 
 
@@ -20,7 +20,8 @@ from written_scene import Numbers, Table, rotation
 class MarkerFrame:
     """A marker in the frame of its body: x + sum shapes alpha, rotated by sum turns alpha and then by `rotation`.
 
-    position (3,); shapes (N, 3); turns (N, 3), None where a marker has no rotation; rotation (3, 3); second (N, N, 3).
+    position (3,); shapes (N, 3); turns (N, 3), None where a marker has no rotation; rotation (3, 3); second (N, N, 3);
+    second_turns (N, N, 3), the second derivatives of the rotation vector.
     """
 
     position: Array
@@ -28,17 +29,24 @@ class MarkerFrame:
     shapes: Array
     turns: Array | None
     second: Array | None = None
+    second_turns: Array | None = None
 
     def at(self, amplitudes: Array) -> Array:
         """The position of the marker in the frame of its body."""
         return moved(self.position, self.shapes, self.second, amplitudes)
+
+    def turn(self, amplitudes: Array) -> Array:
+        """The rotation vector of the marker in the frame of its body."""
+        assert self.turns is not None
+        return moved(zeros(3), self.turns, self.second_turns, amplitudes)
 
 
 @dataclass(frozen=True, eq=False)
 class PointBody:
     """Material points X (P, 3) with modes (N, P, 3), of which `masses` (P, P) is the mass matrix; linear elasticity.
 
-    origin (3,): the point of the body whose inertial position is among its coordinates.
+    origin (3,): the point of the body whose inertial position is among its coordinates; cubic (N, N, N): the factors of
+    products of three amplitudes in the strain energy; preload (N,): those of single ones.
     """
 
     name: str
@@ -49,11 +57,27 @@ class PointBody:
     damping: Array
     markers: Mapping[str, MarkerFrame]
     second: Array | None = None
+    cubic: Array | None = None
+    preload: Array | None = None
 
     @property
     def n(self) -> int:
         """The number of modes."""
         return len(self.modes)
+
+    def strain(self, a: Array) -> Decimal:
+        """The strain energy at amplitudes."""
+        linear = ZERO if self.preload is None else self.preload @ a
+        third = ZERO if self.cubic is None else ((self.cubic @ a) @ a) @ a
+        return Decimal(linear + a @ self.stiffness @ a / 2 + third)
+
+    def other_forces(self, a: Array) -> list[Array]:
+        """The derivatives of what is not quadratic in the strain energy, by amplitudes."""
+        result = [] if self.preload is None else [self.preload]
+        if self.cubic is not None:
+            turned = (np.moveaxis(self.cubic, k, 0) for k in range(3))
+            result += [(of @ a) @ a for of in turned]
+        return result
 
     def deformed(self, amplitudes: Array) -> Array:
         """X + sum Phi_i alpha_i + 1/2 sum Psi_ij alpha_i alpha_j (P, 3)."""

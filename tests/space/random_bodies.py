@@ -1,4 +1,4 @@
-"""Random rigid and finite-element bodies of scenes in space, with markers of all kinds and loads on nodes."""
+"""Random rigid and finite-element bodies and beams of scenes in space, with all kinds of markers and loads on nodes."""
 
 from __future__ import annotations
 
@@ -103,6 +103,69 @@ class RandomBodies(RandomValues):
         if self.chance(0.5):
             forces = f"forces = [{self.vector(2)}]"
             self.lines.append(f'loads.jet = {{ nodes = {nodes[:2]}, {forces}, frame = "body" }}')
+
+    # ---- beams
+
+    def beam(self, name: str) -> None:
+        """A beam of few shapes in any frame, with markers whose frames are rotated or not."""
+        self.flexible_bodies.add(name)
+        order = self.random.choice([1, 2, 2])
+        self.lines.append(f"[bodies.{name}]")
+        sizes = {"length": (0.5, 2), "mass": (0.2, 2), "bending_stiffness": (5, 50), "rotary_inertia": (0.01, 0.1)}
+        for key, (low, high) in sizes.items():
+            self.lines.append(f"{key} = {self.quantity(self.positive(low, high), 0.2)}")
+        if order == 2 or self.chance(0.3):
+            self.lines.append(f"order = {order}")
+        ansatz = self.bending()
+        lateral = [f"ansatz = {ansatz}"] if ansatz and self.chance(0.4) else []
+        if self.chance(0.6):
+            lateral.append(f"bending_stiffness = {self.quantity(self.positive(5, 50), 0.3)}")
+        if lateral:
+            self.lines.append(f"lateral = {{ {', '.join(lateral)} }}")
+        if self.chance(0.6):
+            shapes = self.random.choice([["xi"], ["xi^2"], ["xi", "xi^2"], ["1", "xi"]])
+            stiffness = self.quantity(self.positive(5, 50), 0.3)
+            self.lines.append(f"torsion = {{ ansatz = {shapes}, stiffness = {stiffness} }}")
+        if self.chance(0.5):
+            preload = f", preload = {self.quantity(self.number(5), 0.4)}" if order == 2 and self.chance(0.6) else ""
+            shapes, stiffness = self.random.choice([["xi"], ["xi^2"]]), self.quantity(self.positive(50, 200), 0.4)
+            self.lines.append(f"axial = {{ ansatz = {shapes}, stiffness = {stiffness}{preload} }}")
+        if self.chance(0.6):
+            self.lines.append(f"centre = {self.quantities([self.number(0.1), self.number(0.1)], 0.2)}")
+        if self.chance(0.4):
+            factors = [self.quantity(self.positive(0.01, 0.2), 0.3) for _ in range(2)]
+            self.lines.append(f"damping = {{ mass = {factors[0]}, stiffness = {factors[1]} }}")
+        elif self.chance(0.5):
+            self.lines.append(f"damping = {{ ratio = {self.quantity(self.positive(0.01, 0.1), 0.4)} }}")
+        for marker, at in (("left", -1), ("middle", self.random.choice(["0", '"1/3"', "0.5"])), ("right", 1)):
+            turned = f"{{ at = {at}, rotation = {self.rotation()} }}"
+            self.lines.append(f"markers.{marker} = {turned if self.chance(0.7) else at}")
+            self.known(f"{name}.{marker}")
+
+    def bending(self) -> str:
+        """Write the frame and the shapes of the deflection of a beam; another ansatz for the other plane, if any."""
+        form = self.random.choice(["family", "ends", "given", "polynomials", "polynomials", "even"])
+        if form == "family":
+            kind = self.random.choice(["pinned", "free-free", "clamped-free"])
+            self.lines.append(f'ansatz = {{ kind = "{kind}", count = {self.random.randint(1, 2)} }}')
+            return f'{{ kind = "{kind}", count = 1 }}'
+        if form == "given":
+            self.lines += ['frame = "given"', 'ansatz = ["xi^2 - 1/3", "xi^3 - 3/5*xi"]']
+            return '["xi^2 - 1/3"]'
+        if form == "ends":
+            ends, frame = self.random.choice([("pinned", "chord"), ("pinned", "mean"), ("free", "mean")])
+            powers = ["1", "xi", *(f"xi^{n}" for n in range(2, 7 if ends == "free" else 6))]
+            self.lines += [f'frame = "{frame}"', f'ends = "{ends}"', f"ansatz = {powers}"]
+            return ""
+        frames = ['"mean"', '"chord"', '"point"', '{ kind = "point", at = "1/3" }']
+        frames += ['{ kind = "tangent", at = -1 }', '{ kind = "tangent", at = 1 }']
+        if self.chance(0.8):
+            self.lines.append(f"frame = {self.random.choice(frames)}")
+        if self.chance(0.4):
+            self.lines.append(f"orthogonal = {str(self.chance(0.5)).lower()}")
+        if form == "even":
+            self.lines.append('ansatz = ["1", "xi", "xi^2", "xi^4"]')
+        return '["1", "xi", "xi^3"]'
 
     def write_files(self, folder: Path) -> None:
         """The files of finite-element bodies."""

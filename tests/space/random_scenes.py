@@ -17,6 +17,8 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, RELATIVE_MOTIONS
 from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 
+FIRST_BEAM = 200
+"""The scenes of the seeds from this one on have beams."""
 KINDS = tuple(SPATIAL_JOINTS)
 DRIVEN = tuple(kind for kind, of in SPATIAL_JOINTS.items() if of.driven)
 
@@ -211,7 +213,9 @@ def random_writer(seed: int) -> Writer:
     count = writer.random.randint(2 if carried else 1, 3)
     for k in range(count):
         name = f"body{k}"
-        if not (carried and k == 0) and writer.chance(0.4 if k else 0.2):
+        if seed >= FIRST_BEAM and not (carried and k == 0) and len(pairs) < 2 and writer.chance(0.8):
+            writer.beam(name)
+        elif not (carried and k == 0) and writer.chance(0.4 if k else 0.2):
             writer.flexible(name)
         else:
             writer.rigid(name, carried and k == 0 and writer.chance(0.5), 0.0 if carried and k == 0 else 0.3)

@@ -15,9 +15,11 @@ from written_scene import Table
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS, SpatialSpringType
+from derive.spec.model.beam_parts import AxialDeformation, BeamDamping, Frame, ShapeFamily
 from derive.spec.model.body import BodyFrame, Damping, NodalBody
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys
 from derive.spec.model.scene import Drive, SceneInput
+from derive.spec.model.spatial_beam import LateralDeflection, SectionFrame, SpatialBeam, TorsionalDeformation
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialJointForce, SpatialJointTorque, SpatialTorque
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
@@ -30,6 +32,14 @@ Feature = tuple[str, ...]
 TABLES: Mapping[str, type] = {
     "rigid body": SpatialRigidBody,
     "flexible body": FlexibleBody,
+    "beam": SpatialBeam,
+    "lateral": LateralDeflection,
+    "torsion": TorsionalDeformation,
+    "axial": AxialDeformation,
+    "shapes": ShapeFamily,
+    "frame of a beam": Frame,
+    "damping of a beam": BeamDamping,
+    "section": SectionFrame,
     "marker": FrameMarker,
     "marker at nodes": NodeFrame,
     "frame": BodyFrame,
@@ -49,6 +59,7 @@ TABLES: Mapping[str, type] = {
 PARAMETERS = (
     *QUANTITIES,
     KeyType.COORDINATE_TRIPLE,
+    KeyType.COORDINATES,
     KeyType.INERTIA_TENSOR,
     KeyType.ACCELERATION,
     KeyType.BUSHING_MATRIX,
@@ -58,7 +69,10 @@ PARAMETERS = (
 OF_TIME = (KeyType.FUNCTION, KeyType.FUNCTION_TRIPLE, KeyType.SPEED)
 FUNCTION_FORMS = (*(name for name in FUNCTIONS if name not in WHOLE), "table", "parameter", "pi", "power", "quotient")
 NOT_IN_EQUATIONS: Mapping[Feature, str] = {
-    **{(table, "start"): "initial values" for table in ("rigid body", "flexible body", "joint", "drive", "scene")},
+    **{
+        (table, "start"): "initial values"
+        for table in ("rigid body", "flexible body", "beam", "joint", "drive", "scene")
+    },
     ("scene", "plots"): "shows results",
     ("scene", "outputs"): "compared with differences in test_space_marker_outputs.py and others",
     **{("scene", "start", choice): "initial values" for choice in ("equilibrium", "steady")},
@@ -107,23 +121,25 @@ def possible() -> set[Feature]:
         result |= {(table, key.name, "parameter")} if key.type in PARAMETERS else set()
         result |= {(table, key.name, form) for form in ("function", "input") if key.type in OF_TIME}
     result -= {("drive", "speed", "input"), ("input", "value", "input")}  # refused
-    result |= {("flexible body", "order", order) for order in "12"}
+    result |= {(body, "order", order) for body in ("flexible body", "beam") for order in "12"}
     result |= {("function", name) for name in FUNCTION_FORMS}
     result |= {("body", kind) for kind in SPATIAL_BODIES} | {("body", "flexible")}
     for kind, of in SPATIAL_JOINTS.items():
         result.add(("joint", "kind", kind))
         result |= {(end, "of a rigid body at the ground", kind) for end in ("first", "second")}
         result.add(("rigid body that keeps coordinates", kind))
-        result.add(("flexible body", "joint", kind))
+        result |= {(body, "joint", kind) for body in ("flexible body", "beam")}
         if of.driven:
             result |= {("drive", kind, where) for where in ("at the ground", "of bodies", "in a gear")}
     result |= {("joint at a node", kind) for kind in ("spherical", "distance", "point_on_line", "general")}
     result |= {(f"{kind} spring", "between") for kind, _ in spring_types()}
     result |= {("bushing", key, form) for key in ("stiffness", "damping") for form in ("six", "matrix")}
-    for at in ("rigid body", "node", "mean set", "rigid set"):
+    for at in ("rigid body", "section", "node", "mean set", "rigid set"):
         result |= {(section, frame, at) for section in ("force", "torque") for frame in ("inertial", "body")}
     result -= {("torque", frame, "node") for frame in ("inertial", "body")}  # refused: a node has no rotation
-    result |= {("carried body", "neighbour", kind) for kind in ("rigid", "flexible")} | {("carried body", "no mass")}
+    result |= {("carried body", "neighbour", kind) for kind in ("rigid", "flexible", "beam")} | {
+        ("carried body", "no mass")
+    }
     result |= {("joint", "twice"), ("rotational spring", "in a joint"), ("bushing spring", "in a joint")}
     return result - {*NOT_IN_EQUATIONS}
 
@@ -153,10 +169,13 @@ def tables_of(scene: Table) -> Iterator[tuple[str, Table]]:
     yield "scene", every
     yield from (("marker", _marker(of, "at")) for of in scene.get("ground", {}).get("markers", {}).values())
     for body in scene["bodies"].values():
-        flexible = "nodes" in body
-        yield "flexible body" if flexible else "rigid body", body
+        flexible, beam = "nodes" in body, "length" in body
+        yield "beam" if beam else "flexible body" if flexible else "rigid body", body
         for of in body.get("markers", {}).values():
-            yield ("marker at nodes", _marker(of, "node")) if flexible else ("marker", _marker(of, "at"))
+            word = "section" if beam else "marker"
+            yield ("marker at nodes", _marker(of, "node")) if flexible else (word, _marker(of, "at"))
+        if beam:
+            yield from _parts_of(body)
         yield from (("nodal load", of) for of in body.get("loads", {}).values())
         if flexible:
             frame = body.get("frame", "mean")
@@ -168,6 +187,16 @@ def tables_of(scene: Table) -> Iterator[tuple[str, Table]]:
         for of in scene.get(section, {}).values():
             yield ("joint " if "joint" in of else "") + section[:-1], of
     yield from ((f"{of.get('kind', 'linear')} spring", of) for of in scene.get("springs", {}).values())
+
+
+def _parts_of(beam: Table) -> Iterator[tuple[str, Table]]:
+    """The tables in the table of a beam."""
+    yield from ((name, beam[name]) for name in ("lateral", "torsion", "axial") if name in beam)
+    if "frame" in beam:
+        yield "frame of a beam", _marker(beam["frame"], "kind")
+    if isinstance(beam.get("ansatz"), Mapping):
+        yield "shapes", beam["ansatz"]
+    yield "damping of a beam", beam.get("damping", {})
 
 
 def _marker(of: Any, plain: str) -> Table:
@@ -217,14 +246,18 @@ def _functions(text: str, scene: Table) -> Iterator[str]:
 def _of_bodies(scene: Table) -> Iterator[Feature]:
     carried = {*_carried(scene)}
     for name, body in scene["bodies"].items():
-        yield ("body", "flexible" if "nodes" in body else "rigid")
+        yield ("body", _kind(body))
         if name in carried and "mass" not in body:
             yield ("carried body", "no mass")
     for joint in scene.get("joints", {}).values():
         bodies = [end.split(".")[0] for end in joint["between"]]
         for own, other in (bodies, bodies[::-1]):
             if other in carried and own not in carried and own != "ground":
-                yield ("carried body", "neighbour", "flexible" if "nodes" in scene["bodies"][own] else "rigid")
+                yield ("carried body", "neighbour", _kind(scene["bodies"][own]))
+
+
+def _kind(body: Table) -> str:
+    return "flexible" if "nodes" in body else "beam" if "length" in body else "rigid"
 
 
 def _carried(scene: Table) -> Iterator[str]:
@@ -250,8 +283,8 @@ def _of_joints(scene: Table) -> Iterator[Feature]:
         seen.append(joint["between"])
         for i, own in enumerate(ends):
             body, grounded = bodies.get(own, {}), ends[1 - i] == "ground"
-            if "nodes" in body:
-                yield ("flexible body", "joint", kind)
+            if _kind(body) != "rigid":
+                yield ("beam" if "length" in body else "flexible body", "joint", kind)
             elif body and body.get("keep_coordinates"):
                 yield ("rigid body that keeps coordinates", kind)
             elif body and grounded:
@@ -283,8 +316,9 @@ def _of_loads(scene: Table) -> Iterator[Feature]:
 def _place(scene: Table, marker: str) -> str:
     """The body of a marker, or the nodes of it."""
     body, _, name = marker.partition(".")
-    if body == "ground" or "nodes" not in scene["bodies"][body]:
-        return "ground" if body == "ground" else "rigid body"
+    kind = "ground" if body == "ground" else _kind(scene["bodies"][body])
+    if kind != "flexible":
+        return {"ground": kind, "beam": "section", "rigid": "rigid body"}[kind]
     of = scene["bodies"][body]["markers"][name]
     if not isinstance(of, Mapping) or "node" in of:
         return "node"

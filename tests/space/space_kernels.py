@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from decimal_vectors import STEP, Array, floats, number, precise
+from random_scenes import FIRST_BEAM
 from space_oracle import Mechanics, SpaceOracle, apart
 from written_functions import sampled
 from written_scene import tables
@@ -29,7 +30,8 @@ LIMIT = 1e-12
 """The largest difference, relative to the sum of the magnitudes of what a number is the sum of."""
 QUICK_SEEDS, COMPLETE_SEED = (25, 71), 105
 LONG_SEEDS, FURTHER_SEEDS = range(10), range(10, 100)
-RANDOM_SEEDS = (*QUICK_SEEDS, COMPLETE_SEED, *LONG_SEEDS, *FURTHER_SEEDS)
+BEAM_SEEDS = range(FIRST_BEAM, FIRST_BEAM + 60)
+RANDOM_SEEDS = (*QUICK_SEEDS, COMPLETE_SEED, *LONG_SEEDS, *FURTHER_SEEDS, *BEAM_SEEDS)
 """The seeds of the random scenes that tests compare."""
 RATES = ("", "dot", "ddot")
 """The ends of the names of inputs and their derivatives."""

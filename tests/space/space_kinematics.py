@@ -13,6 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+from beam_points import beam_body
 from decimal_vectors import (
     ONE,
     Array,
@@ -128,13 +129,16 @@ class SpaceKinematics:
             if "nodes" in table:
                 of = fields.get(name) or nodal_fields(folder / table["nodes"], table)
                 self.bodies[name] = nodal_body(name, table, self.value, of)
+            elif "length" in table:
+                self.bodies[name] = beam_body(name, table, self.value)
             else:
                 self.bodies[name] = rigid_body(name, table, self.value)
         ground = scene.get("ground", {}).get("markers", {})
         self.ground = {name: rigid_marker(of, self.value) for name, of in ground.items()}
-        self.centres = {
-            name: self.value.vector(table.get("centre", (0, 0, 0))) for name, table in scene.get("bodies", {}).items()
+        centres = {
+            name: table.get("centre") for name, table in scene.get("bodies", {}).items() if "length" not in table
         }
+        self.centres = {name: self.value.vector(centres.get(name) or (0, 0, 0)) for name in self.bodies}
         self.gravity = self.value.vector(scene.get("scene", {}).get("gravity", (0, 0, 0)))
 
     def _held_bodies(self, multipliers: Sequence[str]) -> list[tuple[str, str]]:
@@ -241,7 +245,7 @@ class SpaceKinematics:
             alpha = self.amplitudes(body, state)
             position = marker.at(alpha)
             if marker.turns is not None:
-                turned = of_quaternion(np.array([ONE, *(alpha @ marker.turns / 2)], dtype=object)) @ turned
+                turned = of_quaternion(np.array([ONE, *(marker.turn(alpha) / 2)], dtype=object)) @ turned
         return pose.place(position), pose.R @ turned
 
     # ---- functions of t and the state

@@ -164,7 +164,7 @@ class SpaceOracle(SpringKinematics):
         return M, mass_sizes, h, force_sizes
 
     def _internal(self, state: SpaceState, v: Array) -> list[Array]:
-        """K alpha and B alphadot of flexible bodies."""
+        """The forces of strain energy and B alphadot of flexible bodies."""
         result = []
         place, i = {}, 0
         for name, turns in self.columns.parts:
@@ -178,6 +178,10 @@ class SpaceOracle(SpringKinematics):
                         force = zeros(len(v))
                         force[own] = term
                         result.append(force)
+                for term in body.other_forces(self.amplitudes(name, state)):
+                    force = zeros(len(v))
+                    force[own] = term
+                    result.append(force)
         return result
 
     def _on_nodes(self, t: Decimal, poses: Mapping[str, Pose], J: Array) -> list[Array]:
@@ -254,8 +258,7 @@ class SpaceOracle(SpringKinematics):
             moving = sum((xdot[:, k] @ body.masses @ xdot[:, k] / 2 for k in range(3) if len(x)), ZERO)
             kinetic += truncated[name].kinetic if name in truncated else moving
             potential -= sum((self.gravity[k] * sum(body.masses @ x[:, k]) for k in range(3) if len(x)), ZERO)
-            alpha = self.amplitudes(name, state)
-            strain += alpha @ body.stiffness @ alpha / 2 if body.n else ZERO
+            strain += body.strain(self.amplitudes(name, state)) if body.n else ZERO
         for x, (stiffness, _, rest) in zip(now[3], self.elements(), strict=True):
             strain += stiffness * (x - rest) ** 2 / 2
         strain += sum((now[3][i : i + 6] @ K @ now[3][i : i + 6] / 2 for i, K, _ in self.couplings()), ZERO)

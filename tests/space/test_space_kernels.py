@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from random_scenes import random_scene
-from space_kernels import COMPLETE_SEED, FURTHER_SEEDS, LONG_SEEDS, QUICK_SEEDS, disagreements, space_model
+from space_kernels import BEAM_SEEDS, COMPLETE_SEED, FURTHER_SEEDS, LONG_SEEDS, QUICK_SEEDS, disagreements, space_model
 
 from conftest import random_cases
 from derive.errors import SpecError
@@ -29,6 +29,17 @@ def test_random_scenes_with_all_kernels(seed: int, tmp_path: Path) -> None:
         return
     assert disagreements(model, seed) == []
     assert disagreements(model, seed + 1000) == []
+
+
+@pytest.mark.parametrize("seed", random_cases(BEAM_SEEDS[0], 6, len(BEAM_SEEDS) - 6))
+def test_random_scenes_with_beams(seed: int, tmp_path: Path) -> None:
+    """Beams of both orders, in all frames and with all joints, are sums over points of their sections."""
+    try:
+        model = space_model(random_scene(seed, tmp_path), complete=seed % 5 == 0)
+    except SpecError as error:
+        assert "all motion is prescribed" in str(error) or "the motion of both bodies is prescribed" in str(error)
+        return
+    assert disagreements(model, seed) == []
 
 
 CARRIED = """

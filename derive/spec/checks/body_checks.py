@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from pydantic import ValidationError
 
@@ -20,6 +21,21 @@ def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
     return [*_faults((*path, "ansatz"), deflection), *_axial_faults(path, beam, deflection)]
 
 
+def spatial_shape_faults(path: KeyPath, beam: Mapping[str, object]) -> list[Fault]:
+    """Faults of all shapes of a beam in space: those of a planar beam, of the other deflection, and of torsion."""
+    faults = shape_faults(path, beam)
+    lateral = beam.get("lateral")
+    try:
+        deflection = DEFLECTION.validate_python(beam)
+        if isinstance(lateral, Mapping) and "ansatz" in lateral:
+            other = DEFLECTION.validate_python({**beam, "ansatz": lateral["ansatz"]})
+            of = replace(deflection, ansatz=other.ansatz)
+            faults += _faults((*path, "lateral", "ansatz"), of)
+    except ValidationError:
+        return faults
+    return faults + _axial_faults(path, beam, deflection, "torsion")
+
+
 def _faults(path: KeyPath, deflection: AssumedDeflection) -> list[Fault]:
     # SymPy takes its time to import, which a specification that fails before has not to wait for.
     from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes
@@ -31,11 +47,11 @@ def _faults(path: KeyPath, deflection: AssumedDeflection) -> list[Fault]:
     return []
 
 
-def _axial_faults(path: KeyPath, beam: object, deflection: AssumedDeflection) -> list[Fault]:
-    if not isinstance(beam, Mapping) or beam.get("axial") is None:
+def _axial_faults(path: KeyPath, beam: object, deflection: AssumedDeflection, key: str = "axial") -> list[Fault]:
+    if not isinstance(beam, Mapping) or beam.get(key) is None:
         return []
     try:
-        axial = AXIAL.validate_python(beam["axial"])
+        axial = AXIAL.validate_python(beam[key])
     except ValidationError:
         return []
     from derive.mechanics.bodies.displacement_fields import axial_shapes
@@ -44,5 +60,5 @@ def _axial_faults(path: KeyPath, beam: object, deflection: AssumedDeflection) ->
     try:
         axial_shapes(axial.ansatz, deflection.frame, deflection.orthogonal)
     except ConditionError as error:
-        return [Fault((*path, "axial", "ansatz"), message) for message in error.problems]
+        return [Fault((*path, key, "ansatz"), message) for message in error.problems]
     return []

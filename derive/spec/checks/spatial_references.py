@@ -9,6 +9,7 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, Spa
 from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME, OF_CHORD
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
+from derive.spec.checks.body_checks import spatial_shape_faults
 from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults, plot_faults
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
@@ -30,6 +31,7 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
     if view.complete:
         faults += [
             *marker_faults(view),
+            *_shapes(view),
             *_joints(view),
             *_drives(view),
             *_gears(view),
@@ -48,6 +50,13 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
 def _type(joint: Raw) -> SpatialJointType | None:
     """The type of a joint, or None if its kind is unknown."""
     return SPATIAL_JOINTS.get(str(joint.get("kind")))
+
+
+def _shapes(view: SceneData) -> Iterator[Fault]:
+    """Faults of the shapes of beams."""
+    for name, body in view.bodies.items():
+        if "ansatz" in body or "length" in body:
+            yield from spatial_shape_faults(("bodies", name), body)
 
 
 def _joints(view: SceneData) -> Iterator[Fault]:

@@ -52,7 +52,7 @@ def section_at(marker: SectionFrame, beam: SpatialBeam) -> CrossSection:
     point = MaterialPoint(
         name=marker.name,
         doc=f"material point at xi = {at}",
-        position=sp.ImmutableMatrix([position, 0, 0]),
+        position=sp.ImmutableMatrix([position if at else 0, 0, 0]),  # no name of what vanishes enters levers
         shapes=tuple(_displacement(shape, at) for shape in shapes),
         coefficients=(reference, *seconds),
         second=_square(seconds, pairs, len(shapes)),

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -269,7 +270,7 @@ class _Turned:
 
 def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turned:
     twists, second = section.twists, section.second_twists
-    if not any(entry for twist in twists for entry in twist):
+    if not any(entry for twist in (*twists, *chain(*second)) for entry in twist):
         none = sp.zeros(3, 1)
         return _Turned(sp.eye(3), sp.eye(3), none, none, (still(),) * len(motion.alpha), False)
     name = section.point.name
