@@ -13,6 +13,7 @@ from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, Identity, identity
+from derive.mechanics.terms import Intermediate
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, FormulaRow, Part
 from derive.report.document.page import (
@@ -73,13 +74,28 @@ def _short(equations: Equations) -> Substitution | None:
     """The substitution that writes the rows out in coordinates; None if that makes too many summands."""
     if isinstance(equations, IndexedEquations):
         return None
-    written = expansion(equations)
-    count = 0
+    values: dict[sp.Symbol, sp.Expr] = {c.symbol: c.value for c in equations.coefficients}
+    for definition in _needed(equations):
+        values[definition.symbol] = sp.expand(definition.expr.xreplace(values))
+        if len(sp.Add.make_args(values[definition.symbol])) > MOST_SUMMANDS:
+            return None
+    written, count = Substitution(values), 0
     for term in equations.terms:
         count += len(sp.Add.make_args(written(term.expr)))
         if count > MOST_SUMMANDS:
             return None
     return written
+
+
+def _needed(equations: Equations) -> list[Intermediate]:
+    """The definitions that the terms depend on, in their order."""
+    symbols = set().union(*(term.expr.free_symbols for term in equations.terms))
+    result = []
+    for definition in reversed(equations.definitions):
+        if definition.symbol in symbols:
+            symbols |= definition.expr.free_symbols
+            result.append(definition)
+    return result[::-1]
 
 
 def row_names(equations: Equations) -> dict[str, str]:
