@@ -269,7 +269,7 @@ def test_build_says_which_lowering_and_how_far_the_modes_are_from_the_mean_frame
     assert "mean displacement of the modes (17)" in output
     assert main(["build", BLOCK, "--out", str(tmp_path), "--json"]) == 0
     (model,) = json.loads(capsys.readouterr().out)
-    assert model["lowering"] == "flat" and len(model["notes"]) == 5
+    assert model["lowering"] == "flat" and len(model["notes"]) == 6
     manifest = json.loads((tmp_path / "block/manifest.json").read_text())
     assert manifest["lowering"]["kind"] == "flat" and "predicted evaluation time" in manifest["lowering"]["choice"]
     assert manifest["specification"]["data"]["nodes"] == 255 and len(manifest["specification"]["data"]["sha256"]) == 64

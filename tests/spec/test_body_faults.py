@@ -37,7 +37,10 @@ POINT = (
     '{ kind = "point", node = 12, around = [3, 4, 5] }'
 )
 DAMPING = "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
-KEYS = "nodes, units, modes, frame, orthonormal, order, damping, gravity, lowering, markers, start"
+KEYS = (
+    "nodes, units, modes, component_modes, interface, frame, orthonormal, order, damping, gravity, lowering, markers, "
+    "start"
+)
 
 
 @pytest.mark.parametrize(

@@ -155,4 +155,5 @@ def test_build_says_what_is_used(tmp_path) -> None:
     assert notes(tmp_path, "order = 1", **some) == [
         "warning: geometric stiffness K0omega, K0F is left out, since order = 1"
     ]
-    assert notes(tmp_path, "") == []
+    (note,) = notes(tmp_path, "")
+    assert "displacements of first order in the amplitudes: there is no geometric stiffness" in note

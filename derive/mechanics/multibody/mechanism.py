@@ -92,11 +92,38 @@ class Mechanism(InstancesOfKinds):
     def loads(
         self, f: ForceInstance, at: Callable[[MarkerRef], PointMotion], rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
-        """The virtual work of a force; at: the motions of its markers, rows: those of the bodies that these are on."""
+        """The virtual work of a force.
+
+        Arguments:
+            f: one of `forces`.
+            at: a function from its markers to their motions.
+            rows: the rows of the bodies that these are on.
+
+        Examples:
+            >>> import derive
+            >>> rod = {"mass": 1, "inertia": 1, "markers": {"tip": [0, 1]}}
+            >>> push = {"at": "rod.tip", "components": [2, 0]}
+            >>> mechanism = derive.derive(derive.scene("pushed", bodies={"rod": rod}, forces={"push": push}))
+            >>> points = mechanism.equations_of_instances()["rod"].points
+            >>> loads = mechanism.loads(mechanism.forces[0], lambda marker: points[marker.marker], mechanism.rows)
+            >>> [(term.row, term.expr) for term in loads.terms]
+            [('rod_c1', -2), ('rod_phi', 2*rod_tip_s_2)]
+        """
         return f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows)
 
     def pose(self, name: str, instance: InstanceEquations) -> Pose:
-        """Position and rotation of the body frame."""
+        """Position and rotation of the body frame.
+
+        Arguments:
+            name: the name of the instance of a body.
+            instance: its equations.
+
+        Examples:
+            >>> import derive
+            >>> mechanism = derive.derive(derive.scene("free", bodies={"rod": {"mass": 1, "inertia": 1}}))
+            >>> mechanism.pose("rod", mechanism.equations_of_instances()["rod"]).rotation_angle
+            rod_phi
+        """
         if BODY_FRAME in instance.points:
             frame = instance.points[BODY_FRAME]
             return Pose(name, (frame.position[0], frame.position[1]), frame.rotation)
@@ -104,11 +131,30 @@ class Mechanism(InstancesOfKinds):
         return Pose(name, (c1, c2), phi)
 
     def doc(self, conditions: tuple[Constraint, ...]) -> str:
-        """A line that summarises what the mechanism consists of."""
+        """A line that summarises what the mechanism consists of.
+
+        Arguments:
+            conditions: its constraints.
+
+        Examples:
+            >>> import derive
+            >>> derive.derive(derive.scene("free", bodies={"rod": {"mass": 1, "inertia": 1}})).doc(())
+            'scene of 1 planar body: 3 coordinates, 0 constraints, 3 degrees of freedom'
+        """
         return mechanism_doc(self.scene, self.coordinates, conditions)
 
     def frame_doc(self, by_table: bool = False) -> str:
-        """The description of the frames of the bodies; by_table: one for all instances of a table."""
+        """The description of the frames of the bodies.
+
+        Arguments:
+            by_table: whether all instances of a table have one.
+
+        Examples:
+            >>> import derive
+            >>> free = derive.derive(derive.scene("free", bodies={"rod": {"mass": 1, "inertia": 1}}))
+            >>> free.frame_doc().splitlines()[0]
+            'For beams, c is the position of the centre of the undeformed beam.'
+        """
         return frame_doc(self.instances, self.scene, by_table)
 
     def _equations(self) -> Equations:
