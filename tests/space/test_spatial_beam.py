@@ -336,7 +336,8 @@ def test_motion_in_a_plane_is_that_of_the_planar_beam(order: int, frame: Any) ->
     v = np.r_[cdot, 0, 0, 0, 2.0, alphadot[:3], none, alphadot[3]]
     both = accelerations(space, q, v)
     in_plane = np.r_[both[:2], both[5:9], both[13]]
-    assert np.abs(in_plane - ours).max() < 2e-13 * np.abs(ours).max()
+    limit = 1e-12 if "tangent" in str(frame) else 2e-13  # M of a tangent frame is ill-conditioned
+    assert np.abs(in_plane - ours).max() < limit * np.abs(ours).max()
     assert not np.any(np.r_[both[2:5], both[9:13]])
 
 

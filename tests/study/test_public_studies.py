@@ -87,7 +87,7 @@ def test_a_study_of_stability_is_shown_with_its_chart_and_its_losses() -> None:
     assert study.reference.loss == pytest.approx(2.4674, abs=1e-3)  # pi^2 / 4
     assert 1 <= len(repr(study).splitlines()) <= 5
     page = page_of(study)
-    assert page.count("svg") == 1 and "not lost" in page.words["td"]
+    assert page.count("svg") == 1 and "+22 %" in page.words["td"]
     assert len(page.words["tr"] if "tr" in page.words else page.values("tr")) <= 24
     frame = study.to_pandas()
     assert {2.0, 3.5} <= {*frame["parameter"]} and frame["grows"].any()
