@@ -16,6 +16,8 @@ from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.spec_text import body_kind, quantity_text, shapes_text, simulation_text
+from derive.spec.model.time_function import TimeFunction
+from derive.spec.parsing.time_text import function_text
 from derive.visual.mechanism import mechanism_picture
 from derive.visual.spatial_scene_picture import undeformed_picture
 
@@ -77,7 +79,16 @@ def _body(body: Any) -> str:
 def _element(element: Any) -> str:
     """The keys of an element that differ from their defaults, with their values."""
     shown = ((name, value) for name, value in changed_fields(element) if name != "name" and value is not None)
-    return ", ".join(f"{name} {value if isinstance(value, str) else short_text(value)}" for name, value in shown)
+    return ", ".join(f"{name} {_value(value)}" for name, value in shown)
+
+
+def _value(value: Any) -> str:
+    """A value as a specification has it."""
+    if isinstance(value, TimeFunction):
+        return function_text(value)
+    if isinstance(value, tuple) and any(isinstance(part, TimeFunction) for part in value):
+        return f"[{', '.join(map(_value, value))}]"
+    return value if isinstance(value, str) else short_text(value)
 
 
 def body_html(body: PlanarBeam | NodalBody | SymbolicBody) -> str:
