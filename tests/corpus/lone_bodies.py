@@ -98,7 +98,8 @@ def spatial_body(draws: Draws, name: str) -> Parts:
     if draws.chance(0.5):
         body["start"] |= {"velocity": [1, 0, 0], "position": [0, 0.5, 0]}
     if draws.chance(0.5):
-        body["start"]["rotation"] = draws.choice([[1, 0, 0, 0], {"axis": [0, 1, 2], "angle": 0.7}])
+        turns = [{"axis": [0, 1, 2], "angle": angle} for angle in (0.7, "7/10")]
+        body["start"]["rotation"] = draws.choice([[1, 0, 0, 0], *turns])
     if draws.chance(0.5):
         body["start"] |= {"amplitudes": [1e-5], "amplitude_rates": [0.01]}
     second = 1e-3 if isinstance(body["units"], dict) and body["units"]["time"] == "ms" else 1.0
