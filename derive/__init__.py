@@ -33,8 +33,8 @@ The public interface, by stages:
     modes           modes; Modes, Mode, Linearisation
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
-    studies         choose, study_accuracy, study_stability, study_methods; Choice, LadderChart, LadderStability,
-                    MethodStudy
+    studies         choose, study_accuracy, study_stability, study_methods, study_frames, study_pivots; Choice,
+                    LadderChart, LadderStability, MethodStudy, FrameStudy, PivotStudy
     sweeps          sweep; grid, listed, random_samples; Samples, SweepResult
     other programs  exported, host_model, casadi_function; HostModel
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration

@@ -135,7 +135,9 @@ from derive.study.accuracy.chart import LadderChart as LadderChart
 from derive.study.accuracy.study import study_accuracy as study_accuracy
 from derive.study.choice.choose import choose as choose
 from derive.study.choice.search import Choice as Choice
+from derive.study.frame_study import FrameStudy as FrameStudy, study_frames as study_frames
 from derive.study.methods.method_study import MethodStudy as MethodStudy, study_methods as study_methods
+from derive.study.pivot_study import PivotStudy as PivotStudy, study_pivots as study_pivots
 from derive.study.stability.ladder_stability import (
     LadderStability as LadderStability,
     study_stability as study_stability,

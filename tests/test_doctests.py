@@ -21,6 +21,7 @@ from derive.spec.model.documentation import SECTIONS
 LONG = {
     *("GeneralisedAlpha", "Ida", "casadi_function", "sweep", "SweepResult", "choose", "Choice"),
     *("study_accuracy", "LadderChart", "study_methods", "MethodStudy", "study_stability", "LadderStability"),
+    *("study_frames", "FrameStudy", "study_pivots", "PivotStudy"),
 }
 """Names whose examples take more than half a second of a processor."""
 PUBLIC = [name for name in derive.__all__ if name != "__version__"]

@@ -8,23 +8,17 @@ from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
+from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import print_result
 from derive.cli.specifications import read_scene
 from derive.errors import SpecError
-from derive.lowering.elimination_orders import EliminationRule
-from derive.remaining_time import RemainingTime
-from derive.simulation.inputs import with_functions
-from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
-from derive.study.frame_cost import compare_frames
 from derive.study.frame_cost_chart import frame_cost_svg
 from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
-from derive.study.pivot_stability import frame_stability
-from derive.study.pivot_table import pivot_data, pivot_legend, pivot_text
-from derive.study.states import period
-from derive.study.studied_scene import COMPARED, studied_scene
-from derive.study.variants import variant
+from derive.study.frame_study import study_frames
+from derive.study.pivot_study import study_pivots
+from derive.study.pivot_table import pivot_data, pivot_text
 from derive.terminal import show_progress
 
 FRAMES, PIVOTS = "frames", "pivots"
@@ -44,37 +38,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
-    scene = with_functions(studied_scene(scene, COMPARED.format(FRAMES)), {})
-    names = options.frames
     target = options.chart or Path("results") / scene.name / f"{FRAMES}.svg"
     check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
-    elimination = EliminationRule(options.elimination)
-    rows = compare_frames(scene, options.pieces, names, options.runs, elimination)
-    show_progress()
-    write([File(target.name, frame_cost_svg(scene.name, names, rows))], target.parent)
-    data = frame_cost_data(scene.name, names, rows, elimination)
-    print_result(frame_cost_text(scene.name, names, rows, elimination), data, [str(target)], options.json)
+    study = study_frames(scene, **keywords(study_frames, options), progress=True)
+    write([File(target.name, frame_cost_svg(study))], target.parent)
+    print_result(frame_cost_text(study), frame_cost_data(study), [str(target)], options.json)
     return 0
 
 
 def _pivots(scene: Scene, options: argparse.Namespace) -> int:
-    scene = with_functions(studied_scene(scene, COMPARED.format(PIVOTS)), {})
-    along = period(scene)[1]
-    numbers = options.pieces or sorted({beam.pieces for beam in beam_bodies(scene)})
-    results = []
-    remaining = RemainingTime(len(numbers) * len(options.frames))
-    for n in numbers:
-        first, second = (
-            frame_stability(variant(scene, n, name), options.states, options.numberings, f"model {remaining.next()}: ")
-            for name in options.frames
-        )
-        results.append((n, (first, second)))
-    show_progress()
-    if options.json:
-        print(json.dumps([pivot_data(scene.name, n, both) for n, both in results], indent=2))
-    else:
-        blocks = [pivot_text(scene.name, n, along, both) for n, both in results]
-        print("\n\n".join([*blocks, pivot_legend()]))
+    study = study_pivots(scene, **keywords(study_pivots, options), progress=True)
+    print(json.dumps(pivot_data(study), indent=2) if options.json else pivot_text(study))
     return 0
 
 

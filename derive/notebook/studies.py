@@ -11,15 +11,21 @@ from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.table import ON_PAGE, model_table
 from derive.study.choice.choice_text import tried_table, verdict_lines
 from derive.study.choice.search import Choice
+from derive.study.frame_cost_chart import frame_cost_svg
+from derive.study.frame_cost_table import frame_cost_notes, frame_cost_table
+from derive.study.frame_study import FrameStudy
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.methods_table import tables
+from derive.study.pivot_study import PivotStudy
+from derive.study.pivot_table import LEGEND, entry_table, order_table, pivot_title
 from derive.study.stability.chart import stability_svg
 from derive.study.stability.ladder_stability import LadderStability
 from derive.study.stability.table import gap_sentences, loss_table
 from derive.study.sweep.picture import sweep_svg
 from derive.study.sweep.result import SweepResult
 from derive.study.table import StudyTable
+from derive.study.verdict import verdict
 
 
 def study_table(of: StudyTable) -> str:
@@ -62,6 +68,32 @@ def accuracy_html(chart: LadderChart) -> str:
     )
 
 
+def frames_html(study: FrameStudy) -> str:
+    """A study of frames: the chart of its ratios, and its table."""
+    frames = " over ".join(study.frames)
+    return joined(
+        head(study.name, f"cost of frames, {frames}"),
+        picture(frame_cost_svg(study), f"{study.name}: cost of frames, {frames}"),
+        folded("Costs", study_table(frame_cost_table(study)) + lines(f"{note}." for note in frame_cost_notes(study))),
+    )
+
+
+def pivots_html(study: PivotStudy) -> str:
+    """A study of pivots: the verdict and the tables for each number of beams, and the meaning of their columns."""
+    return joined(
+        head(study.name, "pivots in two frames"),
+        *(
+            joined(
+                lines([f"{pivot_title(study, row)}.", *verdict(*row.frames)]),
+                folded("Entries", study_table(entry_table(row))),
+                folded("Orders", study_table(order_table(row))),
+            )
+            for row in study.rows
+        ),
+        folded("Columns", lines(f"{line}." for line in LEGEND)),
+    )
+
+
 def methods_html(study: MethodStudy) -> str:
     """A study of methods: its chart and its tables."""
     return joined(
@@ -98,6 +130,8 @@ WRITERS: Writers = {
     SweepResult: sweep_html,
     LadderChart: accuracy_html,
     MethodStudy: methods_html,
+    FrameStudy: frames_html,
+    PivotStudy: pivots_html,
     LadderStability: stability_html,
     Choice: choice_html,
 }

@@ -10,8 +10,12 @@ from derive.study.accuracy.chart import LadderChart
 from derive.study.accuracy.table import run_table
 from derive.study.choice.choice_text import tried_table
 from derive.study.choice.search import Choice
+from derive.study.frame_cost_table import frame_cost_table
+from derive.study.frame_study import FrameStudy
 from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import MethodStudy
+from derive.study.pivot_study import PivotStudy
+from derive.study.pivot_table import pivot_table
 from derive.study.stability.ladder_stability import LadderStability
 from derive.study.stability.table import mode_table
 from derive.study.sweep.result import SweepResult
@@ -21,6 +25,8 @@ from derive.study.table import StudyTable
 TABLES: dict[type, Callable[[Any], StudyTable]] = {
     SweepResult: sample_table,
     LadderChart: run_table,
+    FrameStudy: frame_cost_table,
+    PivotStudy: pivot_table,
     MethodStudy: lambda study: failure_table(failures(study)),
     LadderStability: mode_table,
     Choice: tried_table,

@@ -25,7 +25,7 @@ from derive.spec.model.scene import Scene
 from derive.study.states import start_state
 from derive.study.timing import InterleavedTimes, interleaved_times
 from derive.study.variants import OperationCounts, SceneVariant, operation_counts, variant
-from derive.terminal import beam_count, show_progress
+from derive.terminal import Report, beam_count
 
 PAPER = {1: 0.97, 2: 0.93, 3: 0.92}
 """CPU time in the mean frame over that of the standard version for 1, 2, 3 beams: the paper, "Numerical Results".
@@ -70,33 +70,45 @@ def compare_frames(
     pieces: Sequence[int],
     frames: tuple[str, str],
     runs: int,
-    elimination: EliminationRule = EliminationRule.SAFE,
+    elimination: EliminationRule,
+    task: Report,
 ) -> tuple[FrameComparison, ...]:
     """The comparison of two frames for each number of pieces: first all variants are compiled, then they are timed.
 
     elimination: the order in which the KKT matrices of both frames are eliminated; redundant joints have another one.
+    task: called with a line on each step.
 
     Raises SpecError, CompilerError, SimulationError, IntegratorError.
     """
-    return with_redundant_joints(scene, lambda given: _frames(given, pieces, frames, runs, elimination))
+    return with_redundant_joints(scene, lambda given: _frames(given, pieces, frames, runs, elimination, task))
 
 
 def _frames(
-    scene: Scene, pieces: Sequence[int], frames: tuple[str, str], runs: int, elimination: EliminationRule
+    scene: Scene,
+    pieces: Sequence[int],
+    frames: tuple[str, str],
+    runs: int,
+    elimination: EliminationRule,
+    task: Report,
 ) -> tuple[FrameComparison, ...]:
     with ThreadPoolExecutor(2) as pool:
         remaining = RemainingTime(2 * len(frames) * len(pieces) + len(pieces))
-        pending = [_build(variant(scene, n, frame), elimination, pool, remaining) for n in pieces for frame in frames]
-        built = [_compiled(*item, remaining) for item in pending]
+        variants = [variant(scene, n, frame) for n in pieces for frame in frames]
+        pending = [_build(of, elimination, pool, remaining, task) for of in variants]
+        built = [_compiled(*item, remaining, task) for item in pending]
     pairs = enumerate(pieces)
-    return tuple(_comparison(n, built[2 * i], built[2 * i + 1], runs, remaining) for i, n in pairs)
+    return tuple(_comparison(n, built[2 * i], built[2 * i + 1], runs, remaining, task) for i, n in pairs)
 
 
 def _build(
-    variant: SceneVariant, elimination: EliminationRule, pool: ThreadPoolExecutor, remaining: RemainingTime
+    variant: SceneVariant,
+    elimination: EliminationRule,
+    pool: ThreadPoolExecutor,
+    remaining: RemainingTime,
+    task: Report,
 ) -> tuple[SceneVariant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """Generate a variant and submit its compilation to the pool."""
-    show_progress(f"step {remaining.next()}: deriving and lowering: {_label(variant)} ...")
+    task(f"step {remaining.next()}: deriving and lowering: {_label(variant)} ...")
     marks = [time.perf_counter()]
     equations = derive(variant.scene).expanded()
     marks.append(time.perf_counter())
@@ -131,13 +143,16 @@ def _compiled(
     seconds: dict[str, float],
     host: Future[tuple[FixedStep, float]],
     remaining: RemainingTime,
+    task: Report,
 ) -> _Built:
-    show_progress(f"step {remaining.next()}: compiling: {_label(variant)} ...")
+    task(f"step {remaining.next()}: compiling: {_label(variant)} ...")
     compiled, took = host.result()
     return _Built(variant, compiled, counts, {**seconds, "compile": took})
 
 
-def _comparison(pieces: int, first: _Built, second: _Built, runs: int, remaining: RemainingTime) -> FrameComparison:
+def _comparison(
+    pieces: int, first: _Built, second: _Built, runs: int, remaining: RemainingTime, task: Report
+) -> FrameComparison:
     both = (first, second)
     starts = tuple(start_state(b.variant.scene, b.host.native, b.host.native.setup()) for b in both)
     simulation = first.variant.scene.simulation
@@ -146,9 +161,9 @@ def _comparison(pieces: int, first: _Built, second: _Built, runs: int, remaining
     step = f"step {remaining.next()}: timing {beam_count(pieces)}"
 
     def progress(run: int) -> None:
-        show_progress(f"{step}: run {run + 1} of {runs} ...")
+        task(f"{step}: run {run + 1} of {runs} ...")
 
-    show_progress(f"{step} ...")
+    task(f"{step} ...")
     hosts = (first.host, second.host)
     times = interleaved_times(hosts, (starts[0], starts[1]), simulation.duration, runs, progress)
     costs = [_cost(b, q) for b, (_, q, _) in zip(both, starts, strict=True)]

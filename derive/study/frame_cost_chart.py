@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
+from derive.study.frame_study import FrameStudy
 from derive.terminal import beam_count
 from derive.visual import chart_style as style
 
@@ -36,12 +37,13 @@ LINES = (
 )
 
 
-def frame_cost_svg(name: str, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> str:
+def frame_cost_svg(study: FrameStudy) -> str:
     """The text of the chart. The same numbers give the same bytes."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    title = f"{name}: cost in the {frames[0]} frame divided by cost in the {frames[1]} frame"
+    frames, rows = study.frames, study.rows
+    title = f"{study.name}: cost in the {frames[0]} frame divided by cost in the {frames[1]} frame"
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(style.SETTINGS)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
 from derive.lowering.elimination_orders import EliminationRule
 from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
+from derive.study.frame_study import FrameStudy
 from derive.study.table import Row, StudyColumn, StudyTable
 from derive.study.timing import DRIFT, STABLE, Ratio, machine_description
 from derive.terminal import beam_count, magnitude, wrapped
@@ -42,19 +42,14 @@ ELIMINATIONS = {
 """The notes on each elimination order."""
 
 
-def frame_cost_data(
-    name: str,
-    frames: tuple[str, str],
-    rows: Sequence[FrameComparison],
-    elimination: EliminationRule = EliminationRule.SAFE,
-) -> dict[str, Any]:
+def frame_cost_data(study: FrameStudy) -> dict[str, Any]:
     """All numbers as plain data; times are CPU seconds."""
-    first, second = frames
+    first, second = study.frames
     return {
-        "name": name,
-        "frames": list(frames),
-        "elimination": elimination.value,
-        "safe_in_every_state": elimination is EliminationRule.SAFE,
+        "name": study.name,
+        "frames": list(study.frames),
+        "elimination": study.elimination.value,
+        "safe_in_every_state": study.elimination is EliminationRule.SAFE,
         **machine_description(),
         "rows": [
             {
@@ -62,26 +57,25 @@ def frame_cost_data(
                 first: asdict(row.costs[0]),
                 second: asdict(row.costs[1]),
                 "times": asdict(row.times),
-                "paper": _paper(frames, row.pieces),
+                "paper": _paper(study.frames, row.pieces),
             }
-            for row in rows
+            for row in study.rows
         ],
     }
 
 
-def frame_cost_text(
-    name: str,
-    frames: tuple[str, str],
-    rows: Sequence[FrameComparison],
-    elimination: EliminationRule = EliminationRule.SAFE,
-) -> str:
+def frame_cost_text(study: FrameStudy) -> str:
     """The table with its notes."""
-    first, second = frames
-    blocks = (_block(frames, row) for row in rows)
+    return "\n".join([*frame_cost_table(study).text, *wrapped(frame_cost_notes(study), "  ")])
+
+
+def frame_cost_table(study: FrameStudy) -> StudyTable:
+    """The counts and the times of both frames, and their ratios, for each number of beams."""
+    first, second = study.frames
+    blocks = (_block(study.frames, row) for row in study.rows)
     between: Row = (None,) * len(COLUMNS)
     lines = [line for block in blocks for line in (between, *block)][1:]
-    table = StudyTable(COLUMNS, tuple(lines), f"{name}: the {first} frame against the {second} frame", 2)
-    return "\n".join([*table.text, *_notes(frames, rows, elimination)])
+    return StudyTable(COLUMNS, tuple(lines), f"{study.name}: the {first} frame against the {second} frame", 2)
 
 
 def _block(frames: tuple[str, str], row: FrameComparison) -> list[Row]:
@@ -130,14 +124,15 @@ def _paper(frames: tuple[str, str], pieces: int) -> float | None:
     return PAPER.get(pieces) if frames == ("mean", "point") else None
 
 
-def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: EliminationRule) -> list[str]:
-    machine, runs = machine_description(), rows[0].times.runs
+def frame_cost_notes(study: FrameStudy) -> list[str]:
+    """The meaning of the columns, how the times were measured, and by what."""
+    rows, machine, runs = study.rows, machine_description(), study.rows[0].times.runs
     steps = (f"{beam_count(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
     corrections = (f"{beam_count(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
-    first, second = frames
+    first, second = study.frames
     notes = [
         "non-zeros: structural ones in both triangles; fill-in: in one triangle",
-        ELIMINATIONS[elimination],
+        ELIMINATIONS[study.elimination],
         "LDL^T: operations of the factorisation if no entry is known before run time; in code: operations of the "
         "generated code, whose setup has already computed all that depends only on parameters",
         "force, accel: all operations of these functions; a sine counts as one",
@@ -153,9 +148,9 @@ def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination
             "joints are redundant, and the KKT matrices are singular: pivots of multipliers have a proximal term, "
             "which gives reactions of least norm, and coordinates are eliminated first"
         )
-    if any(_paper(frames, row.pieces) for row in rows):
+    if any(_paper(study.frames, row.pieces) for row in rows):
         notes.append(
             "paper: CPU time of the whole program DADS in 1988, with another integrator and a general sparse solver, "
             "which is not the same measurement"
         )
-    return wrapped(notes, "  ")
+    return notes

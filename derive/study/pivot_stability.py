@@ -26,7 +26,7 @@ from derive.study.elimination import backward_error, eliminate, entry_mask, equi
 from derive.study.pivot_orders import ORDERS, Order, without_diagonal
 from derive.study.states import simulated_states, undeformed_states
 from derive.study.variants import OperationCounts, SceneVariant, operation_counts
-from derive.terminal import show_progress
+from derive.terminal import Report
 
 SINGULAR = (
     "study pivots compares elimination orders by their pivots; where joints are redundant, the KKT matrix is singular, "
@@ -91,30 +91,32 @@ class FrameStability:
     broken: dict[str, float]
 
 
-def frame_stability(variant: SceneVariant, count: int, numberings: int, step: str = "") -> FrameStability:
+def frame_stability(variant: SceneVariant, count: int, numberings: int, step: str, task: Report) -> FrameStability:
     """The pivots of a variant in `count` states of each kind. step: the text of this variant among others.
+
+    task: called with a line on each part of the work.
 
     Raises SpecError, CompilerError, SimulationError; RedundantJoints where joints are redundant.
     """
     try:
-        return _frame_stability(variant, count, numberings, step)
+        return _frame_stability(variant, count, numberings, step, task)
     except DependentConstraints as error:
         raise RedundantJoints(f"{SINGULAR}. {error}") from None
     except RedundantConstraints as error:
         raise RedundantJoints(f"{SINGULAR}: {'; '.join(map(str, error.redundant))}") from None
 
 
-def _frame_stability(variant: SceneVariant, count: int, numberings: int, step: str) -> FrameStability:
+def _frame_stability(variant: SceneVariant, count: int, numberings: int, step: str, task: Report) -> FrameStability:
     label = f"{step}{variant.scene.name}, {variant.frame} frame: "
-    show_progress(f"{label}deriving and compiling")
+    task(f"{label}deriving and compiling")
     equations = derive(variant.scene).expanded()
     model = lower(equations, explicit=True)
     native = load_scene(explicit_files(model, variant.scene), UNOPTIMISED)
     k, shape = native.setup(), kkt_pattern(Context(equations))
-    show_progress(f"{label}simulating")
+    task(f"{label}simulating")
     moving_states = simulated_states(variant.scene, native, k, count)
     kinds = (undeformed_states(variant.scene, native, k, moving_states), moving_states)
-    show_progress(f"{label}eliminating")
+    task(f"{label}eliminating")
     at_rest, moving = (kkt_systems(native, k, kind) for kind in kinds)
     largest = np.maximum(np.abs(at_rest[0]).max(axis=0), np.abs(moving[0]).max(axis=0))
     scaled_at_rest, scaled = equilibrated(*at_rest), equilibrated(*moving)
@@ -130,7 +132,7 @@ def _frame_stability(variant: SceneVariant, count: int, numberings: int, step: s
         ),
         _statistics(moving[0], vanishing(moving[0], largest, entry_mask(shape)), scaled, shape, native.nv, orders),
         numberings,
-        broken(shape, native.nv, (scaled_at_rest[0][0], at_rest[0][0]), (tried[0], tried[1]), numberings, label),
+        broken(shape, native.nv, (scaled_at_rest[0][0], at_rest[0][0]), (tried[0], tried[1]), numberings, label, task),
     )
 
 
@@ -140,7 +142,8 @@ def broken(
     firsts: tuple[Matrix, Matrix],
     system: tuple[Matrix, Matrix],
     numberings: int,
-    label: str = "",
+    label: str,
+    task: Report,
 ) -> dict[str, float]:
     """The share of numberings of the unknowns, the given one and random ones, in which a pivot of each order vanishes.
 
@@ -151,7 +154,7 @@ def broken(
     random, failed = np.random.default_rng(1988), dict.fromkeys(ORDERS, 0)
     new, multipliers = np.arange(shape.rows), shape.rows - coordinates
     for number in range(numberings):
-        show_progress(f"{label}numbering {number + 1} of {numberings}")
+        task(f"{label}numbering {number + 1} of {numberings}")
         place = np.argsort(new)
         pairs = ((int(place[i]), int(place[j])) for i, j in shape.entries)
         again = pattern(shape.rows, shape.cols, {(max(p), min(p)) for p in pairs}, symmetric=True)

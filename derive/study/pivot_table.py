@@ -9,6 +9,7 @@ from derive.percentages import percent
 from derive.study.elimination import VANISHING
 from derive.study.pivot_orders import THRESHOLD
 from derive.study.pivot_stability import FrameStability, StateStatistics
+from derive.study.pivot_study import PivotComparison, PivotStudy
 from derive.study.table import StudyColumn, StudyTable, columns, plain
 from derive.study.verdict import verdict
 from derive.terminal import beam_count, magnitude, wrapped
@@ -30,29 +31,39 @@ LEGEND = (
 )
 
 
-def pivot_data(name: str, pieces: int, frames: tuple[FrameStability, FrameStability]) -> dict[str, Any]:
-    """All numbers as plain data; a number that is not finite becomes None."""
-    return {"name": name, "pieces": pieces, "frames": plain(frames), "verdict": verdict(*frames)}
+def pivot_data(study: PivotStudy) -> list[dict[str, Any]]:
+    """All numbers as plain data, for each number of beams; a number that is not finite becomes None."""
+    return [
+        {
+            "name": study.name,
+            "pieces": row.pieces,
+            "frames": plain(row.frames),
+            "verdict": verdict(*row.frames),
+        }
+        for row in study.rows
+    ]
 
 
-def pivot_text(name: str, pieces: int, along: str, frames: tuple[FrameStability, FrameStability]) -> str:
-    """The text of the two tables and of the verdict."""
-    count, title = frames[0].simulated.states, f"{name}, {beam_count(pieces)}"
-    return "\n".join(
-        [
-            f"{title}: {count} states of {along}, undeformed and as simulated; no exchange of pivots",
-            *_entries(frames).text,
-            "",
-            *_orders(frames).text,
-            "",
-            *wrapped(verdict(*frames)),
-        ]
-    )
+def pivot_text(study: PivotStudy) -> str:
+    """The text of the tables and the verdict for each number of beams, and the meaning of the columns."""
+    return "\n\n".join([*(_block(study, row) for row in study.rows), "\n".join(wrapped(LEGEND))])
 
 
-def pivot_legend() -> str:
-    """The meaning of the columns of the tables."""
-    return "\n".join(wrapped(LEGEND))
+def pivot_title(study: PivotStudy, row: PivotComparison) -> str:
+    """The line above the tables of a number of beams."""
+    states = f"{row.frames[0].simulated.states} states of {study.along}, undeformed and as simulated"
+    return f"{study.name}, {beam_count(row.pieces)}: {states}; no exchange of pivots"
+
+
+def _block(study: PivotStudy, row: PivotComparison) -> str:
+    tables = (*entry_table(row).text, "", *order_table(row).text)
+    return "\n".join([pivot_title(study, row), *tables, "", *wrapped(verdict(*row.frames))])
+
+
+def pivot_table(study: PivotStudy) -> StudyTable:
+    """The pivots of each order in both frames, for each number of beams."""
+    rows = ((row.pieces, *cells) for row in study.rows for cells in order_table(row).rows)
+    return StudyTable((*columns("pieces"), *ORDERS), tuple(rows), left=4)
 
 
 STATES = columns("frame", "states")
@@ -74,21 +85,21 @@ ORDERS = (
 )
 
 
-def _entries(frames: Sequence[FrameStability]) -> StudyTable:
+def entry_table(of: PivotComparison) -> StudyTable:
     """The entries of the matrices in both frames, and their conditions."""
     rows = []
-    for frame, kind, looked in _kinds(frames):
+    for frame, kind, looked in _kinds(of.frames):
         counted = (frame.counts.mass, looked.vanishing_mass, frame.counts.kkt, looked.vanishing_kkt)
         sizes = (looked.condition, looked.scaled_condition, looked.pivoted_backward_error)
         rows.append((frame.frame, kind, *counted, frame.counts.fill, frame.counts.flops, *sizes))
     return StudyTable(ENTRIES, tuple(rows), left=2)
 
 
-def _orders(frames: Sequence[FrameStability]) -> StudyTable:
+def order_table(of: PivotComparison) -> StudyTable:
     """The pivots of each order in both frames."""
     rows = []
-    for order in frames[0].broken:
-        for frame, kind, looked in _kinds(frames):
+    for order in of.frames[0].broken:
+        for frame, kind, looked in _kinds(of.frames):
             p = looked.orders[order]
             pivots = (p.without_diagonal, p.vanishing, p.failures)
             sizes = (p.smallest, p.typical_growth, p.growth, p.backward_error)

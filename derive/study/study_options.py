@@ -31,6 +31,15 @@ FIXED_STEPS = ("rk4", "generalised-alpha")
 RUNS = 5
 """The interleaved measurements of each run."""
 
+COMPARED_FRAMES = ("mean", "point", "chord")
+"""The frames of which studies compare two."""
+FRAME_PAIR, FRAME_PIECES, FRAME_RUNS = ("mean", "point"), (1, 2, 3, 10, 30), 15
+"""The frames that are compared, the numbers of beams in a rod, and the interleaved measurements of each frame."""
+ELIMINATIONS = ("safe", "matched")
+"""The orders in which KKT matrices are eliminated."""
+PIVOT_STATES, NUMBERINGS = 361, 100
+"""The states along the motion in which pivots are compared, and the random numberings of the unknowns."""
+
 METHODS = ("rk4", "adaptive", "rk45", "generalised-alpha", "trapezoidal")
 """The integrators of a study of methods."""
 STUDIED_METHODS = tuple(name for name in METHODS if name != "rk45")
@@ -76,6 +85,15 @@ def among(kind: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, .
         if name not in known:
             raise UnknownNameError(kind, name, known)
     return every
+
+
+def frame_pair(frames: Sequence[str]) -> tuple[str, str]:
+    """Two frames that are compared. Raises UnknownNameError; ValueError for one alone or for more."""
+    names = among("frame of a comparison", frames, COMPARED_FRAMES)
+    if len(names) != 2:
+        text = f"{', '.join(COMPARED_FRAMES[:-1])} and {COMPARED_FRAMES[-1]}"
+        raise ValueError(f"frames: two of {text} are needed, not {', '.join(names) or 'none'}")
+    return names[0], names[1]
 
 
 def numbers(name: str, values: Sequence[int], most: int) -> tuple[int, ...]:

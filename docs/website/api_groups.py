@@ -73,7 +73,7 @@ GROUPS = {
         "parameters, on the processors of one machine or of many.",
         {
             "Studies": "choose Choice study_accuracy LadderChart study_stability LadderStability study_methods "
-            "MethodStudy",
+            "MethodStudy study_frames FrameStudy study_pivots PivotStudy",
             "Sweeps": "sweep grid listed random_samples Samples SweepResult",
         },
     ),

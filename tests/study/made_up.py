@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from derive.lowering.elimination_orders import EliminationRule
 from derive.study.frame_cost import FrameComparison, FrameCost
+from derive.study.frame_study import FrameStudy
 from derive.study.pivot_stability import FrameStability, PivotStatistics, StateStatistics
 from derive.study.timing import InterleavedTimes, Ratio
 from derive.study.variants import OperationCounts
@@ -26,6 +28,16 @@ def row(pieces: int, first: float = 0.5e-6, second: float = 1e-6) -> FrameCompar
     return FrameComparison(
         pieces, (FrameCost(SPARSE, 1e3, 1e7, spent), FrameCost(FULL, 1e4, 2e7, spent)), times(first, second)
     )
+
+
+def frame_study(
+    name: str,
+    *rows: FrameComparison,
+    frames: tuple[str, str] = ("mean", "point"),
+    elimination: EliminationRule = EliminationRule.SAFE,
+) -> FrameStudy:
+    """A study of these rows."""
+    return FrameStudy(name, frames, elimination, rows)
 
 
 def in_frame(frame: str, orders: dict[str, PivotStatistics], broken: dict[str, float] | None = None) -> FrameStability:

@@ -19,11 +19,13 @@ STUDIES: dict[str, tuple[list[str], Callable[..., Any]]] = {
     "accuracy": (["study", "accuracy", "SPEC"], derive.study_accuracy),
     "stability": (["study", "stability", "SPEC", "--parameter", "P=0:1:2"], derive.study_stability),
     "methods": (["study", "methods", "SPEC"], derive.study_methods),
+    "frames": (["study", "frames", "SPEC"], derive.study_frames),
+    "pivots": (["study", "pivots", "SPEC"], derive.study_pivots),
     "choose": (["choose", "SPEC"], derive.choose),
 }
 OF_PYTHON = {"progress", "record"}
 """The arguments that have no option."""
-OF_COMMANDS = {"command", "study", "spec", "json", "no_cache", "out", "set", "parameter"}
+OF_COMMANDS = {"command", "study", "spec", "json", "no_cache", "out", "chart", "set", "parameter"}
 """The options that files and terminals need, and those whose arguments have a place in the call."""
 
 
@@ -91,6 +93,17 @@ def test_a_study_of_stability_is_shown_with_its_chart_and_its_losses() -> None:
     assert len(page.words["tr"] if "tr" in page.words else page.values("tr")) <= 24
     frame = study.to_pandas()
     assert {2.0, 3.5} <= {*frame["parameter"]} and frame["grows"].any()
+
+
+@pytest.mark.long
+def test_studies_of_frames_and_pivots_are_shown_and_convert_to_data_frames() -> None:
+    lines: list[str] = []
+    frames = derive.study_frames(ARM, pieces=[1], runs=1, progress=lines.append)
+    assert page_of(frames).count("svg") == 1 and len(repr(frames).splitlines()) <= 5 and lines
+    assert list(frames.to_pandas()["frame"]) == ["mean", "point", "ratio"]
+    pivots = derive.study_pivots(ARM, states=5, numberings=2)
+    assert "matched" in page_of(pivots).words["td"] and len(repr(pivots).splitlines()) <= 5
+    assert {*pivots.to_pandas()["order"]} == {*pivots.rows[0].frames[0].broken}
 
 
 @pytest.mark.long

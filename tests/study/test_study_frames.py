@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from made_up import row
+from made_up import frame_study, row
 
 import derive
 from derive.artifacts import MARK
@@ -23,7 +23,6 @@ from derive.study.frame_cost_chart import frame_cost_svg
 from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
 from derive.study.timing import interleaved, ratio
 
-FRAMES = ("mean", "point")
 DRAW = """
 import sys
 sys.path.insert(0, {here!r})
@@ -33,7 +32,7 @@ sys.stdout.write(drawn())
 
 
 def drawn() -> str:
-    return frame_cost_svg("slider & more", FRAMES, [row(1), row(3, 0.7e-6), row(30)])
+    return frame_cost_svg(frame_study("slider & more", row(1), row(3, 0.7e-6), row(30)))
 
 
 SINES = """
@@ -95,7 +94,7 @@ def test_redundant_joints_have_a_proximal_term() -> None:
         _lowered(equations, replace(scene, redundant="error"), EliminationRule.SAFE)
     (text,) = (
         line
-        for line in frame_cost_text("twice", FRAMES, [replace(row(1), redundant=True)]).splitlines()
+        for line in frame_cost_text(frame_study("twice", replace(row(1), redundant=True))).splitlines()
         if "redund" in line
     )
     assert "joints are redundant, and the KKT matrices are singular" in text
@@ -129,7 +128,7 @@ def test_ratios_are_of_pairs() -> None:
 
 
 def test_the_table() -> None:
-    lines = frame_cost_text("slider", FRAMES, [row(1), row(3), row(10)]).splitlines()
+    lines = frame_cost_text(frame_study("slider", row(1), row(3), row(10))).splitlines()
     cells = [line.split() for line in lines]
     assert cells[7][:9] == ["3", "mean", "16", "138", "29", "594", "411", "42", "922"]
     assert cells[5][:3] == ["ratio", "0.35", "0.82"]
@@ -143,19 +142,21 @@ def test_the_table() -> None:
 
 @pytest.mark.parametrize(("rule", "safe"), [(EliminationRule.SAFE, True), (EliminationRule.MATCHED, False)])
 def test_it_says_of_each_elimination_order_whether_it_is_safe_in_every_state(rule: EliminationRule, safe: bool) -> None:
-    text = " ".join(frame_cost_text("slider", FRAMES, [row(1)], rule).split())
+    study = frame_study("slider", row(1), elimination=rule)
+    text = " ".join(frame_cost_text(study).split())
     assert ("not safe in every state" in text) is not safe and "safe in every state" in text
-    assert frame_cost_data("slider", FRAMES, [row(1)], rule)["safe_in_every_state"] is safe
+    assert frame_cost_data(study)["safe_in_every_state"] is safe
 
 
 def test_the_paper_compares_other_frames_with_nothing() -> None:
-    said = frame_cost_text("slider", ("chord", "point"), [row(1)])
+    study = frame_study("slider", row(1), frames=("chord", "point"))
+    said = frame_cost_text(study)
     assert "DADS" not in said and "0.97" not in said
-    assert "DADS" not in frame_cost_svg("slider", ("chord", "point"), [row(1)])
+    assert "DADS" not in frame_cost_svg(study)
 
 
 def test_nothing_names_the_machine_or_a_path() -> None:
-    known = frame_cost_data("slider", FRAMES, [row(1)])
+    known = frame_cost_data(frame_study("slider", row(1)))
     assert known["flags"].split()[:2] == ["-std=c99", "-O2"] and known["compiler"]
     assert not any("/" in known[key] or not known[key] for key in ("flags", "machine"))
 
@@ -177,4 +178,4 @@ def test_the_chart_is_a_picture_with_its_numbers() -> None:
 
 @pytest.mark.parametrize("pieces", [1, 30])
 def test_one_row_is_a_chart_as_well(pieces: int) -> None:
-    ElementTree.fromstring(frame_cost_svg("slider", FRAMES, [row(pieces)]))
+    ElementTree.fromstring(frame_cost_svg(frame_study("slider", row(pieces))))

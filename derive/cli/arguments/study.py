@@ -22,9 +22,16 @@ from derive.cli.arguments.types import (
 )
 from derive.study.study_options import (
     ACCURACY,
+    COMPARED_FRAMES,
+    ELIMINATIONS,
     ERROR,
     FIXED_STEPS,
+    FRAME_PAIR,
+    FRAME_PIECES,
+    FRAME_RUNS,
     METHODS,
+    NUMBERINGS,
+    PIVOT_STATES,
     RUNS,
     STATES,
     STEPS,
@@ -46,36 +53,50 @@ def add_study(commands: Any) -> None:
         command.add_argument(
             "--frames",
             type=two_frames,
-            default=("mean", "point"),
+            default=FRAME_PAIR,
             metavar="A,B",
-            help="two frames (default: mean,point)",
+            help=f"two frames (default: {joined(FRAME_PAIR)})",
         )
         add_no_cache(command)
         command.add_argument("--json", action="store_true", help="print the numbers as JSON")
     frames.add_argument(
         "--pieces",
         type=pieces,
-        default=(1, 2, 3, 10, 30),
+        default=FRAME_PIECES,
         metavar="N,...",
-        help="numbers of beams per rod (default: 1,2,3,10,30)",
+        help=f"numbers of beams per rod (default: {joined(FRAME_PIECES)})",
     )
     frames.add_argument(
         "--elimination",
-        choices=["safe", "matched"],
-        default="safe",
+        choices=ELIMINATIONS,
+        default=ELIMINATIONS[0],
         help="the order in which KKT matrices are eliminated: safe in every state as in generated code, or each "
         "multiplier matched to a coordinate, with less fill-in (default: safe)",
     )
     frames.add_argument(
-        "--runs", type=count, default=15, metavar="N", help="interleaved measurements of each frame (default: 15)"
+        "--runs",
+        type=count,
+        default=FRAME_RUNS,
+        metavar="N",
+        help=f"interleaved measurements of each frame (default: {FRAME_RUNS})",
     )
     frames.add_argument("--chart", type=Path, metavar="FILE", help="chart (default: results/NAME/frames.svg)")
     pivots.add_argument(
         "--pieces", type=pieces, metavar="N,...", help="numbers of beams per rod (default: as specified)"
     )
-    pivots.add_argument("--states", type=count, default=361, metavar="N", help="states along the motion (default: 361)")
     pivots.add_argument(
-        "--numberings", type=count, default=100, metavar="N", help="random numberings of the unknowns (default: 100)"
+        "--states",
+        type=count,
+        default=PIVOT_STATES,
+        metavar="N",
+        help=f"states along the motion (default: {PIVOT_STATES})",
+    )
+    pivots.add_argument(
+        "--numberings",
+        type=count,
+        default=NUMBERINGS,
+        metavar="N",
+        help=f"random numberings of the unknowns (default: {NUMBERINGS})",
     )
     _add_accuracy(studies)
     _add_methods(studies)
@@ -190,6 +211,6 @@ def tolerances(text: str) -> tuple[float, ...]:
 def two_frames(text: str) -> Sequence[str]:
     """Two frames by their names."""
     names = tuple(text.split(","))
-    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= {"mean", "point", "chord"}:
+    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= set(COMPARED_FRAMES):
         raise argparse.ArgumentTypeError(f"expected two of mean, point and chord, such as mean,point, not {text!r}")
     return names
