@@ -23,6 +23,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import Key, KeyType, declared_keys, key
 from derive.spec.model.quantity import Quantity
+from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
 from derive.spec.model.spatial_bodies import (
     NO_ROTATION,
     NOT_GIVEN_IN_SPACE,
@@ -144,6 +145,14 @@ class TorsionalDeformation:
     __repr__ = record_text
 
 
+@dataclass(frozen=True)
+class PieceOf:
+    """The place of a piece: the whole beam, whose length and mass it has a part of, and its number from 0."""
+
+    rod: SpatialBeam
+    number: int
+
+
 @documented
 @dataclass(frozen=True)
 class SpatialBeam:
@@ -151,6 +160,7 @@ class SpatialBeam:
 
     Attributes:
         name: the name of the body.
+        piece_of: the beam that it is a piece of, in scenes whose beams are cut; their other keys are those of the beam.
 
     Examples:
         >>> import derive
@@ -242,6 +252,23 @@ class SpatialBeam:
         ),
     ] = ()
     start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    masses: Annotated[
+        tuple[SpatialAttachedMass, ...],
+        key(
+            SpatialAttachedMass,
+            "Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions of the frame "
+            "and the damping are those of the beam without them.",
+            example="[bodies.rod.masses.tip]",
+        ),
+    ] = ()
+    loads: Annotated[
+        tuple[SpatialDistributedLoad, ...],
+        key(SpatialDistributedLoad, "Distributed loads by name.", example="[bodies.rod.loads.wind]"),
+    ] = ()
+    pieces: Annotated[
+        int, key(KeyType.PIECE_COUNT, "Number of beams of equal length into which the beam is divided.")
+    ] = 1
+    piece_of: PieceOf | None = None
     keep_coordinates: ClassVar[bool] = True
     kind: ClassVar[str] = "beam"
     __repr__ = record_text
@@ -259,6 +286,11 @@ class SpatialBeam:
         """The bending stiffnesses of deflections along e2 and e3, N m^2."""
         lateral = self.lateral.bending_stiffness if self.lateral else None
         return self.bending_stiffness, self.bending_stiffness if lateral is None else lateral
+
+
+def cut_into(body: SpatialBeam) -> int:
+    """The number of equal pieces of its length and mass of which a body is one: 1 for a whole beam."""
+    return 1 if body.piece_of is None else body.pieces
 
 
 DEFLECTION_FIELDS = tuple(field.name for field in fields(AssumedDeflection))
