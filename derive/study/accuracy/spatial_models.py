@@ -58,6 +58,7 @@ def _beam(body: SpatialBeam, model: LadderModel) -> SpatialBeam:
         ends=None,
         lateral=lateral,
         torsion=torsion,
+        pieces=model.pieces,
     )
 
 
