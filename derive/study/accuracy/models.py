@@ -19,6 +19,7 @@ from derive.spec.model.beam_parts import FamilyKind, Frame, Polynomial, ShapeFam
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
 from derive.spec.tables.beam import frame_from
@@ -158,6 +159,9 @@ def model_scene(scene: Scene, model: LadderModel) -> Scene:
 
     Raises SpecError if the beams cannot be modelled so.
     """
+    if isinstance(scene, SpatialScene):
+        from derive.spec.model.spatial_beam import SpatialBeam
+        return replace(scene, bodies=tuple(replace(b, order=model.order) if isinstance(b, SpatialBeam) else b for b in scene.bodies))
     bodies = tuple(modelled(body, model.of(body.name)) if isinstance(body, BeamBody) else body for body in scene.bodies)
     plots = tuple(replace(plot, cut=None, pieces=()) for plot in scene.plots)
     rigid = (body for body in beam_bodies(scene) if model.of(body.name).shapes is Shapes.RIGID)
