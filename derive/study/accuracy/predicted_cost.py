@@ -20,8 +20,9 @@ from derive.simulation.observables.beams import beam_bodies, function_values
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.beam_parts import AssumedDeflection
 from derive.spec.model.scene import BeamBody, Scene
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line
-from derive.study.accuracy.models import LadderModel, Shapes, modelled
+from derive.study.accuracy.models import modelled
 
 PER_RADIAN = 2.3
 """Evaluations of the adaptive method per radian of the fastest vibration, in stiff models."""

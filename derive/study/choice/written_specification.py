@@ -24,13 +24,8 @@ from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.model.simulation import OF_BEAMS
 from derive.spec.tables.instance_tables import instance_tables
-from derive.study.accuracy.models import (
-    FAMILIES,
-    LadderModel,
-    Shapes,
-    modelled,
-    start_remainders,
-)
+from derive.study.accuracy.ladder_model import FAMILIES, LadderModel, Shapes
+from derive.study.accuracy.models import modelled, start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
 
 BEAM_KEYS = ("ansatz", "frame", "orthogonal", "ends", "order", "terms", "pieces")
