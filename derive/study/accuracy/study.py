@@ -36,6 +36,9 @@ from derive.terminal import Report, reports_of
 BETWEEN = 60.0
 """The time (s) between two records of the part of the ladder that is finished."""
 
+FINER = 0.5
+"""The error of a reference from models over the requested one, below which no finer model is run."""
+
 Record = Callable[[LadderChart], None]
 
 
@@ -127,7 +130,9 @@ def study_accuracy(
     compared = replace(given, plots=(compared_plot(given, plot),))
     others = read_peers(Path(peers)) if peers else ()
     with reports_of(progress) as (task, result), preparation(compared, available_workers()) as ahead:
-        known = reference(compared, compared.plots[0], reference_error, own_reference, task, result, ahead)
+        known = reference(
+            compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error
+        )
         shown = plotted_beams(compared.plots[0], compared)
         empty = LadderChart(compared.name, (), known, error, _machine(), others, shown)
         ladder_run = LadderRun(compared, known, sorted(fractions, reverse=True), not integrators, ahead)
