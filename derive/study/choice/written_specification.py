@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterator, MutableMapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -16,25 +15,20 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
-from derive.spec.model.scene import BeamBody, RigidBody, Scene
-from derive.spec.model.simulation import OF_BEAMS
+from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.tables.instance_tables import instance_tables
 from derive.study.accuracy.models import (
-    FAMILIES,
     LadderModel,
     Shapes,
     modelled,
     start_remainders,
 )
 from derive.study.accuracy.rigid_beam import rigid_loads
+from derive.study.choice.written_bodies import toml_value, write_body
 
-BEAM_KEYS = ("ansatz", "frame", "orthogonal", "ends", "order", "terms", "pieces")
-"""The keys of a beam that say how it is modelled."""
 SCHEMA = "#:schema"
 
 
@@ -57,7 +51,7 @@ def chosen_specification(
     for beam in beam_bodies(scene):
         if model.of(beam.name).shapes is Shapes.RIGID:
             _carry_loads(document, beam)
-        _model_beam(document["bodies"][beam.name], beam, model.of(beam.name))
+        write_body(document["bodies"][beam.name], beam, modelled(beam, model.of(beam.name)))
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
     for plot in document.get("plots", {}).values():
@@ -74,17 +68,8 @@ def _write_instances(document: tomlkit.TOMLDocument) -> None:
     for section in dict.fromkeys(str(section) for section, _ in tables.counts):
         written = tomlkit.table(is_super_table=True)
         for name, table in tables.data[section].items():  # type: ignore[attr-defined]  # a specification without faults
-            written[name] = _as_toml(table)
+            written[name] = toml_value(table)
         document[section] = written
-
-
-def _as_toml(value: Any) -> Any:
-    """A value without exact fractions, which TOML knows as texts."""
-    if isinstance(value, Mapping):
-        return {key: _as_toml(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_as_toml(item) for item in value]
-    return str(value) if isinstance(value, Fraction) else value
 
 
 def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: LadderModel) -> Iterator[str]:
@@ -125,30 +110,6 @@ def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
     return f"{SCHEMA} {schema}\n{comment}{rest}"
 
 
-def _model_beam(table: MutableMapping[str, Any], beam: BeamBody, model: LadderModel) -> None:
-    """Give the table of a beam the keys of its model."""
-    body = modelled(beam, model)
-    for key in BEAM_KEYS:
-        table.pop(key, None)
-    if isinstance(body, RigidBody):
-        _make_rigid(table, body)
-        return
-    if body.start.guess and not beam.start.guess:
-        table["start"]["guess"] = True
-    if model.shapes in FAMILIES:
-        family = tomlkit.inline_table()
-        family.update({"kind": FAMILIES[model.shapes][0], "count": model.count})
-        table["ansatz"] = family
-    else:
-        table["ansatz"] = ["1", "xi", *(f"xi^{n}" for n in range(2, model.count + 2))]
-        table["frame"] = model.frame
-    if model.order is not DisplacementOrder.FIRST_ORDER:
-        table["order"] = 2
-        table["terms"] = "full" if model.order is DisplacementOrder.FULL else "truncated"
-    if model.pieces > 1:
-        table["pieces"] = model.pieces
-
-
 def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
     """Write forces on a rigid body in place of the loads on a beam, and keep the texts of their factors."""
     loads = document["bodies"][beam.name].pop("loads", {})
@@ -161,30 +122,6 @@ def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
         if of.load.frame != "inertial":
             table["frame"] = of.load.frame
         document.setdefault("forces", tomlkit.table(is_super_table=True))[force.name] = table
-
-
-def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
-    """Write the keys of a rigid body in place of those of a beam."""
-    rigid = {key.name for key in declared_keys(RigidBody)}
-    for key in {key.name for of in (PlanarBeam, BeamBody) for key in declared_keys(of)} - rigid:
-        table.pop(key, None)
-    assert body.mass is not None and body.inertia is not None
-    table["mass"], table["inertia"] = si_value(body.mass), si_value(body.inertia)
-    if centre := si_value(body.centre[0]):
-        table["centre"] = [centre, 0.0]
-    markers = tomlkit.inline_table()
-    markers.update({m.name: [si_value(m.x), si_value(m.y)] for m in body.markers})
-    table["markers"] = markers
-    start = table.get("start")
-    if start is None:
-        return
-    for name in OF_BEAMS:
-        start.pop(name, None)
-    for name, value in vars(body.start).items():
-        if name in start and name != "guess" and value is not None:
-            start[name] = list(value) if isinstance(value, tuple) else value
-    if body.start.guess:
-        start["guess"] = True
 
 
 def relative_path(path: Path, folder: Path) -> str:
