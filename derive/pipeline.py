@@ -14,6 +14,7 @@ from derive.artifacts import File
 from derive.backends.model_files import emit
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
@@ -94,6 +95,7 @@ def generate(
     """
     from derive.derivation import derive, lower
 
+    spec = in_pieces(spec)
     stages = stages or Stages()
     with stages.stage("derive", "deriving the equations of motion"):
         derived, first = derive(spec), _foreseen(spec)
@@ -137,6 +139,7 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     if not isinstance(model, Model):
         kind = type(model).__name__
         raise TypeError(f"the model that derive.lower(derive.derive(spec)) returns is needed, not {kind}")
+    spec = in_pieces(spec)
     if isinstance(spec, (Scene, SpatialScene)) and model.start is None:
         model, unstarted = _started(spec, model)
         if unstarted:
