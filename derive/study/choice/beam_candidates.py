@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
-from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
+from derive.study.accuracy.ladder_model import FAMILIES, LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost, beam_coordinates, beam_rate
 
 MOST = {Shapes.SINES: 5, Shapes.CLAMPED_FREE: 4, Shapes.POLYNOMIALS: 5}

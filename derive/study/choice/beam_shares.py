@@ -15,7 +15,7 @@ from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderModel, Shapes, mixed
+from derive.study.accuracy.ladder_model import LadderModel, mixed, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice.beam_candidates import beam_candidates, cannot_do

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderModel, Shapes, mixed
+from derive.study.accuracy.ladder_model import LadderModel, mixed, Shapes
 from derive.study.accuracy.predicted_cost import RIGID, PredictedCost, beam_coordinates, beam_rate
 from derive.study.choice.beam_shares import BeamShare
 

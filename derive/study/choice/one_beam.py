@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
-from derive.study.accuracy.models import LadderModel
+from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.choice.beam_candidates import Errors, beam_candidates, candidate_order, cannot_do
 from derive.study.choice.trials import Trials, usable
 

@@ -12,7 +12,7 @@ import numpy as np
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.beams import beam_bodies
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice.beam_shares import TOLERANCE, BeamShare, replaced
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns

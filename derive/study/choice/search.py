@@ -19,7 +19,8 @@ from derive.short_text import counted, listed, summary
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.models import LadderModel, Shapes, model_scene
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.models import model_scene
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns

@@ -22,7 +22,7 @@ from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import BeamBody, Scene
-from derive.study.accuracy.models import LadderModel, Shapes, mixed
+from derive.study.accuracy.ladder_model import LadderModel, mixed, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare

@@ -20,12 +20,8 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.tables.instance_tables import instance_tables
-from derive.study.accuracy.models import (
-    LadderModel,
-    Shapes,
-    modelled,
-    start_remainders,
-)
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.models import modelled, start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
 from derive.study.choice.written_bodies import toml_value, write_body
 
