@@ -10,6 +10,7 @@ from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.remaining_time import remaining_seconds
 from derive.spec.model.scene import Scene
+from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import (
     CompiledLadderModel,
     Line,
@@ -20,7 +21,7 @@ from derive.study.accuracy.measurement import (
     opened,
     preparation,
 )
-from derive.study.accuracy.models import LadderModel, start_remainders
+from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Reference
 from derive.terminal import duration_text

@@ -10,6 +10,7 @@ from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import CompiledLadderModel, ModelVariant, motion, opened, preparation
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost

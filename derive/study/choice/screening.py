@@ -28,6 +28,7 @@ from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import ModelVariant, motion, opened, prepared
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns

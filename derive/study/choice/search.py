@@ -18,6 +18,7 @@ from derive.percentages import percent
 from derive.short_text import counted, listed, summary
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import Scene
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.models import model_scene

@@ -8,6 +8,7 @@ from dataclasses import replace
 from derive.errors import TisserandError, first_line
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, measured, retimed
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost

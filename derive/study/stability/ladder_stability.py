@@ -12,7 +12,8 @@ from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
 from derive.simulation.errors import SimulationError
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderModel, ladder, refinements
+from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.models import ladder, refinements
 from derive.study.stability.model_path import ModelPath, model_path
 from derive.study.stability.parameter import ParameterRange, StudiedParameter, parameter_range, studied
 from derive.study.stability.thresholds import Interval, wrong_intervals

@@ -18,7 +18,8 @@ from derive.simulation.linear.linearisation import linearise
 from derive.simulation.linear.steady_motion import steady_motion
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderModel, model_scene
+from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.models import model_scene
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.parameter import StudiedParameter
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds

@@ -1,0 +1,95 @@
+"""The flexible bodies of a scene in space as the models of a ladder have them: beams, finite-element bodies, or rigid.
+
+Finite-element bodies are tried with component modes, which are computed from their stiffness matrix; where the files
+have none, with the modes that these contain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+from derive.errors import Problem, SpecError
+from derive.reduction.component_modes import static_mode_count
+from derive.spec.model.beam_parts import Polynomial
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.tables.body import interface_markers
+from derive.study.accuracy.ladder_model import COMPONENT_MODES, STATIC, LadderModel, Shapes, deflection_of
+from derive.study.accuracy.spatial_rigid import rigid_in_space
+
+
+def flexible_bodies(scene: SpatialScene) -> tuple[SpatialBeam | FlexibleBody, ...]:
+    """The bodies of a scene in space that models of a ladder replace: beams and finite-element bodies."""
+    return tuple(body for body in scene.bodies if isinstance(body, (SpatialBeam, FlexibleBody)))
+
+
+def modelled_in_space(scene: SpatialScene, body: SpatialBody, model: LadderModel) -> SpatialBody:
+    """A body with a model, if it is flexible and the model is one of such bodies. Raises SpecError if it cannot be."""
+    if not isinstance(body, (SpatialBeam, FlexibleBody)):
+        return body
+    if model.shapes is not Shapes.RIGID and isinstance(body, FlexibleBody) != (model.shapes in COMPONENT_MODES):
+        return body
+    if body.start.amplitudes or body.start.amplitude_rates:
+        text = "models have other shapes, to which these amplitudes do not belong; leave them out"
+        raise SpecError((Problem(f"bodies.{body.name}.start", text),))
+    if model.shapes is Shapes.RIGID:
+        return rigid_in_space(body)
+    if isinstance(body, SpatialBeam):
+        return _beam(body, model)
+    return _component_modes(scene, body, model)
+
+
+def _beam(body: SpatialBeam, model: LadderModel) -> SpatialBeam:
+    """A beam whose shapes are those of a model in both planes."""
+    shapes = deflection_of(model)
+    lateral = body.lateral and (None if body.lateral.bending_stiffness is None else replace(body.lateral, ansatz=None))
+    torsion = body.torsion
+    if torsion is not None and model.torsion is not None:
+        torsion = replace(torsion, ansatz=twists(model.torsion)) if model.torsion else None
+    return replace(
+        body,
+        ansatz=shapes.ansatz,
+        frame=shapes.frame,
+        orthogonal=shapes.orthogonal,
+        order=model.order,
+        ends=None,
+        lateral=lateral,
+        torsion=torsion,
+    )
+
+
+def twists(count: int) -> tuple[Polynomial, ...]:
+    """The ansatz of torsion xi, xi^2, ..., of that many polynomials."""
+    return tuple((Fraction(0),) * power + (Fraction(1),) for power in range(1, count + 1))
+
+
+def _component_modes(scene: SpatialScene, body: FlexibleBody, model: LadderModel) -> FlexibleBody:
+    """A finite-element body with modes of the kind of a model."""
+    kind, held = COMPONENT_MODES[model.shapes], interface(scene, body) if model.shapes in STATIC else ()
+    count = mode_count(scene, body, model)
+    own = replace(body.body, component_modes=kind, interface=held, modes=count, order=model.order)
+    return replace(body, body=own)
+
+
+def interface(scene: SpatialScene, body: FlexibleBody) -> tuple[str, ...]:
+    """The markers that hold a body: those that it names as its interface, otherwise those of its joints."""
+    ends = {end.marker for joint in scene.joints for end in (joint.first, joint.second) if end.body == body.name}
+    return body.body.interface or tuple(marker.name for marker in body.markers if marker.name in ends)
+
+
+def mode_count(scene: SpatialScene, body: FlexibleBody, model: LadderModel) -> int:
+    """The number of modes of a finite-element body with a model, static ones of its interface included."""
+    if model.shapes not in STATIC:
+        return model.count
+    held = interface_markers(interface(scene, body), body.markers)
+    return model.count + static_mode_count(str(COMPONENT_MODES[model.shapes]), held)
+
+
+def has_order(body: FlexibleBody, order: DisplacementOrder) -> bool:
+    """Whether the modes of the files of a body are of an order: the second one needs geometric stiffness matrices."""
+    return order is DisplacementOrder.FIRST_ORDER or (
+        order is DisplacementOrder.TRUNCATED and body.body.data.has_geometric_stiffness
+    )
