@@ -11,11 +11,13 @@ import numpy as np
 from scipy.linalg import eigh
 
 from derive.mechanics.bodies.beam_functions import ONE, XI, BeamFunction, polynomial
+from derive.mechanics.bodies.modal_body import ModalBody
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.reduction.body import reduce
 from derive.simulation.observables.beams import function_values
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.beam_parts import AssumedDeflection, BeamDamping
+from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import BeamBody, RigidBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -96,9 +98,14 @@ def _highest(fields: tuple[BeamFunction, ...], derivative: int) -> float:
     return float(np.sqrt(eigh(stiffness, mass, eigvals_only=True)[-1]))
 
 
+@cache
+def _reduced(body: NodalBody) -> ModalBody:
+    return reduce(body)
+
+
 def _modal_rate(body: FlexibleBody) -> float:
     """The fastest vibration or decay of the modes of a finite-element body, rad/s."""
-    modes = reduce(body.body)
+    modes = _reduced(body.body)
     if not len(modes.c8):
         return 0.0
     squared, decay = (eigh(of, modes.c8, eigvals_only=True)[-1] for of in (modes.stiffness, modes.damping))
@@ -112,6 +119,6 @@ def _coordinates(body: BeamBody | RigidBody | SpatialBody) -> int:
             fields += sum(len(part.ansatz) for part in (body.torsion, body.axial) if part is not None)
             return body.pieces * (RIGID_IN_SPACE + fields)
         case FlexibleBody():
-            return RIGID_IN_SPACE + len(reduce(body.body).c8)
+            return RIGID_IN_SPACE + len(_reduced(body.body).c8)
         case _:
             return RIGID_IN_SPACE

@@ -37,6 +37,7 @@ from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import with_monitors
 from derive.simulation.validity.monitors import Monitor
 from derive.simulation.validity.watched_beam import scene_watch
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene_functions import breaks
 from derive.spec.model.specification import AnyScene
@@ -124,7 +125,7 @@ class PreparedModel:
 
 def prepared(scene: AnyScene, variant: ModelVariant) -> PreparedModel:
     """A model of a scene, derived and compiled. Raises SpecError, SimulationError, CompilerError."""
-    changed = model_scene(scene, variant.model)
+    changed = in_pieces(model_scene(scene, variant.model))
     return with_redundant_joints(changed, lambda changed: _prepared(changed, variant))
 
 

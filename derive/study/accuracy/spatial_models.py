@@ -58,6 +58,7 @@ def _beam(body: SpatialBeam, model: LadderModel) -> SpatialBeam:
         ends=None,
         lateral=lateral,
         torsion=torsion,
+        pieces=model.pieces,
     )
 
 
@@ -70,7 +71,9 @@ def _component_modes(scene: SpatialScene, body: FlexibleBody, model: LadderModel
     """A finite-element body with modes of the kind of a model."""
     kind, held = COMPONENT_MODES[model.shapes], interface(scene, body) if model.shapes in STATIC else ()
     count = mode_count(scene, body, model)
-    own = replace(body.body, component_modes=kind, interface=held, modes=count, order=model.order)
+    markers = interface_markers(held, body.markers)
+    changed = {"component_modes": kind, "interface": held, "interface_markers": markers, "modes": count}
+    own = replace(body.body, order=model.order, **changed)
     return replace(body, body=own)
 
 

@@ -9,7 +9,6 @@ from derive.percentages import percent
 from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import MODEL_DOC, cheapest
-from derive.study.choice.model_runs import FLEXIBLE
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
 from derive.study.table import Row, StudyColumn, StudyTable, general

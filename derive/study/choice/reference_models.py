@@ -7,21 +7,16 @@ of finite-element bodies, and truncation.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 
-from derive.errors import SpecError
-from derive.reduction.body import reduce
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
-from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import COMPONENT_MODES, LadderModel, Shapes, mixed
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
-from derive.study.accuracy.spatial_models import modelled_in_space
+from derive.study.choice.modes_of_bodies import ModesOfBodies
 
 FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
 """The flexible model of a beam that is examined first, and that references need as well."""
@@ -33,9 +28,9 @@ FULL_SHAPES = 2
 """The number of shapes of full models: the terms that truncation drops are largest in the lowest shapes."""
 TWISTS = 2
 """The number of shapes of torsion of the reference that is tried first, of beams that twist."""
-MODES, MORE_MODES, MOST_MODES = 6, 4, 18
-"""The modes of a finite-element body, beside static ones, in the reference that is tried first; how many more finer
-ones have, as modes of bending come in pairs; and the largest number."""
+MODES, MORE_MODES = 6, 4
+"""The modes of a finite-element body, beside static ones, in the reference that is tried first, and how many more finer
+ones have: modes of bending come in pairs."""
 OF_INTERFACE = {Shapes.CRAIG_BAMPTON: Shapes.ATTACHMENT}
 """The kinds of component modes that references have and are compared with: they converge alike, from other shapes."""
 
@@ -54,22 +49,22 @@ class Direction:
 
 
 class ReferenceModels:
-    """The models that references of a scene are made of."""
+    """The models that references of a scene are made of. modes: those that its finite-element bodies can have."""
 
     def __init__(self, scene: AnyScene) -> None:
-        self._scene, self._bodies = scene, flexible_members(scene)
+        self._bodies, self.modes = flexible_members(scene), ModesOfBodies(scene)
         self._nodal = [body for body in self._bodies if isinstance(body, FlexibleBody)]
         self._beams = len(self._nodal) < len(self._bodies)
 
     @property
     def flexible(self) -> LadderModel:
         """The flexible model that is examined first, and that references need as well."""
-        return self._each(lambda body: _first(self._scene, body, FLEXIBLE))
+        return self._each(lambda body: self._first(body, FLEXIBLE))
 
     @property
     def first(self) -> LadderModel:
         """The model of the reference that is tried first."""
-        return self._each(lambda body: _first(self._scene, body, FIRST))
+        return self._each(lambda body: self._first(body, FIRST))
 
     @property
     def directions(self) -> tuple[Direction, ...]:
@@ -100,6 +95,23 @@ class ReferenceModels:
         coarser = [other for way in self.directions if (other := way.coarser(model)) is not None]
         return [model, *coarser, *(self.truncated(model, 1) or ())]
 
+    def _first(self, body: Flexible, of_beam: LadderModel) -> LadderModel:
+        """The first model of a body: that of a beam as it is given."""
+        if isinstance(body, FlexibleBody):
+            kind = self.modes.kinds(body)[0]
+            return LadderModel(kind, min(MODES, self.modes.most(body, kind)), body.body.order)
+        twists = isinstance(body, SpatialBeam) and body.torsion is not None
+        return replace(of_beam, torsion=TWISTS) if twists else of_beam
+
+    def _with_shapes(self, body: Flexible, model: LadderModel, more: int) -> LadderModel:
+        """The model of a body with more shapes, or with fewer, in the range that references have."""
+        if isinstance(body, FlexibleBody):
+            count = model.count + more * MORE_MODES
+            return replace(model, count=max(0, min(count, self.modes.most(body, model.shapes))))
+        count = max(1, min(model.count + more, MOST_SHAPES))
+        torsion = model.torsion and max(1, min(model.torsion + more, MOST_SHAPES))
+        return replace(model, count=count, torsion=torsion)
+
     def _each(self, of: Callable[[Flexible], LadderModel]) -> LadderModel:
         return mixed({body.name: of(body) for body in self._bodies})
 
@@ -115,7 +127,7 @@ class ReferenceModels:
 
     def _shapes(self, model: LadderModel, more: int) -> LadderModel | None:
         """The model with more, or fewer, shapes of each beam and modes of each finite-element body."""
-        result = self._each(lambda body: _with_shapes(self._scene, body, model.of(body.name), more))
+        result = self._each(lambda body: self._with_shapes(body, model.of(body.name), more))
         return None if result == model else result
 
     def _other_modes(self, model: LadderModel) -> LadderModel | None:
@@ -127,57 +139,3 @@ class ReferenceModels:
 
         result = self._each(changed)
         return None if result == model else result
-
-
-def _first(scene: AnyScene, body: Flexible, of_beam: LadderModel) -> LadderModel:
-    """The first model of a body: that of a beam as it is given."""
-    if isinstance(body, BeamBody):
-        return of_beam
-    if isinstance(body, SpatialBeam):
-        return replace(of_beam, torsion=None if body.torsion is None else TWISTS)
-    assert isinstance(scene, SpatialScene)
-    kind = kinds_of_modes(scene, body)[0]
-    return LadderModel(kind, min(MODES, most_modes(scene, body, kind)), body.body.order)
-
-
-def _with_shapes(scene: AnyScene, body: Flexible, model: LadderModel, more: int) -> LadderModel:
-    """The model of a body with more shapes, or with fewer, in the range that references have."""
-    if isinstance(body, FlexibleBody):
-        assert isinstance(scene, SpatialScene)
-        count = model.count + more * MORE_MODES
-        return replace(model, count=max(0, min(count, MOST_MODES, most_modes(scene, body, model.shapes))))
-    count = max(1, min(model.count + more, MOST_SHAPES))
-    torsion = model.torsion and max(1, min(model.torsion + more, MOST_SHAPES))
-    return replace(model, count=count, torsion=torsion)
-
-
-@cache
-def kinds_of_modes(scene: SpatialScene, body: FlexibleBody) -> tuple[Shapes, ...]:
-    """The kinds of modes that a finite-element body can have, the best of a body that joints hold first.
-
-    Modes with geometric stiffness matrices are those of the files, and others would lose these.
-    """
-    if body.body.data.stiffness is None or body.body.second_order:
-        return (Shapes.GIVEN,)
-    kinds = (Shapes.CRAIG_BAMPTON, Shapes.ATTACHMENT, Shapes.FREE)
-    return tuple(kind for kind in kinds if has_modes(scene, body, LadderModel(kind, 1)))
-
-
-@cache
-def has_modes(scene: SpatialScene, body: FlexibleBody, model: LadderModel) -> bool:
-    """Whether a finite-element body has the modes of a model: an interface may be on a line, or there is none."""
-    with suppress(SpecError):
-        changed = modelled_in_space(scene, body, model)
-        assert isinstance(changed, FlexibleBody)
-        return bool(reduce(changed.body).mass)
-    return False
-
-
-@cache
-def most_modes(scene: SpatialScene, body: FlexibleBody, kind: Shapes) -> int:
-    """The largest number of modes of a kind that references may have, beside static ones."""
-    if kind is Shapes.GIVEN:
-        modes = body.body.data.modes
-        return 0 if modes is None else len(modes)
-    counts = range(MOST_MODES, 0, -1)
-    return next((count for count in counts if has_modes(scene, body, LadderModel(kind, count))), 0)

@@ -30,7 +30,6 @@ from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import ModelVariant, motion, opened, prepared
-from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
 from derive.study.choice.trusted_reference import expect_first
 
