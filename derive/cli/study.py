@@ -9,7 +9,7 @@ from pathlib import Path
 from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
 from derive.cli.result_files import print_result
-from derive.cli.specifications import read_scene
+from derive.cli.specifications import read_planar_scene, read_scene
 from derive.errors import SpecError
 from derive.lowering.elimination_orders import EliminationRule
 from derive.remaining_time import RemainingTime
@@ -23,7 +23,7 @@ from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
 from derive.study.pivot_stability import frame_stability
 from derive.study.pivot_table import pivot_data, pivot_legend, pivot_text
 from derive.study.states import period
-from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.studied_scene import COMPARED, planar_scene
 from derive.study.variants import variant
 from derive.terminal import show_progress
 
@@ -34,7 +34,7 @@ EXPECTED_SIZE = 100_000
 
 def run(options: argparse.Namespace) -> int:
     """Run the study that is asked for, a key of `STUDIES`. Raises SpecError if it needs a beam and there is none."""
-    scene = read_scene(options.spec)
+    scene = read_scene(options.spec) if options.study in IN_SPACE else read_planar_scene(options.spec)
     try:
         return STUDIES[options.study](scene, options)
     except SpecError as error:
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
-    scene = with_functions(studied_scene(scene, COMPARED.format(FRAMES)), {})
+    scene = with_functions(planar_scene(scene, COMPARED.format(FRAMES)), {})
     names = options.frames
     target = options.chart or Path("results") / scene.name / f"{FRAMES}.svg"
     check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
@@ -58,7 +58,7 @@ def _frames(scene: Scene, options: argparse.Namespace) -> int:
 
 
 def _pivots(scene: Scene, options: argparse.Namespace) -> int:
-    scene = with_functions(studied_scene(scene, COMPARED.format(PIVOTS)), {})
+    scene = with_functions(planar_scene(scene, COMPARED.format(PIVOTS)), {})
     along = period(scene)[1]
     numbers = options.pieces or sorted({beam.pieces for beam in beam_bodies(scene)})
     results = []
@@ -85,3 +85,5 @@ STUDIES = {
     methods.NAME: methods.run,
     stability.NAME: stability.run,
 }
+IN_SPACE = (methods.NAME, stability.NAME)
+"""The studies that scenes in space have as well."""

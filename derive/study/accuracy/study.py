@@ -17,7 +17,7 @@ from derive.study.accuracy.models import ladder
 from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
 from derive.study.computed_ahead import available_workers
-from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.studied_scene import COMPARED, planar_scene
 from derive.study.study_options import (
     ACCURACY,
     ERROR,
@@ -116,7 +116,7 @@ def study_accuracy(
     error, runs = fraction("error", error), whole("runs", runs)
     if reference_error is not None:
         fraction("reference_error", reference_error)
-    given = with_functions(studied_scene(scene, COMPARED.format("accuracy")), {})
+    given = with_functions(planar_scene(scene, COMPARED.format("accuracy")), {})
     compared = replace(given, plots=(compared_plot(given, plot),))
     others = read_peers(Path(peers)) if peers else ()
     with reports_of(progress) as (task, result), preparation(compared, available_workers()) as ahead:

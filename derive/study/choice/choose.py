@@ -12,7 +12,7 @@ from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, cheapest_model
 from derive.study.computed_ahead import available_workers
-from derive.study.studied_scene import studied_scene
+from derive.study.studied_scene import planar_scene
 from derive.study.study_options import ERROR, fraction
 from derive.terminal import Report, reports_of
 
@@ -60,7 +60,7 @@ def choose(
         True
     """
     error = fraction("error", error)
-    given = studied_scene(scene, "nothing to choose")
+    given = planar_scene(scene, "nothing to choose")
     names = [plot] if plot is None or isinstance(plot, str) else plot
     plots = [compared_plot(given, name) for name in dict.fromkeys(names)]
     elapsed = ElapsedTime()
