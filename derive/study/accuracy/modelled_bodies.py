@@ -21,6 +21,11 @@ def flexible_members(scene: AnyScene) -> tuple[Flexible, ...]:
     return flexible_bodies(scene) if isinstance(scene, SpatialScene) else beam_bodies(scene)
 
 
+def flexible_nouns(scene: AnyScene) -> tuple[str, str]:
+    """The nouns for one, and for several, of the flexible bodies of a scene."""
+    return ("flexible body", "flexible bodies") if isinstance(scene, SpatialScene) else ("beam", "beams")
+
+
 def modelled_member(scene: AnyScene, body: Flexible, model: LadderModel) -> BeamBody | RigidBody | SpatialBody:
     """A flexible body of a scene with a model. Raises SpecError if it cannot have it."""
     if isinstance(body, BeamBody):

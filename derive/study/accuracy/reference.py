@@ -17,6 +17,7 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.faults import did_you_mean
 from derive.study.accuracy.measurement import ModelVariant, Preparation, Progress, motion, opened, preparation
 from derive.study.accuracy.models import refinements
@@ -40,7 +41,7 @@ class Reference:
     error: float | None
 
 
-def compared_plot(scene: Scene, name: str | None) -> Plot:
+def compared_plot(scene: AnyScene, name: str | None) -> Plot:
     """The plot of a scene that a ladder compares: the one with the name, or the first one. Raises SpecError."""
     if not scene.plots:
         text = 'a ladder compares a plot; add one, such as [plots.tip] with y = ["the name of a column"]'
@@ -58,7 +59,7 @@ def compared_plot(scene: Scene, name: str | None) -> Plot:
 
 
 def reference(
-    scene: Scene,
+    scene: AnyScene,
     plot: Plot,
     error: float | None,
     own: bool,
