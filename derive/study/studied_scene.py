@@ -1,4 +1,4 @@
-"""The scene that the function of a study is given: with a simulation, in the plane or in space, with beams if needed."""
+"""The scene that a study is given: with a simulation, in the plane or in space, and with beams if it needs them."""
 
 from __future__ import annotations
 

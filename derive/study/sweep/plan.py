@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 from derive.backends.model_files import fingerprint
 from derive.errors import Problem, SpecError
@@ -24,6 +23,7 @@ from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
+from derive.study.studied_scene import without_initial_values
 from derive.study.sweep.dependence import initial_parameters
 from derive.study.sweep.outputs import SweepOutput, output
 from derive.study.sweep.samples import Samples, SamplesError
