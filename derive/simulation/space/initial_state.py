@@ -43,8 +43,8 @@ def spatial_scene_state(
 
     Positions that are not given come as near as possible to guesses; velocities that are not given have the least
     kinetic energy. With `start = "equilibrium"` or `"steady"` the positions are those of an equilibrium or of a steady
-    rotation next to these. native: the compiled scene. k: the constants (nk,) of `native.setup`. near: the configuration
-    (nq,) from which a steady rotation is sought, if not from the initial state.
+    rotation next to these. native: the compiled scene. k: the constants (nk,) of `native.setup`. near: the
+    configuration (nq,) from which a steady rotation is sought, if not from the initial state.
 
     Raises SpecError with given values that contradict the joints or each other, with the joints that cannot be met, and
     with joints that are met the wrong way round; InconsistentInitialState where it is velocities that cannot be met.

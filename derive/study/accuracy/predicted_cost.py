@@ -30,6 +30,7 @@ class PredictedCost:
     def __init__(self, scene: AnyScene) -> None:
         assert scene.simulation is not None
         self._scene, self._duration = scene, scene.simulation.duration
+        self._rates: dict[LadderModel, float] = {}
         self._ratios: list[float] = []
         self._least: float = 0.0
 
@@ -38,7 +39,7 @@ class PredictedCost:
         if not line.points:
             return
         measured = min(point.operations for point in line.points)
-        stiff = self._stiff(fastest_rate(self._scene, line.model), self.coordinates(line.model))
+        stiff = self._stiff(self.rate(line.model), self.coordinates(line.model))
         if stiff > measured / 10:
             self._ratios.append(measured / stiff)
         each = min(point.evaluations for point in line.points)
@@ -46,7 +47,13 @@ class PredictedCost:
 
     def operations(self, model: LadderModel) -> float:
         """The approximate number of operations of a run of a model."""
-        return self.operations_of(fastest_rate(self._scene, model), self.coordinates(model))
+        return self.operations_of(self.rate(model), self.coordinates(model))
+
+    def rate(self, model: LadderModel) -> float:
+        """The fastest vibration, or decay, of the flexible bodies with a model, rad/s, computed once."""
+        if model not in self._rates:
+            self._rates[model] = fastest_rate(self._scene, model)
+        return self._rates[model]
 
     def operations_of(self, rate: float, coordinates: int) -> float:
         """The approximate operations of a run; rate: its fastest vibration or decay, rad/s."""

@@ -19,8 +19,10 @@ from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCur
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.faults import did_you_mean
+from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import ModelVariant, Preparation, Progress, motion, opened, preparation
 from derive.study.accuracy.models import refinements
+from derive.study.accuracy.spatial_models import flexible_bodies
 
 Curves = tuple[PlotCurve, ...]
 
@@ -75,14 +77,16 @@ def reference(
     if plot.reference is not None and not own:
         return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
     models = preparation(replace(scene, plots=(plot,))) if ahead is None else ahead
-    return _own(models, plot, progress, report)
+    return _own(models, refinements(scene), plot, progress, report)
 
 
-def _own(models: Preparation, plot: Plot, progress: Progress, report: Progress) -> Reference:
+def _own(
+    models: Preparation, finer: Sequence[LadderModel], plot: Plot, progress: Progress, report: Progress
+) -> Reference:
     """The reference from the finest of ever finer models; its error is its difference from the one before."""
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
-    variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in refinements()]
+    variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in finer]
     models.expect(variants)
     for n, variant in enumerate(variants, 1):
         label = variant.model.label
@@ -142,23 +146,24 @@ def rms_difference(finer: Curves, coarser: Curves) -> float | None:
     return max(difference / peak for difference, peak in zip(differences, peaks, strict=True))
 
 
-def plotted_beams(plot: Plot, scene: Scene) -> tuple[str, ...]:
-    """The names of the beams that a plot shows, in the order of the scene.
+def plotted_beams(plot: Plot, scene: AnyScene) -> tuple[str, ...]:
+    """The names of the flexible bodies that a plot shows, in the order of the scene.
 
     Empty where it shows none of them alone, such as an energy or the reaction of a joint between rigid bodies.
     """
     shown = (
         {plot.quantity.marker.body} if isinstance(plot.quantity, Deflection) else _of_columns(plot.quantity.y, scene)
     )
-    return tuple(beam.name for beam in beam_bodies(scene) if beam.name in shown)
+    bodies = flexible_bodies(scene) if isinstance(scene, SpatialScene) else beam_bodies(scene)
+    return tuple(body.name for body in bodies if body.name in shown)
 
 
-def _of_columns(columns: tuple[str, ...], scene: Scene) -> set[str]:
+def _of_columns(columns: tuple[str, ...], scene: AnyScene) -> set[str]:
     """The bodies to whose coordinates or outputs the columns belong."""
     bodies = {column: {beam.name} for beam in beam_bodies(scene) for column in _coordinates(beam)}
     for output in scene.outputs:
         own = set(_bodies(list(output.values.values()), scene))
-        bodies |= dict.fromkeys(output_columns(output), own)
+        bodies |= dict.fromkeys(output_columns(output, isinstance(scene, SpatialScene)), own)
     return {body for column in columns for body in bodies.get(column, ())}
 
 
@@ -170,7 +175,7 @@ def _coordinates(beam: BeamBody) -> Iterator[str]:
         yield from (owned(symbol, piece).identity.shown for piece in piece_names(beam) for symbol in symbols)
 
 
-def _bodies(values: list[object], scene: Scene) -> Iterator[str]:
+def _bodies(values: list[object], scene: AnyScene) -> Iterator[str]:
     """The bodies of the markers and joints among the values of an output."""
     joints = {joint.name: (joint.first, joint.second) for joint in scene.joints}
     for value in values:
