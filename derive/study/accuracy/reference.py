@@ -16,7 +16,8 @@ from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.faults import did_you_mean
 from derive.study.accuracy.ladder_model import LadderModel

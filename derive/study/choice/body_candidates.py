@@ -57,7 +57,7 @@ def candidates(scene: AnyScene, body: Flexible, cost: PredictedCost, modes: Mode
 
 
 def _of_beam(body: BeamBody | SpatialBeam) -> Iterator[LadderModel]:
-    """The flexible models of a beam, of second order; in space with few shapes of torsion if it twists, or with none."""
+    """The flexible models of a beam, of second order; of one that twists with few shapes of torsion, and with none."""
     twists = TWISTS if isinstance(body, SpatialBeam) and body.torsion is not None else (None,)
     for torsion in twists:
         for shapes, most in MOST.items():

@@ -10,6 +10,7 @@ from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.modelled_bodies import flexible_nouns
 from derive.study.accuracy.table import MODEL_DOC, cheapest
+from derive.study.choice.reference_models import ReferenceModels
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
 from derive.study.table import Row, StudyColumn, StudyTable, general

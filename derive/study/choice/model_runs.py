@@ -26,7 +26,8 @@ class ModelRuns:
     """The models of a scene, compiled, and the curves of its plots in their runs.
 
     scene: with the plots that are compared; bare: a plot for each curve of them. ready: the models with monitors.
-    models: those of references. progress: takes a line on each task. workers: the number of processes that prepare models ahead, until `close`.
+    models: those of references. progress: takes a line on each task. workers: the number of processes that prepare
+    models ahead, until `close`.
     """
 
     def __init__(self, scene: AnyScene, plots: Sequence[Plot], progress: Progress, workers: int = 0) -> None:

@@ -17,7 +17,7 @@ OF_STIFFNESS = (Shapes.CRAIG_BAMPTON, Shapes.ATTACHMENT, Shapes.FREE)
 
 
 class ModesOfBodies:
-    """The modes of the finite-element bodies of a scene. refusals: why a body does not have a kind of modes, by both."""
+    """The modes of the finite-element bodies of a scene. refusals: why a body has no modes of a kind, by both."""
 
     def __init__(self, scene: AnyScene) -> None:
         self._scene = scene

@@ -1,8 +1,8 @@
 """The reference of a search: a model of second order, refined until it agrees with others in each direction.
 
 The directions are fewer beams, fewer shapes, other modes, nothing truncated, and larger steps: agreement within one
-family would prove nothing. The direction of refinement depends on the differences alone, and not on the requested error, so that a
-search for a larger error goes through the same models and ends with one of them.
+family would prove nothing. The direction of refinement depends on the differences alone, and not on the requested
+error, so that a search for a larger error goes through the same models and ends with one of them.
 """
 
 from __future__ import annotations

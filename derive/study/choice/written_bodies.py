@@ -18,8 +18,9 @@ ANSATZ = "ansatz"
 
 def write_body(table: MutableMapping[str, Any], body: Any, changed: Any) -> None:
     """Give the table of a body the keys of the body `changed`; keys that its kind does not have are removed."""
-    if type(changed) is not type(body):
-        known = {key.name for key in declared_keys(type(changed))}
+    kind: type = type(changed)
+    if not isinstance(body, kind):
+        known = {key.name for key in declared_keys(kind)}
         for name in [name for name in table if name not in known]:
             del table[name]
     _write_changes(table, as_table(body), as_table(changed))

@@ -12,20 +12,28 @@ import tomlkit
 
 from derive.mechanics.multibody.bodies.beam_loads import resultants
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.tables.instance_tables import instance_tables
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
-from derive.study.accuracy.models import modelled, start_remainders
+from derive.study.accuracy.modelled_bodies import flexible_members
+from derive.study.accuracy.models import model_scene, start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
 from derive.study.choice.written_bodies import toml_value, write_body
 
 SCHEMA = "#:schema"
+NODES = "nodes"
+"""The key of the files of a finite-element body: one, or one for each array."""
+FILES = ("file", NODES)
+"""The keys whose texts are files."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +45,7 @@ class WrittenSpecification:
 
 
 def chosen_specification(
-    text: str, source: Path, target: Path, scene: Scene, model: LadderModel, tolerance: float
+    text: str, source: Path, target: Path, scene: AnyScene, model: LadderModel, tolerance: float
 ) -> WrittenSpecification:
     """The TOML text with the keys of a model and the tolerance; paths are relative to the folder of `target`."""
     document = tomlkit.parse(text)
@@ -47,7 +55,9 @@ def chosen_specification(
     for beam in beam_bodies(scene):
         if model.of(beam.name).shapes is Shapes.RIGID:
             _carry_loads(document, beam)
-        write_body(document["bodies"][beam.name], beam, modelled(beam, model.of(beam.name)))
+    modelled = {body.name: body for body in model_scene(scene, model).bodies}
+    for body in flexible_members(scene):
+        write_body(document["bodies"][body.name], body, modelled[body.name])
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
     for plot in document.get("plots", {}).values():
@@ -68,18 +78,20 @@ def _write_instances(document: tomlkit.TOMLDocument) -> None:
         document[section] = written
 
 
-def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: LadderModel) -> Iterator[str]:
+def _without_sections(document: MutableMapping[str, Any], scene: AnyScene, model: LadderModel) -> Iterator[str]:
     """Remove the outputs of sections of beams that are rigid now, and the curves of plots that show them."""
-    rigid = {beam.name for beam in beam_bodies(scene) if model.of(beam.name).shapes is Shapes.RIGID}
+    rigid = {body.name for body in flexible_members(scene) if model.of(body.name).shapes is Shapes.RIGID}
+    in_space = isinstance(scene, SpatialScene)
+    known: Any = SPATIAL_OUTPUTS if in_space else OUTPUTS
     gone: dict[str, str] = {}  # the columns that are removed, and the output of each
     for output in scene.outputs:
-        keys = [key.name for key in OUTPUTS[output.kind].keys if key.type is KeyType.BEAM_MARKER]
+        keys = [key.name for key in known[output.kind].keys if key.type is KeyType.BEAM_MARKER]
         markers = (output.values.get(key) for key in keys)
         bodies = [m.body for m in markers if isinstance(m, MarkerRef) and m.body in rigid]
         if bodies:
             del document["outputs"][output.name]
             yield f"outputs.{output.name}: left out, since {bodies[0]} is rigid"
-            gone.update(dict.fromkeys(output_columns(output), output.name))
+            gone.update(dict.fromkeys(output_columns(output, in_space), output.name))
     for plot in scene.plots:
         if not isinstance(plot.quantity, ColumnCurves):
             continue
@@ -132,8 +144,11 @@ def _relocate(table: Any, source: Path, target: Path) -> None:
     """Rewrite the relative paths of files, from the folder of the source to the folder of the target."""
     if isinstance(table, MutableMapping):
         for key, value in table.items():
-            if key == "file" and isinstance(value, str) and not Path(value).is_absolute():
+            if key in FILES and isinstance(value, str) and not Path(value).is_absolute():
                 table[key] = relative_path(source / value, target)
+            elif key == NODES and isinstance(value, MutableMapping):
+                for array, file in value.items():
+                    value[array] = relative_path(source / file, target)
             else:
                 _relocate(value, source, target)
     elif isinstance(table, list):
