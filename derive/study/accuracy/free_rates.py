@@ -15,13 +15,12 @@ from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import function_values
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.beam_parts import AssumedDeflection
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.scene import BeamBody, RigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
-from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
-from derive.study.accuracy.models import modelled
-from derive.study.accuracy.spatial_models import coordinates, modelled_in_space
+from derive.study.accuracy.modelled_bodies import Flexible, flexible_members, modelled_member
+from derive.study.accuracy.spatial_models import coordinates
 from derive.study.accuracy.spatial_rates import spatial_rate
 
 RIGID, RIGID_IN_SPACE = 3, 6
@@ -39,11 +38,9 @@ def body_rate(scene: AnyScene, body: Flexible, model: LadderModel) -> float:
     """The fastest vibration of a free body, or piece of a beam, rad/s, or its decay by damping if that is faster."""
     if model.shapes is Shapes.RIGID:
         return 0.0
-    if isinstance(scene, SpatialScene) and not isinstance(body, BeamBody):
-        return spatial_rate(modelled_in_space(scene, body, model))
-    assert isinstance(body, BeamBody)
-    beam = modelled(body, model)
-    assert isinstance(beam, BeamBody)
+    beam = modelled_member(scene, body, model)
+    if not isinstance(beam, BeamBody):
+        return 0.0 if isinstance(beam, RigidBody) else spatial_rate(beam)
     mass, length = (si_value(q) / model.pieces for q in (beam.beam.mass, beam.beam.length))
     stiffness, damping = si_value(beam.beam.bending_stiffness), beam.beam.damping
     frequency = _highest(beam.beam.deflection) * float(np.sqrt(stiffness / (mass * length**3)))
@@ -57,9 +54,11 @@ def rigid_coordinates(scene: AnyScene) -> int:
 
 def body_coordinates(scene: AnyScene, body: Flexible, model: LadderModel) -> int:
     """The number of coordinates of a flexible body with a model, without joints."""
-    if isinstance(scene, SpatialScene) and not isinstance(body, BeamBody):
-        return RIGID_IN_SPACE if model.shapes is Shapes.RIGID else coordinates(modelled_in_space(scene, body, model))
-    return max(RIGID, model.size)
+    if isinstance(body, BeamBody):
+        return max(RIGID, model.size)
+    own = modelled_member(scene, body, model)
+    assert not isinstance(own, (BeamBody, RigidBody))
+    return coordinates(own)
 
 
 @cache

@@ -120,13 +120,13 @@ def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     a single one may be odd where an even one is missing.
     """
     kind = sorted((other.count, of) for other, of in errors.items() if other.kind == model.kind)
-    more = [of for other, of in sorted(errors.items(), key=lambda of: of[0].count) if _has_more(other, model)]
+    more = [of for other, of in sorted(errors.items(), key=lambda of: of[0].count) if has_more(other, model)]
     fewer = [of for count, of in kind if count < model.count]
     stagnant = len(fewer) > 2 and fewer[-1] > max(error, STAGNANT * fewer[-3])
     return stagnant or bool(more) and more[0] > HOPELESS * error
 
 
-def _has_more(other: LadderModel, model: LadderModel) -> bool:
+def has_more(other: LadderModel, model: LadderModel) -> bool:
     """Whether a model has the shapes of another one and more."""
     alike = other.kind == replace(model, torsion=other.torsion).kind
     counts = [((of.count, of.torsion or 0)) for of in (model, other)]

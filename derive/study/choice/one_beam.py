@@ -8,7 +8,7 @@ from dataclasses import replace
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.modelled_bodies import flexible_members
-from derive.study.choice.body_candidates import Errors, candidate_order, candidates, cannot_do
+from derive.study.choice.body_candidates import Errors, candidate_order, candidates, cannot_do, has_more
 from derive.study.choice.trials import Trials, usable
 
 NEAR = 1.5
@@ -53,9 +53,10 @@ def try_more_accurate(trials: Trials) -> None:
 
 
 def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
-    """Whether a model is untried, and no run shows that it is not accurate enough."""
+    """Whether a model is untried, no run shows that it is not accurate enough, and it costs no more than a good one."""
     too_far = model in errors and errors[model] > trials.budget
-    return not (model in trials or too_far or cannot_do(model, errors, trials.budget))
+    dearer = any(has_more(model, line.model) for line in trials.good)
+    return not (model in trials or too_far or dearer or cannot_do(model, errors, trials.budget))
 
 
 def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:

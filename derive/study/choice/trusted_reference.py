@@ -207,6 +207,7 @@ class _References:
 
         More beams, which take long to derive, are tried where the difference is larger than in other directions.
         """
+        agreement = None
         for pieces in range(1, self._runs.models.pieces(model)):
             pair = self._runs.models.truncated(model, pieces)
             if pair is None:
@@ -218,9 +219,10 @@ class _References:
                 if self._full_runs is not self._runs:
                     label += ", without the rotary inertia of attached masses"
                 self._truncation[pieces] = self._compared(label, model, *curves)
-            if self._truncation[pieces].difference <= enough:
+            agreement = self._truncation[pieces]
+            if agreement.difference <= enough:
                 break
-        return self._truncation.get(pieces)
+        return agreement
 
     def _mixture(self, model: LadderModel) -> LadderModel:
         """A model in which the beams that hardly matter are rigid."""

@@ -24,8 +24,8 @@ from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.tables.instance_tables import instance_tables
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
-from derive.study.accuracy.modelled_bodies import flexible_members
-from derive.study.accuracy.models import model_scene, start_remainders
+from derive.study.accuracy.modelled_bodies import flexible_members, modelled_member
+from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
 from derive.study.choice.written_bodies import toml_value, write_body
 
@@ -55,9 +55,8 @@ def chosen_specification(
     for beam in beam_bodies(scene):
         if model.of(beam.name).shapes is Shapes.RIGID:
             _carry_loads(document, beam)
-    modelled = {body.name: body for body in model_scene(scene, model).bodies}
     for body in flexible_members(scene):
-        write_body(document["bodies"][body.name], body, modelled[body.name])
+        write_body(document["bodies"][body.name], body, modelled_member(scene, body, model.of(body.name)))
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
     for plot in document.get("plots", {}).values():
