@@ -9,6 +9,7 @@ import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
+from derive.percentages import percent
 from derive.runtime.compiler import QUICK_FLAGS
 from derive.simulation.observables.beams import beam_bodies, fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
@@ -29,6 +30,10 @@ Curves = tuple[PlotCurve, ...]
 
 TOLERANCE = 1e-10
 """The tolerance of the runs that make a reference, so small that the error of the reference is that of the models."""
+
+
+LEAST = 3
+"""The least number of models that make a reference."""
 
 
 @dataclass(frozen=True)
@@ -69,33 +74,48 @@ def reference(
     progress: Progress,
     report: Progress = lambda _: None,
     ahead: Preparation | None = None,
+    enough: float = 0.0,
 ) -> Reference:
     """The reference of a plot: its file, whose error may be given, or with `own` or without a file a finer model.
 
     progress: takes a line on each task; report: takes a line on each model. ahead: prepares the models of the scene
-    with this plot alone. Raises SpecError, SimulationError, CompilerError.
+    with this plot alone. enough: the error with which a reference from models is fine enough.
+
+    Raises SpecError, SimulationError, CompilerError.
     """
     if plot.reference is not None and not own:
         return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
     models = preparation(replace(scene, plots=(plot,))) if ahead is None else ahead
-    return _own(models, refinements(scene), plot, progress, report)
+    return _own(models, refinements(scene), plot, enough, progress, report)
 
 
 def _own(
-    models: Preparation, finer: Sequence[LadderModel], plot: Plot, progress: Progress, report: Progress
+    models: Preparation,
+    finer: Sequence[LadderModel],
+    plot: Plot,
+    enough: float,
+    progress: Progress,
+    report: Progress,
 ) -> Reference:
-    """The reference from the finest of ever finer models; its error is its difference from the one before."""
+    """The reference from the finest of ever finer models; its error is its difference from the one before.
+
+    Beyond `LEAST` models, finer ones are run only while that error is larger than `enough`.
+    """
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
+    difference: float | None = None
     variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in finer]
-    models.expect(variants)
+    models.expect(variants[:LEAST])
     for n, variant in enumerate(variants, 1):
+        if n > LEAST and difference is not None and difference <= enough:
+            break
         label = variant.model.label
-        progress(f"reference: model {n} of {len(variants)}: {label} ...")
+        progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")
         moved = motion(opened(models.result(variant)), TOLERANCE)
         before, finest = finest, curves_of(bare, moved)
-        report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
-    difference = rms_difference(finest, before)
+        difference = rms_difference(finest, before) if before else None
+        change = "" if difference is None else f", {percent(difference)} from the one before"
+        report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms{change}")
     if difference is None:
         text = "it vanishes all the time, so that no error of it is known; choose another by --plot"
         raise SpecError((Problem(f"plots.{plot.name}", text),))

@@ -28,7 +28,9 @@ from derive.study.study_options import LadderRange
 
 TWISTS = 2
 """The number of shapes of torsion of each piece of a beam in a reference."""
-REFINED = (6, 12, 18)
+PIECES = ((1, 4), (2, 4), (3, 4), (4, 4), (6, 3), (8, 3))
+"""The numbers of pieces of beams in a reference, and of polynomials of each piece."""
+REFINED = (6, 12, 18, 30)
 """The numbers of modes of finite-element bodies in a reference, beside the static ones of their interfaces."""
 
 
@@ -65,19 +67,22 @@ def _component_modes(bodies: Iterable[FlexibleBody], limits: LadderRange) -> Ite
 
 
 def spatial_refinements(scene: SpatialScene) -> tuple[LadderModel, ...]:
-    """Ever finer models, of which the last two give a reference and its error.
+    """Ever finer models, the last two of which give a reference and its error.
 
     Beams are of second order, in more and more pieces. Finite-element bodies have more and more modes, which are
     Craig-Bampton modes where joints hold them, otherwise free ones, or those of the files if there are no others.
     """
-    bodies = flexible_bodies(scene)
-    steps = {body.name: _pieces(body) if isinstance(body, SpatialBeam) else _more_modes(scene, body) for body in bodies}
-    return tuple(dict.fromkeys(mixed({name: of[n] for name, of in steps.items()}) for n in range(len(REFINED))))
+    steps = {
+        body.name: _pieces(body) if isinstance(body, SpatialBeam) else _more_modes(scene, body)
+        for body in flexible_bodies(scene)
+    }
+    numbers = range(max(map(len, steps.values())))
+    return tuple(dict.fromkeys(mixed({name: of[min(n, len(of) - 1)] for name, of in steps.items()}) for n in numbers))
 
 
 def _pieces(body: SpatialBeam) -> tuple[LadderModel, ...]:
     order, twists = DisplacementOrder.TRUNCATED, TWISTS if body.torsion else None
-    return tuple(LadderModel(Shapes.POLYNOMIALS, 4, order, "mean", pieces, torsion=twists) for pieces in (1, 2, 3))
+    return tuple(LadderModel(Shapes.POLYNOMIALS, n, order, "mean", pieces, torsion=twists) for pieces, n in PIECES)
 
 
 def _more_modes(scene: SpatialScene, body: FlexibleBody) -> tuple[LadderModel, ...]:
