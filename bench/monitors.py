@@ -34,8 +34,8 @@ from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.monitors import ERROR_LIMIT, Cause
 from derive.spec.model.scene import BeamBody, Scene
+from derive.study.accuracy.ladder_model import ORDERS, LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
-from derive.study.accuracy.models import ORDERS, LadderModel, Shapes
 
 FIRST, TRUNCATED, FULL = ORDERS["first"], ORDERS["truncated"], ORDERS["full"]
 POLYNOMIALS = Shapes.POLYNOMIALS

@@ -54,7 +54,7 @@ def momentum_drifts() -> tuple[MomentumDrift, ...]:
     result = []
     for rule in (Rule.TRAPEZOIDAL, Rule.MIDPOINT):
         for product in PRODUCTS:
-            run = march(form, k, 0.0, y, ydot, product / FIRST, STEPS, rule, native.nq)
+            run = march(form, k, 0.0, y, ydot, product / FIRST, STEPS, rule, native.nq, native.nv)
             n, m = native.nq, native.nq + native.nv
             momenta = np.array([native.momentum(row[:n], row[n:m], k)[2] for row in run.y])
             result.append(MomentumDrift(rule, product, float(np.abs(momenta / momenta[0] - 1).max())))

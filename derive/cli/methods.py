@@ -8,7 +8,7 @@ from pathlib import Path
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import study_methods
 from derive.study.methods.methods_chart import methods_svg
@@ -20,7 +20,7 @@ EXPECTED_SIZE = 1_000_000
 """The approximate size of the files of a study, in bytes."""
 
 
-def run(scene: Scene, options: argparse.Namespace) -> int:
+def run(scene: AnyScene, options: argparse.Namespace) -> int:
     """Run the study and write its picture, page, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)

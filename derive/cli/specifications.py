@@ -27,21 +27,30 @@ if TYPE_CHECKING:
     from derive.pipeline import Built
 
 
-def read_scene(path: Path) -> Scene:
+def read_scene(path: Path) -> AnyScene:
     """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
     return _scene(read(path), path)
 
 
-def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Scene, tuple[SetValue, ...]]:
+def read_planar_scene(path: Path) -> Scene:
+    """Read the planar scene of a file. Raises SpecError if it is another one; see `read_scene`."""
+    scene = read(path)
+    if isinstance(scene, SpatialScene):
+        raise SpecError((Problem("", _in_space(scene, path)),), str(path))
+    result = _scene(scene, path)
+    assert isinstance(result, Scene)
+    return result
+
+
+def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[AnyScene, tuple[SetValue, ...]]:
     """The scene of a file with other values, and what has been replaced; see `read_changed` and `read_scene`."""
     spec, changes = read_changed(path, assignments)
     return _scene(spec, path), changes
 
 
-def _scene(spec: Specification, path: Path) -> Scene:
-    if not isinstance(spec, Scene):
-        text = "a scene is needed, and this is a single body"
-        raise SpecError((Problem("", _in_space(spec, path) if isinstance(spec, SpatialScene) else text),), str(path))
+def _scene(spec: Specification, path: Path) -> AnyScene:
+    if not isinstance(spec, AnyScene):
+        raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
     from derive.simulation.simulate import with_simulation  # commands that simulate nothing do not need it, and SciPy
 
     with _file(path):

@@ -9,7 +9,7 @@ from derive.artifacts import check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
 from derive.cli.specifications import read_changed_scene
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.stability.chart import stability_svg
 from derive.study.stability.ladder_stability import study_stability
 from derive.study.stability.table import mode_table, stability_data, stability_text
@@ -19,7 +19,7 @@ EXPECTED_SIZE = 5_000_000
 """The approximate size of the files of a study, in bytes."""
 
 
-def run(scene: Scene, options: argparse.Namespace) -> int:
+def run(scene: AnyScene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)

@@ -10,7 +10,7 @@ from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import print_result
-from derive.cli.specifications import read_scene
+from derive.cli.specifications import read_planar_scene, read_scene
 from derive.errors import SpecError
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
@@ -28,7 +28,7 @@ EXPECTED_SIZE = 100_000
 
 def run(options: argparse.Namespace) -> int:
     """Run the study that is asked for, a key of `STUDIES`. Raises SpecError if it needs a beam and there is none."""
-    scene = read_scene(options.spec)
+    scene = read_scene(options.spec) if options.study in IN_SPACE else read_planar_scene(options.spec)
     try:
         return STUDIES[options.study](scene, options)
     except SpecError as error:
@@ -59,3 +59,5 @@ STUDIES = {
     methods.NAME: methods.run,
     stability.NAME: stability.run,
 }
+IN_SPACE = (accuracy.NAME, methods.NAME, stability.NAME)
+"""The studies that scenes in space have as well."""

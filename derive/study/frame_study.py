@@ -12,7 +12,7 @@ from derive.short_text import summary
 from derive.simulation.inputs import with_functions
 from derive.spec.model.scene import Scene
 from derive.study.frame_cost import FrameComparison, compare_frames
-from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.studied_scene import COMPARED, planar_scene
 from derive.study.study_options import (
     ELIMINATIONS,
     FRAME_PAIR,
@@ -121,7 +121,7 @@ def study_frames(
     compared = frame_pair(frames)
     rule = EliminationRule(*among("elimination", [elimination], ELIMINATIONS))
     counts, measurements = numbers("pieces", pieces, MAX_PIECES), whole("runs", runs)
-    given = with_functions(studied_scene(scene, COMPARED.format("frames")), {})
+    given = with_functions(planar_scene(scene, COMPARED.format("frames")), {})
     with reports_of(progress) as (task, _):
         rows = compare_frames(given, counts, compared, measurements, rule, task)
     return FrameStudy(given.name, compared, rule, rows)

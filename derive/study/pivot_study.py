@@ -14,7 +14,7 @@ from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.study.pivot_stability import FrameStability, frame_stability
 from derive.study.states import period
-from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.studied_scene import COMPARED, planar_scene
 from derive.study.study_options import (
     FRAME_PAIR,
     MAX_PIECES,
@@ -131,7 +131,7 @@ def study_pivots(
     """
     compared, counts = frame_pair(frames), (whole("states", states), whole("numberings", numberings))
     cut = None if pieces is None else numbers("pieces", pieces, MAX_PIECES)
-    given = with_functions(studied_scene(scene, COMPARED.format("pivots")), {})
+    given = with_functions(planar_scene(scene, COMPARED.format("pivots")), {})
     cut = cut or tuple(sorted({beam.pieces for beam in beam_bodies(given)}))
     remaining = RemainingTime(len(cut) * len(compared))
     with reports_of(progress) as (task, _):

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, max_norm
 from derive.simulation.constraints.projection import UNAVOIDABLE
 from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
-from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.adaptive import adaptive
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.observables.motion import si_value
+from derive.simulation.scene_start import state_of
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 
 State = tuple[float, Vector, Vector]
 """t (s), q (nq,) and v (nv,)."""
@@ -28,9 +32,10 @@ ITERATIONS, CONSISTENT = 20, 1e-12
 """The limit of Newton steps, and the |g| (m, rad) at which they end."""
 
 
-def period(scene: Scene) -> tuple[float, str]:
+def period(scene: AnyScene) -> tuple[float, str]:
     """The time (s) that a study covers, and its description: a revolution of a drive, or the duration of the scene."""
-    rotating = {j.name for j in scene.joints if (driven := JOINTS[j.kind].driven) and driven.unit == "rad"}
+    kinds: Any = SPATIAL_JOINTS if isinstance(scene, SpatialScene) else JOINTS
+    rotating = {j.name for j in scene.joints if (driven := kinds[j.kind].driven) and driven.unit == "rad"}
     for drive in scene.drives:
         speed = drive.constant_speed
         if speed is not None and drive.joint in rotating and si_value(speed):
@@ -39,9 +44,9 @@ def period(scene: Scene) -> tuple[float, str]:
     return scene.simulation.duration, f"{scene.simulation.duration:g} s"
 
 
-def start_state(scene: Scene, native: NativeScene, k: Vector) -> State:
+def start_state(scene: AnyScene, native: NativeScene, k: Vector) -> State:
     """The consistent state at t = 0. Raises SimulationError."""
-    state = initial_state(scene, native, k)
+    state = state_of(scene, native, k)
     return 0.0, state.q, state.v
 
 

@@ -26,8 +26,9 @@ from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import candidates, front, headline, headline_texts, recommended
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, compiled, motion, plot_errors
-from derive.study.accuracy.models import LadderModel, Shapes, ladder, model_scene
+from derive.study.accuracy.models import ladder, model_scene
 from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference, compared_plot, plotted_beams, reference
 from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, cheapest, run_table

@@ -17,8 +17,8 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
+from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.models import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import fastest_rate
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import one_beam, search

@@ -16,8 +16,8 @@ import pytest
 from conftest import ROOT
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import ModelVariant, preparation, prepared
-from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.computed_ahead import ComputedAhead
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="studies fork processes on Linux alone")

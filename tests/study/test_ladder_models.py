@@ -13,8 +13,9 @@ from derive.errors import SpecError
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import RigidBody, Scene
 from derive.spec.toml.read import parse
+from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import compiled
-from derive.study.accuracy.models import LadderModel, Shapes, mixed, model_scene, start_remainders
+from derive.study.accuracy.models import model_scene, start_remainders
 
 STRUCK = """
 name = "struck"

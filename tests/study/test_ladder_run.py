@@ -14,6 +14,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
 from derive.study.accuracy import ladder_run
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.ladder_run import LadderRun
 from derive.study.accuracy.measurement import (
     CompiledLadderModel,
@@ -25,7 +26,6 @@ from derive.study.accuracy.measurement import (
     opened,
     retimed,
 )
-from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.reference import Reference
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"

@@ -14,8 +14,9 @@ from derive.errors import SpecError
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
-from derive.study.accuracy.models import LadderModel, Shapes, model_scene
+from derive.study.accuracy.models import model_scene
 from derive.study.choice.written_specification import chosen_specification
 
 RIGID, POLYNOMIALS = LadderModel(Shapes.RIGID), LadderModel(Shapes.POLYNOMIALS, 2)

@@ -27,7 +27,7 @@ from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import depends_on_time, value_at
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.stability.chart import _description, frequency_line, growth_line
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance

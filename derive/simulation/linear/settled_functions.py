@@ -7,12 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any, TypeVar
 
 from derive.mechanics.prescribed_motion import drive_motion, drive_speed
 from derive.simulation.linear.run_time_inputs import scene_with_values
-from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.scene import Drive
 from derive.spec.model.scene_functions import breaks, time_functions, with_changed_functions
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, depends_on_time, function_at, value_at
+
+S = TypeVar("S", bound=AnyScene)
 
 LATER = (0.3, 1.0, 2.7, 7.3)
 """s: the times behind the last break at which the values of a function, or its rates between them, are compared."""
@@ -32,7 +36,7 @@ class SettledFunctions:
     changing: tuple[str, ...] = ()
     stopping: frozenset[str] = frozenset()
 
-    def scene(self, scene: Scene) -> Scene:
+    def scene(self, scene: S) -> S:
         """The scene with these functions settled, and its inputs replaced by the functions of the specification.
 
         A drive that still moves then starts from its position at t = 0; one that stops is where it comes to rest.
@@ -42,7 +46,9 @@ class SettledFunctions:
         def constant(function: TimeFunction) -> TimeFunction:
             return function_at(function, self._then) if _settles(function, self.time) else function
 
-        return replace(with_changed_functions(scene, constant), drives=tuple(map(self._drive, scene.drives)))
+        changed: Any = with_changed_functions(scene, constant)
+        result: S = replace(changed, drives=tuple(map(self._drive, scene.drives)))
+        return result
 
     @property
     def _then(self) -> float:
@@ -64,7 +70,7 @@ class SettledFunctions:
         return f"{', '.join(self.settled)} as from t = {self.time:.6g} s on, when nothing changes any more"
 
 
-def settled_functions(scenes: Sequence[Scene]) -> SettledFunctions:
+def settled_functions(scenes: Sequence[AnyScene]) -> SettledFunctions:
     """Determine which functions of time of a scene settle; scenes: the scene with several values of its parameters."""
     scenes = [scene_with_values(scene) for scene in scenes]
     time = max((t for scene in scenes for t in breaks(scene) if math.isfinite(t) and t > 0.0), default=0.0)

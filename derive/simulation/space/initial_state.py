@@ -36,12 +36,15 @@ KEPT = 1e-8
 the joints or each other."""
 
 
-def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | None = None) -> InitialState:
+def spatial_scene_state(
+    scene: SpatialScene, native: NativeScene, k: Vector | None = None, near: Vector | None = None
+) -> InitialState:
     """The initial state of a scene in space at t = 0: it meets joints and drives and keeps the values that are given.
 
     Positions that are not given come as near as possible to guesses; velocities that are not given have the least
     kinetic energy. With `start = "equilibrium"` or `"steady"` the positions are those of an equilibrium or of a steady
-    rotation next to these. native: the compiled scene. k: the constants (nk,) of `native.setup`.
+    rotation next to these. native: the compiled scene. k: the constants (nk,) of `native.setup`. near: the
+    configuration (nq,) from which a steady rotation is sought, if not from the initial state.
 
     Raises SpecError with given values that contradict the joints or each other, with the joints that cannot be met, and
     with joints that are met the wrong way round; InconsistentInitialState where it is velocities that cannot be met.
@@ -72,7 +75,7 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
     v = spatial_velocities(assembler, q, rates, _momentum(scene, assembler, q))
     if scene.start == STEADY:
         axes = rotating_axes_of(scene, assembler.poses(q), rates, v)
-        motion = steady_rotation(native, constants, q, axes, assembler.size)
+        motion = steady_rotation(native, constants, q if near is None else near, axes, assembler.size)
         q, v = motion.q, motion.v
     error = max_norm(native.constraint_rates(0.0, q, v, constants))
     if error > RATES_CONSISTENT * max(1.0, max_norm(v)):

@@ -13,8 +13,8 @@ from derive.short_text import counted, summary
 from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, duration, group_label, label_groups, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import Headline, candidates, front, headline, headline_texts
+from derive.study.accuracy.ladder_model import FAMILIES, LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
 from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference
 from derive.visual import chart_style as style

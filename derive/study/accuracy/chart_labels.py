@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line
-from derive.study.accuracy.models import LadderModel, Shapes
 
 NEAR = 1.05
 """Errors that differ by less than this factor share a label."""

@@ -12,12 +12,12 @@ import numpy as np
 
 from derive.errors import TisserandError, first_line
 from derive.remaining_time import RemainingTime
-from derive.simulation.initial.initial_state import scene_size
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import RK4_LIMIT, natural_frequencies
 from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.scene_start import size_of
 from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene_functions import breaks
@@ -95,7 +95,7 @@ def _solution(of: CompiledLadderModel, integrator: Integrator, step: float) -> S
     steps = max(1, math.ceil(simulation.duration / step))
     rows = max(1, steps // max(1, round(simulation.output / step)))  # as many as specified, at ends of steps
     times = np.linspace(0.0, simulation.duration, rows + 1)
-    settings = Settings(size=scene_size(of.scene), step=step, breaks=breaks(of.scene))
+    settings = Settings(size=size_of(of.scene), step=step, breaks=breaks(of.scene))
     return integrator.integrate(of.k, of.start.q, of.start.v, times, settings)
 
 

@@ -9,7 +9,8 @@ from itertools import islice
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.remaining_time import remaining_seconds
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import (
     CompiledLadderModel,
     Line,
@@ -20,7 +21,7 @@ from derive.study.accuracy.measurement import (
     opened,
     preparation,
 )
-from derive.study.accuracy.models import LadderModel, start_remainders
+from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Reference
 from derive.terminal import duration_text
@@ -49,7 +50,7 @@ class LadderRun:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: AnyScene,
         known: Reference,
         tolerances: Sequence[float],
         explicit: bool = True,

@@ -22,7 +22,7 @@ from derive.runtime.integrators.c_integrator import CONSISTENT
 from derive.runtime.loading import load_data, model_library
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
+from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.adaptive import adaptive
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Solution
@@ -31,15 +31,18 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.plots import plot_curves
 from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import with_redundant_joints
+from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import with_monitors
 from derive.simulation.validity.monitors import Monitor
 from derive.simulation.validity.watched_beam import scene_watch
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
-from derive.study.accuracy.models import LadderModel, model_scene
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.models import model_scene
 from derive.study.computed_ahead import ComputedAhead
 from derive.study.timing import interleaved
 
@@ -66,7 +69,7 @@ class CompiledLadderModel:
     """
 
     model: LadderModel
-    scene: Scene
+    scene: AnyScene
     code: Model
     files: tuple[File, ...]
     columns: Model
@@ -111,7 +114,7 @@ class PreparedModel:
     """
 
     variant: ModelVariant
-    scene: Scene
+    scene: AnyScene
     code: Model
     files: tuple[File, ...]
     own: int
@@ -120,20 +123,20 @@ class PreparedModel:
     start: InitialState
 
 
-def prepared(scene: Scene, variant: ModelVariant) -> PreparedModel:
+def prepared(scene: AnyScene, variant: ModelVariant) -> PreparedModel:
     """A model of a scene, derived and compiled. Raises SpecError, SimulationError, CompilerError."""
-    changed = model_scene(scene, variant.model)
+    changed = in_pieces(model_scene(scene, variant.model))
     return with_redundant_joints(changed, lambda changed: _prepared(changed, variant))
 
 
-def _prepared(changed: Scene, variant: ModelVariant) -> PreparedModel:
+def _prepared(changed: AnyScene, variant: ModelVariant) -> PreparedModel:
     """The model of a scene that has been changed to it."""
     complete = with_monitors(changed) if variant.monitored else changed
     code, files = generated_explicit(complete) if variant.explicit else generated(complete)
     name, library = model_library(files, variant.flags)
     native = NativeScene(load_data(library), name)
     own = len(code.outputs) - len(complete.outputs) + len(changed.outputs)
-    start = initial_state(changed, native, native.setup())
+    start = state_of(changed, native, native.setup())
     return PreparedModel(variant, changed, code, tuple(files), own, name, library, start)
 
 
@@ -148,13 +151,13 @@ Preparation = ComputedAhead[ModelVariant, PreparedModel]
 """The models of one scene, which are prepared ahead."""
 
 
-def preparation(scene: Scene, workers: int = 0) -> Preparation:
+def preparation(scene: AnyScene, workers: int = 0) -> Preparation:
     """The models of a scene, prepared in that many processes before they are needed."""
     return ComputedAhead(partial(prepared, scene), workers, load_derivation)
 
 
 def compiled(
-    scene: Scene, model: LadderModel, monitored: bool = True, flags: tuple[str, ...] = LADDER_FLAGS
+    scene: AnyScene, model: LadderModel, monitored: bool = True, flags: tuple[str, ...] = LADDER_FLAGS
 ) -> CompiledLadderModel:
     """A model of a scene that is ready to run. Raises SpecError, SimulationError, CompilerError."""
     return opened(prepared(scene, ModelVariant(model, monitored, flags=flags)))
@@ -165,7 +168,7 @@ def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -
     simulation = of.scene.simulation
     assert simulation is not None
     watch = scene_watch(of.scene, of.native, of.k, 0.0, of.start.q).watch if monitored else None
-    settings = Settings(tolerance=tolerance, size=scene_size(of.scene), breaks=breaks(of.scene), watch=watch)
+    settings = Settings(tolerance=tolerance, size=size_of(of.scene), breaks=breaks(of.scene), watch=watch)
     integrator = adaptive(of.native, through_python=_no_python)
     times = output_times(simulation)
     solution: Solution = integrator.integrate(of.k, of.start.q, of.start.v, times, settings)
@@ -182,7 +185,7 @@ def _no_python(_: NativeScene) -> Integrator:
 def end_run(of: CompiledLadderModel, tolerance: float) -> AdaptiveRun:
     """The integration of `motion` without rows in between, whose cost is measured. Raises AdaptiveError."""
     assert of.scene.simulation is not None
-    size = scene_size(of.scene)
+    size = size_of(of.scene)
     return Adaptive(of.native).run(
         of.start.q,
         of.start.v,

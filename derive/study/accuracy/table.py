@@ -11,8 +11,8 @@ from derive.study.accuracy.chart import LadderChart, accuracy_svg, peer_text
 from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.doubts import doubt_lines, doubt_reason
 from derive.study.accuracy.headline import Candidate, headline_texts
+from derive.study.accuracy.ladder_model import MODEL_COLUMNS, model_row
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.models import MODEL_COLUMNS, model_row
 from derive.study.table import StudyColumn, StudyTable, columns, named
 from derive.terminal import WIDTH
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.spec.model.body import DisplacementOrder
-from derive.study.accuracy.models import LadderModel
+from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.choice.beam_shares import BeamShare, BeamShares
 from derive.study.choice.combinations import combinations
 from derive.study.choice.trials import Trials, implied_error

@@ -18,6 +18,7 @@ from derive.errors import TisserandError, first_line
 from derive.runtime.integrators.c_integrator import IntegratorError
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
+from derive.simulation.configurations import displaced
 from derive.simulation.errors import SimulationError
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene, equal_times
 from derive.study.states import State
@@ -137,7 +138,7 @@ def conserves(of: MethodScene, states: Sequence[State]) -> bool:
     for t, q, v in states:
         vdot, lam = native.solve(t, q, v, k)
         h = 1e-6 * of.period
-        after, before = native.energy(q + h * v, v + h * vdot, k), native.energy(q - h * v, v - h * vdot, k)
+        after, before = (native.energy(displaced(native, q, x * v), v + x * vdot, k) for x in (h, -h))
         rates = (after - before) / (2 * h)
         unit = np.abs(rates).sum() + 1e-2 * native.energy(q, v, k)[0] / of.period
         if abs(rates.sum() - _power(of, t, q, lam)) > CONSERVED * unit:

@@ -74,7 +74,7 @@ def form_run(of: MethodScene, name: str, rule: Rule, h: float, steps: int = STEP
     conditions = tuple(condition(form, k, y, ydot, h * part) for part in REFINED)
     nan = float("nan")
     try:
-        run = march(form, k, 0.0, y, ydot, h, steps, rule, native.nq)
+        run = march(form, k, 0.0, y, ydot, h, steps, rule, native.nq, native.nv)
     except TisserandError as error:
         return FormRun(name, rule, h, nan, nan, nan, nan, nan, conditions, str(error))
     n, m = native.nq, native.nq + native.nv

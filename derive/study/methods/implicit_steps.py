@@ -52,14 +52,14 @@ def initial_values(native: NativeScene, form: Dae, k: Vector, t: float, q: Vecto
     y, ydot = np.zeros(form.size), np.zeros(form.size)
     n, m = native.nq, native.nq + native.nv
     y[:n], y[n:m], y[m : m + native.nlambda] = q, v, lam
-    ydot[:n], ydot[n:m] = v, vdot
+    ydot[:n], ydot[n:m] = native.rates(q, v, k), vdot
     return y, ydot
 
 
 def march(
-    form: Dae, k: Vector, t: float, y: Vector, ydot: Vector, h: float, steps: int, rule: Rule, nq: int
+    form: Dae, k: Vector, t: float, y: Vector, ydot: Vector, h: float, steps: int, rule: Rule, nq: int, nv: int
 ) -> ImplicitRun:
-    """Integrate a form by `steps` steps of h (s) from y, ydot (size,) at t (s).
+    """Integrate a form by `steps` steps of h (s) from y = [q; v; ...], ydot (size,) at t (s), with q (nq,), v (nv,).
 
     The first step of the BDF is one of the trapezoidal rule. Raises StepFailed.
     """
@@ -67,7 +67,7 @@ def march(
     for i in range(steps):
         used = Rule.TRAPEZOIDAL if before is None and rule is Rule.BDF2 else rule
         try:
-            after, rate, count = _step(form, k, t + i * h, before, y, ydot, h, used, nq)
+            after, rate, count = _step(form, k, t + i * h, before, y, ydot, h, used, nq, nv)
         except (ModelError, np.linalg.LinAlgError) as error:
             raise StepFailed(f"step {i + 1}: {error}") from error
         before, y, ydot, iterations = y, after, rate, iterations + count
@@ -76,7 +76,16 @@ def march(
 
 
 def _step(
-    form: Dae, k: Vector, t: float, before: Vector | None, y: Vector, ydot: Vector, h: float, rule: Rule, nq: int
+    form: Dae,
+    k: Vector,
+    t: float,
+    before: Vector | None,
+    y: Vector,
+    ydot: Vector,
+    h: float,
+    rule: Rule,
+    nq: int,
+    nv: int,
 ) -> tuple[Vector, Vector, int]:
     """The values of y and ydot after a step, and the number of iterations."""
     match rule:
@@ -99,7 +108,7 @@ def _step(
         after = after - change
         if not max_norm(after) < np.inf:
             break
-        moved = np.abs(change[:nq]) + h * np.abs(change[nq : 2 * nq])
-        if np.all(moved <= REACHED + ROUNDING * max_norm(after[:nq])):
+        moved = max_norm(change[:nq]) + h * max_norm(change[nq : nq + nv])
+        if moved <= REACHED + ROUNDING * max_norm(after[:nq]):
             return after, cj * after + rest, iteration
     raise StepFailed(f"Newton's method does not converge in the step from {t:.6g} s")

@@ -17,7 +17,7 @@ from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import SimulationError
 from derive.simulation.inputs import with_functions
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.methods.drift import FEWEST, ORDER_STEPS, DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, method_scene
@@ -152,7 +152,7 @@ def check_memory(of: MethodScene, steps: int) -> None:
 
 
 def study_methods(
-    scene: Scene,
+    scene: AnyScene,
     *,
     integrators: Sequence[str] = STUDIED_METHODS,
     steps: int = STEPS,
@@ -164,7 +164,7 @@ def study_methods(
     The command `tisserand study methods` calls this function.
 
     Arguments:
-        scene: a planar scene with a simulation, which may be rigid.
+        scene: a scene, in the plane or in space, with a simulation, which may be rigid.
         integrators: among "rk4", "adaptive", "rk45", "generalised-alpha" and "trapezoidal", which is generalised-alpha
             with rho = 1; by default all but rk45.
         steps: the number of steps of the runs that show drift.
@@ -176,7 +176,7 @@ def study_methods(
         SpecError: if the scene has no simulation.
         UnknownNameError: for an integrator that there is not.
         ValueError: for a number out of its range.
-        TypeError: for what is no planar scene.
+        TypeError: for what is no scene.
         SimulationError: if the scene cannot be simulated, or its runs need too much memory.
         CompilerError: if there is no compiler.
 
@@ -202,7 +202,7 @@ def study_methods(
 
 
 def method_study(
-    scene: Scene, methods: Sequence[Method], steps: int, states: int, progress: Callable[[str], None]
+    scene: AnyScene, methods: Sequence[Method], steps: int, states: int, progress: Callable[[str], None]
 ) -> MethodStudy:
     """The study of a scene: long runs of `steps` steps, and `states` states along its motion.
 

@@ -17,14 +17,14 @@ from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import SimulationError
-from derive.simulation.initial.initial_state import scene_size
 from derive.simulation.integration.c_methods import NEWTON
 from derive.simulation.integration.integrator import scene_of
 from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW, integrate
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
 from derive.simulation.redundant_joints import with_redundant_joints
-from derive.spec.model.scene import Scene
+from derive.simulation.scene_start import size_of
 from derive.spec.model.scene_functions import breaks
+from derive.spec.model.specification import AnyScene
 from derive.study.states import State, period, start_state
 
 DAMPED = 0.8
@@ -76,7 +76,7 @@ class MethodScene:
     on which `missing` is the text.
     """
 
-    scene: Scene
+    scene: AnyScene
     native: NativeScene
     rk4: FixedStep
     alpha: GeneralisedAlpha | None
@@ -91,7 +91,7 @@ class MethodScene:
     @property
     def size(self) -> float:
         """The size of the scene, m."""
-        return scene_size(self.scene)
+        return size_of(self.scene)
 
     @property
     def start(self) -> State:
@@ -181,12 +181,12 @@ class MethodScene:
             raise SimulationError(f"{error}; {advice}") from error
 
 
-def method_scene(scene: Scene) -> MethodScene:
+def method_scene(scene: AnyScene) -> MethodScene:
     """The scene compiled with its integrators. Raises SpecError, CompilerError, SimulationError."""
     return with_redundant_joints(scene, _method_scene)
 
 
-def _method_scene(scene: Scene) -> MethodScene:
+def _method_scene(scene: AnyScene) -> MethodScene:
     _, files = generated(scene)
     rk4, missing = FixedStep(files), ""
     try:

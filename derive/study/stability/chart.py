@@ -10,7 +10,7 @@ import numpy as np
 
 from derive.percentages import percent
 from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour
-from derive.study.accuracy.models import Shapes
+from derive.study.accuracy.ladder_model import Shapes
 from derive.study.stability.ladder_stability import LadderStability, distance
 from derive.study.stability.model_path import ModelPath
 from derive.study.stability.table import loss_text, truth_sentences, verdict_text

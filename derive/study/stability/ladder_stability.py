@@ -11,8 +11,9 @@ from derive.enumerations import enumeration
 from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
 from derive.simulation.errors import SimulationError
-from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderModel, ladder, refinements
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.models import ladder, refinements
 from derive.study.stability.model_path import ModelPath, model_path
 from derive.study.stability.parameter import ParameterRange, StudiedParameter, parameter_range, studied
 from derive.study.stability.thresholds import Interval, wrong_intervals
@@ -146,7 +147,7 @@ def distance(value: float | None, truth: float | None) -> float | None:
 
 
 def study_stability(
-    scene: Scene,
+    scene: AnyScene,
     parameter: tuple[str, float, float, int],
     *,
     exact: float | str | None = None,
@@ -163,7 +164,7 @@ def study_stability(
     The command `tisserand study stability` calls this function.
 
     Arguments:
-        scene: a planar scene with a beam and a simulation.
+        scene: a scene, in the plane or in space, with a beam and a simulation.
         parameter: the name of a parameter or a key such as "P" or "bodies.rod.start.spin", its first and its last
             value, and the number of values from 2 on.
         exact: the value at which stability is lost, or "none" if it never is: the truth in place of the richest model.
@@ -180,7 +181,7 @@ def study_stability(
         SpecError: if the scene has no beam or no simulation, or the parameter cannot have these values.
         UnknownNameError: for an order, a frame or modes that there are not.
         ValueError: for numbers out of their range.
-        TypeError: for what is no planar scene.
+        TypeError: for what is no scene.
         SimulationError: if no model has a steady motion.
         CompilerError: if there is no compiler.
 

@@ -12,13 +12,12 @@ from derive.runtime.compiler import WITHOUT_BATCHES
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.initial.initial_state import initial_state
-from derive.simulation.initial.targets import targets
 from derive.simulation.linear.linearisation import linearise
-from derive.simulation.linear.steady_motion import steady_motion
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
-from derive.spec.model.scene import Scene
-from derive.study.accuracy.models import LadderModel, model_scene
+from derive.simulation.scene_start import steady_motion_of, units_of_initial_values
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.models import model_scene
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.parameter import StudiedParameter
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds
@@ -87,7 +86,7 @@ def _growing(point: PathPoint) -> int | None:
     return None if point.eigenvalues is None else point.eigenvalues.growing
 
 
-def _with_start(scene: Scene) -> tuple[Model, NativeScene]:
+def _with_start(scene: AnyScene) -> tuple[Model, NativeScene]:
     """The model of a scene and its compiled code. Raises the errors for redundant joints."""
     code, files = generated(scene)
     native = load_scene(files, FLAGS)
@@ -105,14 +104,13 @@ def _compiled(
     if missing and first != model_scene(parameter.scene_at(parameter.range.high), model):
         text = "this model has numbers in place of the parameter, on which its code depends"
         raise SpecError((Problem(parameter.range.name, text),))
-    units = {p.name: p.unit for p in code.parameters} | {value.name: value.unit for value in targets(first, native)}
+    units = {p.name: p.unit for p in code.parameters} | units_of_initial_values(first, native)
 
     def evaluate(value: float, guess: Vector | None) -> PathPoint:
         try:
             scene = model_scene(parameter.scene_at(value), model)
             k = native.setup({parameter.symbol: value} if parameter.symbol in native.parameters else None)
-            start = initial_state(scene, native, k)
-            steady = steady_motion(native, k, start.q, start.v, guess)
+            steady = steady_motion_of(scene, native, k, guess)
             linear = linearise(native, k, 0.0, steady.q, steady.v, steady.axes)
         except TisserandError as error:
             return PathPoint(value, None, failure=first_line(error))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
 from derive.simulation.linear.settled_functions import SettledFunctions, settled_functions
-from derive.spec.model.scene import JointInitialValues, Scene
-from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import with_values
+from derive.study.studied_scene import without_initial_values
 from derive.study.study_options import MAX_VALUES, whole
 
 
@@ -57,12 +57,12 @@ class StudiedParameter:
     functions of time of the scene that settle.
     """
 
-    scene: Scene
+    scene: AnyScene
     range: ParameterRange
     symbol: str | None
     functions: SettledFunctions
 
-    def scene_at(self, value: float) -> Scene:
+    def scene_at(self, value: float) -> AnyScene:
         """The scene with a value of the parameter, and the functions of time as they settle. Raises SpecError."""
         return self.functions.scene(_with(self.scene, self.range.name, value)[0])
 
@@ -73,7 +73,7 @@ class StudiedParameter:
         return f"{text}, with {self.functions}" if self.functions.settled else text
 
 
-def studied(scene: Scene, limits: ParameterRange) -> StudiedParameter:
+def studied(scene: AnyScene, limits: ParameterRange) -> StudiedParameter:
     """The parameter of a study.
 
     Raises SpecError for a name that the scene does not know, for values that it refuses, and for a key on whose value
@@ -81,26 +81,16 @@ def studied(scene: Scene, limits: ParameterRange) -> StudiedParameter:
     """
     first, symbol = _with(scene, limits.name, limits.low)
     last, _ = _with(scene, limits.name, limits.high)
-    if symbol is None and _without_initial_values(first) != _without_initial_values(last):
+    if symbol is None and without_initial_values(first) != without_initial_values(last):
         text = f"{quoted(limits.name)} is neither a number that can be a run-time parameter nor an initial value"
         raise SpecError((Problem("", text),), "--parameter")
     return StudiedParameter(first if symbol else scene, limits, symbol, settled_functions([first, last]))
 
 
-def _with(scene: Scene, name: str, value: float) -> tuple[Scene, str | None]:
+def _with(scene: AnyScene, name: str, value: float) -> tuple[AnyScene, str | None]:
     """The scene with a value of the parameter, and its symbol if it is a run-time parameter."""
     try:
         changed, (change, *_) = with_values(scene, {name: repr(value)})
     except SpecError as error:
         raise SpecError(error.problems, "--parameter") from None
     return changed, change.symbol
-
-
-def _without_initial_values(scene: Scene) -> Scene:
-    """The part of a scene that its compiled model depends on."""
-    return replace(
-        scene,
-        bodies=tuple(replace(body, start=NOT_GIVEN) for body in scene.bodies),
-        joints=tuple(replace(joint, start=JointInitialValues()) for joint in scene.joints),
-        drives=tuple(replace(drive, start=JointInitialValues()) for drive in scene.drives),
-    )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from derive.percentages import percent
-from derive.study.accuracy.models import MODEL_COLUMNS, model_row
+from derive.study.accuracy.ladder_model import MODEL_COLUMNS, model_row
 from derive.study.stability.ladder_stability import CONVERGED, LadderStability, distance
 from derive.study.stability.model_path import ModelPath
 from derive.study.stability.thresholds import Interval, Threshold

@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 from derive.backends.model_files import fingerprint
 from derive.errors import Problem, SpecError
@@ -22,12 +21,9 @@ from derive.simulation.redundant_joints import refuse_dependent, with_redundant_
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import CustomBody, SceneBody
-from derive.spec.model.simulation import NOT_GIVEN
-from derive.spec.model.spatial_beam import SpatialBody
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
+from derive.study.studied_scene import without_initial_values
 from derive.study.sweep.dependence import initial_parameters
 from derive.study.sweep.outputs import SweepOutput, output
 from derive.study.sweep.samples import Samples, SamplesError
@@ -183,7 +179,7 @@ class _Models:
     def add(self, scene: AnyScene) -> tuple[AnyScene, int]:
         """The scene as it is simulated, and the number of its model."""
         scene = with_functions(scene, {})
-        key = fingerprint(_without_start(scene))
+        key = fingerprint(without_initial_values(scene))
         if key not in self._numbers:
             if len(self.codes) >= MOST_MODELS:
                 raise SamplesError(
@@ -205,26 +201,6 @@ def _prepared(scene: AnyScene) -> PreparedRun:
     run = PreparedRun(scene, complete=False)
     refuse_dependent(run.scene, load_scene(run.files, RUN_FLAGS))
     return run
-
-
-def _without_start(scene: AnyScene) -> AnyScene:
-    """The scene without its initial values, which its equations do not depend on."""
-
-    def body(given: SceneBody) -> SceneBody:
-        return given if isinstance(given, CustomBody) else replace(given, start=NOT_GIVEN)
-
-    bodies = (replace(b, start=NOT_GIVEN_IN_SPACE) if isinstance(b, SpatialBody) else body(b) for b in scene.bodies)
-    changes: dict[str, Any] = {
-        "bodies": tuple(bodies),
-        "joints": tuple(map(_without_own_start, scene.joints)),
-        "drives": tuple(map(_without_own_start, scene.drives)),
-    }
-    return replace(scene, **changes)
-
-
-def _without_own_start(element: Any) -> Any:
-    """A joint or a drive without its initial values."""
-    return replace(element, start=type(element.start)())
 
 
 def _simulated(spec: Specification, options: RunOptions) -> AnyScene:
