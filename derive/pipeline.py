@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Built:
-    """The results of all stages for a specification.
+    """The results of all stages for a specification; that of a scene in space has all pieces of its beams.
 
     derived: the equations of a body, or the mechanism of a scene. unstarted: the reason why the files of a scene have
     no function NAME_start; empty where they have one. seconds: the wall-clock time of each stage by its name.
@@ -95,7 +95,7 @@ def generate(
     """
     from derive.derivation import derive, lower
 
-    spec = in_pieces(spec)
+    written, spec = spec, in_pieces(spec)
     stages = stages or Stages()
     with stages.stage("derive", "deriving the equations of motion"):
         derived, first = derive(spec), _foreseen(spec)
@@ -106,7 +106,7 @@ def generate(
         with stages.stage("start", "computing the initial state"):
             model, unstarted = _started(spec, model, start_needed, first is not spec)
     with stages.stage("emit", "emitting C and Python"):
-        files = emit(model, spec, backends)
+        files = emit(model, written, backends)
     return Built(spec, derived, model, files, unstarted, stages.seconds)
 
 
@@ -139,9 +139,9 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     if not isinstance(model, Model):
         kind = type(model).__name__
         raise TypeError(f"the model that derive.lower(derive.derive(spec)) returns is needed, not {kind}")
-    spec = in_pieces(spec)
-    if isinstance(spec, (Scene, SpatialScene)) and model.start is None:
-        model, unstarted = _started(spec, model)
+    scene = in_pieces(spec)
+    if isinstance(scene, (Scene, SpatialScene)) and model.start is None:
+        model, unstarted = _started(scene, model)
         if unstarted:
             warn(unstarted, stacklevel=2)
     return emit(model, spec, backends)

@@ -27,7 +27,7 @@ def simulated(spec: Specification, lacking: str = "there is nothing to simulate 
     """
     match spec:
         case Scene() | SpatialScene() | NodalBody():
-            return in_pieces(spec)
+            return spec
         case PlanarBeam():
             return beam_scene(spec)
         case SymbolicBody():
@@ -42,7 +42,7 @@ def simulated(spec: Specification, lacking: str = "there is nothing to simulate 
 
 
 def surroundings(spec: AnyScene | NodalBody) -> AnyScene:
-    """The scene in which a specification moves: a body in space alone is in an empty one."""
+    """The scene in which a specification moves, with all pieces of beams: a body in space alone is in an empty one."""
     if isinstance(spec, (Scene, SpatialScene)):
         return in_pieces(spec)
     return Scene(spec.name, (), None, (), (), simulation=spec.simulation, plots=spec.plots)

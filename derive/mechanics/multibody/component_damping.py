@@ -11,11 +11,10 @@ from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.terms import Term
+from derive.mechanics.terms import ModelConstant, Term
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.instances import InstanceEquations
-    from derive.mechanics.terms import ModelConstant
 
 
 def shared_damping(rod: str, components: tuple[str, ...], entries: Iterable[ModelConstant]) -> ComponentDamping:

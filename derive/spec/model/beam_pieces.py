@@ -16,6 +16,8 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 S = TypeVar("S")
 
+AT_MARKERS = ("forces", "torques", "springs", "outputs")
+"""The sections, besides joints, whose elements name markers of pieces; plots keep those of the specification."""
 CUT = ("cut_left", "cut_right")
 """The markers at the ends at which pieces are welded together."""
 
@@ -64,9 +66,16 @@ def with_pieces(scene: SpatialScene) -> SpatialScene:
         for k, (left, right) in enumerate(pairwise(pieces), 1):
             ends = MarkerRef(left.name, CUT[1]), MarkerRef(right.name, CUT[0])
             welds.append(SpatialJoint(f"{body.name}_cut_{k}", "fixed", *ends))
-    acting = {name: _located(getattr(scene, name), places) for name in ("forces", "torques", "springs", "outputs")}
+    acting = {name: _located(getattr(scene, name), places) for name in AT_MARKERS}
     joints = (*_located(scene.joints, places), *welds)
     return replace(scene, bodies=tuple(bodies), joints=joints, **acting)
+
+
+def located(scene: SpatialScene, marker: MarkerRef) -> MarkerRef:
+    """A marker that the specification names, on the piece of a beam that it lies on."""
+    pieces = (body for body in scene.bodies if isinstance(body, SpatialBeam) and whole(body).name == marker.body)
+    own = (piece.name for piece in pieces if marker.marker in (m.name for m in piece.markers))
+    return MarkerRef(next(own, marker.body), marker.marker)
 
 
 def whole(body: SpatialBody) -> SpatialBody:

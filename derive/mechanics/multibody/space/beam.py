@@ -34,7 +34,7 @@ class BeamInSpace(BodyType[SpatialBeam]):
         alike = replace(body, name="", start=NOT_GIVEN_IN_SPACE, piece_of=_alike(body.piece_of))
         of, sections = _beam(alike, gravity)
         group, names = whole(body).name, tuple(m.name for m in body.markers if m.name not in CUT)
-        return (Component(body.name, group, of, sections, names, body.name),)
+        return (Component(body.name, group, of, sections, names, group),)
 
     def constants(self, body: SpatialBeam) -> Iterator[Constant]:
         """The mass, length, inertia and stiffnesses, the offset of the centres of mass, the damping."""
