@@ -67,5 +67,6 @@ def eigenvalues(A: Matrix, spin: float = 0.0) -> Eigenvalues:
     values, left, right = eig(scaled, left=True, right=True)
     cosines = np.abs(np.sum(left.conj() * right, axis=0))
     errors = ROUNDING * float(np.linalg.norm(scaled, 2)) / np.maximum(cosines, np.sqrt(ROUNDING))
+    values = np.where(np.abs(values.imag) <= errors, values.real, values)  # double ones that rounding makes a pair
     upper = values.imag >= 0
     return Eigenvalues(values[upper], errors[upper], spin)
