@@ -9,7 +9,7 @@ from typing import Any
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.study import study_accuracy
 from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, run_table
@@ -21,7 +21,7 @@ INTERRUPTED = 130
 """The exit code after Ctrl-C."""
 
 
-def run(scene: Scene, options: argparse.Namespace) -> int:
+def run(scene: AnyScene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, page, table and data; Ctrl-C leaves those of the finished part."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)

@@ -85,5 +85,5 @@ STUDIES = {
     methods.NAME: methods.run,
     stability.NAME: stability.run,
 }
-IN_SPACE = (methods.NAME, stability.NAME)
+IN_SPACE = (accuracy.NAME, methods.NAME, stability.NAME)
 """The studies that scenes in space have as well."""

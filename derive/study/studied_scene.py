@@ -10,7 +10,8 @@ from derive.simulation.simulate import with_simulation
 from derive.spec.model.scene import BeamBody, CustomBody, Scene, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
+from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE, FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 S = TypeVar("S", bound=AnyScene)
@@ -24,6 +25,18 @@ def planar_scene(scene: Any, needs_beam: str = "") -> Scene:
     if not isinstance(scene, Scene):
         raise TypeError(f"a planar scene is needed, such as derive.scene makes, not {type(scene).__name__}")
     return studied_scene(scene, needs_beam)
+
+
+def flexible_scene(scene: S, reason: str) -> S:
+    """The scene, if it can be studied and has a beam or a finite-element body; reason: why there has to be one.
+
+    Raises what `studied_scene` raises.
+    """
+    whole = studied_scene(scene)
+    if not any(isinstance(body, (BeamBody, SpatialBeam, FlexibleBody)) for body in whole.bodies):
+        missing = "no beam and no finite-element body" if isinstance(whole, SpatialScene) else "no beam"
+        raise SpecError((Problem("bodies", f"there is {missing} here, and {reason}"),))
+    return whole
 
 
 def studied_scene(scene: S, needs_beam: str = "") -> S:

@@ -19,8 +19,10 @@ FRAMES = ("mean", "chord", "point", "tangent")
 """The frames of polynomials in a ladder."""
 MODES = ("free-free", "clamped-free")
 """The natural modes beside the half sine waves."""
-MAX_SHAPES, MAX_PIECES, MAX_VALUES = 12, 64, 10_000
-"""The largest numbers of shape functions in a ladder, of beams in a rod, and of values of a parameter."""
+COMPONENT_MODES = ("free", "craig_bampton", "attachment")
+"""The computed modes of finite-element bodies in a ladder."""
+MAX_SHAPES, MAX_PIECES, MAX_MODES, MAX_VALUES = 12, 64, 200, 10_000
+"""The largest numbers of shape functions in a ladder, of beams in a rod, of modes, and of values of a parameter."""
 
 ERROR = 0.01
 """The largest error (rms) that is allowed, relative to the peak of a curve."""
@@ -46,7 +48,9 @@ NEVER = "none"
 class LadderRange:
     """The range of models of a ladder: the numbers of shapes of one beam, and of beams with two shapes each.
 
-    modes: the natural modes beside the half sine waves, in the same numbers. Raises UnknownNameError, ValueError.
+    modes: the natural modes beside the half sine waves, in the same numbers. torsion: the numbers of shapes of torsion
+    of beams in space; none leaves those of the scene. component_modes, component_counts: the kinds and the numbers of
+    modes of finite-element bodies. Raises UnknownNameError, ValueError.
     """
 
     orders: Sequence[str] = ("first", "truncated")
@@ -55,6 +59,9 @@ class LadderRange:
     pieces: Sequence[int] = (2, 3)
     sines: Sequence[int] = (1, 2)
     modes: Sequence[str] = ()
+    torsion: Sequence[int] = ()
+    component_modes: Sequence[str] = ("free", "craig_bampton")
+    component_counts: Sequence[int] = (2, 4, 8, 12)
 
     def __post_init__(self) -> None:
         checked = {
@@ -64,6 +71,9 @@ class LadderRange:
             "pieces": numbers("pieces", self.pieces, MAX_PIECES),
             "sines": numbers("sines", self.sines, MAX_SHAPES),
             "modes": among("kind of natural modes", self.modes, MODES),
+            "torsion": numbers("torsion", self.torsion, MAX_SHAPES, least=0),
+            "component_modes": among("kind of component modes", self.component_modes, COMPONENT_MODES),
+            "component_counts": numbers("component_counts", self.component_counts, MAX_MODES),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -78,9 +88,9 @@ def among(kind: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, .
     return every
 
 
-def numbers(name: str, values: Sequence[int], most: int) -> tuple[int, ...]:
-    """Whole numbers from 1 to the largest one, each once. Raises TypeError for what are no numbers, ValueError."""
-    return tuple(dict.fromkeys(whole(name, value, most) for value in several(name, values)))
+def numbers(name: str, values: Sequence[int], most: int, least: int = 1) -> tuple[int, ...]:
+    """Whole numbers from the least to the largest one, each once. Raises TypeError for others, ValueError."""
+    return tuple(dict.fromkeys(whole(name, value, most, least) for value in several(name, values)))
 
 
 def several(name: str, values: Any) -> tuple[Any, ...]:

@@ -96,3 +96,16 @@ def test_frames_move_with_the_amplitudes() -> None:
         assert (plus.frame.position - minus.frame.position) / 2e-6 == pytest.approx(now.moves[:, n], abs=1e-8)
         spin = (plus.frame.axes - minus.frame.axes) / 2e-6 @ now.frame.axes.T
         assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(now.turns[:, n], abs=1e-6)
+
+
+def test_a_body_whose_rates_are_not_given_starts_without_deforming() -> None:
+    """The heavy slider moves as if the rod were rigid: by the least energy alone a stretching rod would leave it at
+    rest, which is a blow."""
+    text = (ROOT / "examples" / "spatial_crank_slider.toml").read_text(encoding="utf-8")
+    text = text.replace('"spatial_rod.npz"', f'"{(ROOT / "examples" / "spatial_rod.npz").as_posix()}"')
+    text = text.replace("modes = 4", 'modes = 6\ninterface = ["ball", "yoke"]')
+    run = PreparedRun(
+        parse(text.replace("duration = 0.2\noutput = 5e-4", "duration = 1e-6\noutput = 1e-6"))
+    ).trajectory()
+    assert run["slider_sdot"][0] == pytest.approx(2.4)
+    assert np.abs([run[f"rod_alpha{i}dot"][0] for i in range(1, 7)]).max() < 1e-12

@@ -7,7 +7,7 @@ import difflib
 from collections.abc import Sequence
 
 from derive.cli.arguments.types import count, pieces
-from derive.study.study_options import FRAMES, MAX_SHAPES, MODES, ORDERS, LadderRange
+from derive.study.study_options import COMPONENT_MODES, FRAMES, MAX_MODES, MAX_SHAPES, MODES, ORDERS, LadderRange
 
 
 def add_ladder(command: argparse.ArgumentParser, default: LadderRange) -> None:
@@ -57,6 +57,33 @@ def add_ladder(command: argparse.ArgumentParser, default: LadderRange) -> None:
     )
 
 
+def add_spatial_ladder(command: argparse.ArgumentParser, default: LadderRange) -> None:
+    """Add the options for what flexible bodies have in space alone: torsion, and component modes."""
+    command.add_argument(
+        "--torsion",
+        type=twists,
+        default=default.torsion,
+        metavar="N,...",
+        help="shapes of torsion of one beam in space (default: as in the scene)",
+    )
+    command.add_argument(
+        "--component-modes",
+        type=component_modes,
+        default=default.component_modes,
+        metavar="A,...",
+        help=f"modes of finite-element bodies, among {', '.join(COMPONENT_MODES)} "
+        f"(default: {joined(default.component_modes)})",
+    )
+    command.add_argument(
+        "--component-counts",
+        type=counts,
+        default=default.component_counts,
+        metavar="N,...",
+        help="numbers of free modes, or of modes beside the static ones of the interface "
+        f"(default: {joined(default.component_counts)})",
+    )
+
+
 def joined(values: Sequence[object]) -> str:
     """Default values as they are written in a command."""
     return ",".join(map(str, values)) or "none"
@@ -77,6 +104,11 @@ def modes(text: str) -> tuple[str, ...]:
     return among(text, MODES)
 
 
+def component_modes(text: str) -> tuple[str, ...]:
+    """Modes of finite-element bodies by their names."""
+    return among(text, COMPONENT_MODES)
+
+
 def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
     """Names among those that are known."""
     names = tuple(dict.fromkeys(text.split(",")))
@@ -90,7 +122,21 @@ def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
 
 def shapes(text: str) -> tuple[int, ...]:
     """Numbers of shape functions."""
+    return _numbers(text, MAX_SHAPES, "shapes")
+
+
+def twists(text: str) -> tuple[int, ...]:
+    """Numbers of shapes of torsion, among which none may be."""
+    return tuple(dict.fromkeys(n for part in text.split(",") for n in ((0,) if part == "0" else shapes(part))))
+
+
+def counts(text: str) -> tuple[int, ...]:
+    """Numbers of modes of finite-element bodies."""
+    return _numbers(text, MAX_MODES, "modes")
+
+
+def _numbers(text: str, most: int, noun: str) -> tuple[int, ...]:
     numbers = tuple(dict.fromkeys(count(part) for part in text.split(",")))
-    if max(numbers) > MAX_SHAPES:
-        raise argparse.ArgumentTypeError(f"a ladder has at most {MAX_SHAPES} shapes, not {max(numbers)}")
+    if max(numbers) > most:
+        raise argparse.ArgumentTypeError(f"a ladder has at most {most} {noun}, not {max(numbers)}")
     return numbers

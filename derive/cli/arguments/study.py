@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from derive.cli.arguments.ladder import add_ladder, among, joined
+from derive.cli.arguments.ladder import add_ladder, add_spatial_ladder, among, joined
 from derive.cli.arguments.stability import add_stability
 from derive.cli.arguments.types import (
     SPEC,
@@ -124,7 +124,9 @@ def states(text: str) -> int:
 
 def _add_accuracy(studies: Any) -> None:
     accuracy = add_command(studies, "accuracy", "chart the error of a ladder of models against what they cost")
-    accuracy.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
+    accuracy.add_argument(
+        "spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a flexible body and a plot"
+    )
     accuracy.add_argument(
         "--out",
         type=folder,
@@ -149,6 +151,7 @@ def _add_accuracy(studies: Any) -> None:
         "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"
     )
     add_ladder(accuracy, ACCURACY)
+    add_spatial_ladder(accuracy, ACCURACY)
     accuracy.add_argument(
         "--tolerances",
         type=tolerances,

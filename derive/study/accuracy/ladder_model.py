@@ -53,6 +53,8 @@ COMPONENT_MODES: dict[Shapes, ComponentModes | None] = {
     Shapes.GIVEN: None,
 }
 """The modes of finite-element bodies by the kinds of `component_modes`, which modes of files have none of."""
+COMPONENT_KINDS: dict[str, Shapes] = {kind: shapes for shapes, kind in COMPONENT_MODES.items() if kind is not None}
+"""Computed modes of finite-element bodies by their names in a command."""
 STATIC = (Shapes.CRAIG_BAMPTON, Shapes.ATTACHMENT)
 """The kinds with static modes of an interface, which their counts are beside."""
 

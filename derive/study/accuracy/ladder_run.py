@@ -9,7 +9,7 @@ from itertools import islice
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.remaining_time import remaining_seconds
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import (
     CompiledLadderModel,
@@ -50,7 +50,7 @@ class LadderRun:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: AnyScene,
         known: Reference,
         tolerances: Sequence[float],
         explicit: bool = True,

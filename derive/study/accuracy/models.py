@@ -16,19 +16,22 @@ from derive.spec.construction import validated
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.model.scene import BeamBody, RigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import FAMILIES, MODES, ORDERS, LadderModel, Shapes, deflection_of
 from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
+from derive.study.accuracy.spatial_ladder import spatial_ladder, spatial_refinements
 from derive.study.accuracy.spatial_models import modelled_in_space
 from derive.study.study_options import LadderRange
 
 S = TypeVar("S", bound=AnyScene)
 
 
-def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
-    """The models in the order of their number of coordinates, from rigid beams on."""
+def ladder(limits: LadderRange, scene: AnyScene | None = None) -> tuple[LadderModel, ...]:
+    """The models in the order of their number of coordinates, from rigid bodies on; those of a scene in space."""
+    if isinstance(scene, SpatialScene):
+        return spatial_ladder(scene, limits)
     return tuple(sorted(dict.fromkeys(_models(limits)), key=lambda m: (m.size, m.label)))
 
 
@@ -97,7 +100,7 @@ def _startable(body: BeamBody) -> BeamBody:
     return body
 
 
-def start_remainders(scene: Scene, model: LadderModel) -> tuple[str, ...]:
+def start_remainders(scene: AnyScene, model: LadderModel) -> tuple[str, ...]:
     """A line on each initial deflection of which a model of a scene has only the nearest that its shapes describe."""
     lines: list[str] = []
     for beam in beam_bodies(scene):
@@ -108,11 +111,13 @@ def start_remainders(scene: Scene, model: LadderModel) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def refinements() -> tuple[LadderModel, ...]:
+def refinements(scene: AnyScene | None = None) -> tuple[LadderModel, ...]:
     """Ever finer models, of which the last two give a reference and its error.
 
     They are of second order, with more and more pieces, which include what a single piece neglects. In the mean frame
     the truncated terms are as good as the full ones there, and far cheaper to derive.
     """
+    if isinstance(scene, SpatialScene):
+        return spatial_refinements(scene)
     order = DisplacementOrder.TRUNCATED
     return tuple(LadderModel(Shapes.POLYNOMIALS, 4, order, "mean", pieces) for pieces in (1, 2, 3))

@@ -19,10 +19,14 @@ from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import beam_bodies, function_values
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.beam_parts import AssumedDeflection
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line
-from derive.study.accuracy.models import modelled
+from derive.study.accuracy.models import model_scene, modelled
+from derive.study.accuracy.spatial_models import coordinates
+from derive.study.accuracy.spatial_rates import fastest_spatial_rate
 
 PER_RADIAN = 2.3
 """Evaluations of the adaptive method per radian of the fastest vibration, in stiff models."""
@@ -36,8 +40,10 @@ POINTS = 24
 """The number of points of the quadrature of products of shape functions."""
 
 
-def fastest_rate(scene: Scene, model: LadderModel) -> float:
-    """The fastest vibration, or decay, of the beams of a scene with a model, rad/s; 0 if all are rigid."""
+def fastest_rate(scene: AnyScene, model: LadderModel) -> float:
+    """The fastest vibration, or decay, of the flexible bodies of a scene with a model, rad/s; 0 if all are rigid."""
+    if isinstance(scene, SpatialScene):
+        return fastest_spatial_rate(model_scene(scene, model))
     return max((beam_rate(body, model.of(body.name)) for body in beam_bodies(scene)), default=0.0)
 
 
@@ -71,9 +77,10 @@ def _dimensionless(deflection: AssumedDeflection) -> float:
 class PredictedCost:
     """A prediction of the operations of a run of a model, from those of the models so far."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: AnyScene) -> None:
         assert scene.simulation is not None
         self._scene, self._duration = scene, scene.simulation.duration
+        self._rates: dict[LadderModel, float] = {}
         self._ratios: list[float] = []
         self._least: float = 0.0
 
@@ -82,7 +89,7 @@ class PredictedCost:
         if not line.points:
             return
         measured = min(point.operations for point in line.points)
-        stiff = self._stiff(fastest_rate(self._scene, line.model), self.coordinates(line.model))
+        stiff = self._stiff(self.rate(line.model), self.coordinates(line.model))
         if stiff > measured / 10:
             self._ratios.append(measured / stiff)
         each = min(point.evaluations for point in line.points)
@@ -90,7 +97,13 @@ class PredictedCost:
 
     def operations(self, model: LadderModel) -> float:
         """The approximate number of operations of a run of a model."""
-        return self.operations_of(fastest_rate(self._scene, model), self.coordinates(model))
+        return self.operations_of(self.rate(model), self.coordinates(model))
+
+    def rate(self, model: LadderModel) -> float:
+        """The fastest vibration, or decay, of the flexible bodies with a model, rad/s, computed once."""
+        if model not in self._rates:
+            self._rates[model] = fastest_rate(self._scene, model)
+        return self._rates[model]
 
     def operations_of(self, rate: float, coordinates: int) -> float:
         """The approximate operations of a run; rate: its fastest vibration or decay, rad/s."""
@@ -103,6 +116,8 @@ class PredictedCost:
 
     def coordinates(self, model: LadderModel) -> int:
         """The number of coordinates of all bodies, without joints."""
+        if isinstance(self._scene, SpatialScene):
+            return coordinates(self._scene, model)
         beams = beam_bodies(self._scene)
         own = [beam_coordinates(model.of(beam.name)) for beam in beams]
         return sum(own) + RIGID * (len(self._scene.bodies) - len(beams))

@@ -9,6 +9,7 @@ import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
+from derive.percentages import percent
 from derive.runtime.compiler import QUICK_FLAGS
 from derive.simulation.observables.beams import beam_bodies, fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
@@ -16,15 +17,23 @@ from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.faults import did_you_mean
+from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import ModelVariant, Preparation, Progress, motion, opened, preparation
 from derive.study.accuracy.models import refinements
+from derive.study.accuracy.spatial_models import flexible_bodies
 
 Curves = tuple[PlotCurve, ...]
 
 TOLERANCE = 1e-10
 """The tolerance of the runs that make a reference, so small that the error of the reference is that of the models."""
+
+
+LEAST = 3
+"""The least number of models that make a reference."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class Reference:
     error: float | None
 
 
-def compared_plot(scene: Scene, name: str | None) -> Plot:
+def compared_plot(scene: AnyScene, name: str | None) -> Plot:
     """The plot of a scene that a ladder compares: the one with the name, or the first one. Raises SpecError."""
     if not scene.plots:
         text = 'a ladder compares a plot; add one, such as [plots.tip] with y = ["the name of a column"]'
@@ -58,38 +67,55 @@ def compared_plot(scene: Scene, name: str | None) -> Plot:
 
 
 def reference(
-    scene: Scene,
+    scene: AnyScene,
     plot: Plot,
     error: float | None,
     own: bool,
     progress: Progress,
     report: Progress = lambda _: None,
     ahead: Preparation | None = None,
+    enough: float = 0.0,
 ) -> Reference:
     """The reference of a plot: its file, whose error may be given, or with `own` or without a file a finer model.
 
     progress: takes a line on each task; report: takes a line on each model. ahead: prepares the models of the scene
-    with this plot alone. Raises SpecError, SimulationError, CompilerError.
+    with this plot alone. enough: the error with which a reference from models is fine enough.
+
+    Raises SpecError, SimulationError, CompilerError.
     """
     if plot.reference is not None and not own:
         return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
     models = preparation(replace(scene, plots=(plot,))) if ahead is None else ahead
-    return _own(models, plot, progress, report)
+    return _own(models, refinements(scene), plot, enough, progress, report)
 
 
-def _own(models: Preparation, plot: Plot, progress: Progress, report: Progress) -> Reference:
-    """The reference from the finest of ever finer models; its error is its difference from the one before."""
+def _own(
+    models: Preparation,
+    finer: Sequence[LadderModel],
+    plot: Plot,
+    enough: float,
+    progress: Progress,
+    report: Progress,
+) -> Reference:
+    """The reference from the finest of ever finer models; its error is its difference from the one before.
+
+    Beyond `LEAST` models, finer ones are run only while that error is larger than `enough`.
+    """
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
-    variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in refinements()]
-    models.expect(variants)
+    difference: float | None = None
+    variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in finer]
+    models.expect(variants[:LEAST])
     for n, variant in enumerate(variants, 1):
+        if n > LEAST and difference is not None and difference <= enough:
+            break
         label = variant.model.label
-        progress(f"reference: model {n} of {len(variants)}: {label} ...")
+        progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")
         moved = motion(opened(models.result(variant)), TOLERANCE)
         before, finest = finest, curves_of(bare, moved)
-        report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
-    difference = rms_difference(finest, before)
+        difference = rms_difference(finest, before) if before else None
+        change = "" if difference is None else f", {percent(difference)} from the one before"
+        report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms{change}")
     if difference is None:
         text = "it vanishes all the time, so that no error of it is known; choose another by --plot"
         raise SpecError((Problem(f"plots.{plot.name}", text),))
@@ -141,23 +167,24 @@ def rms_difference(finer: Curves, coarser: Curves) -> float | None:
     return max(difference / peak for difference, peak in zip(differences, peaks, strict=True))
 
 
-def plotted_beams(plot: Plot, scene: Scene) -> tuple[str, ...]:
-    """The names of the beams that a plot shows, in the order of the scene.
+def plotted_beams(plot: Plot, scene: AnyScene) -> tuple[str, ...]:
+    """The names of the flexible bodies that a plot shows, in the order of the scene.
 
     Empty where it shows none of them alone, such as an energy or the reaction of a joint between rigid bodies.
     """
     shown = (
         {plot.quantity.marker.body} if isinstance(plot.quantity, Deflection) else _of_columns(plot.quantity.y, scene)
     )
-    return tuple(beam.name for beam in beam_bodies(scene) if beam.name in shown)
+    bodies = flexible_bodies(scene) if isinstance(scene, SpatialScene) else beam_bodies(scene)
+    return tuple(body.name for body in bodies if body.name in shown)
 
 
-def _of_columns(columns: tuple[str, ...], scene: Scene) -> set[str]:
+def _of_columns(columns: tuple[str, ...], scene: AnyScene) -> set[str]:
     """The bodies to whose coordinates or outputs the columns belong."""
     bodies = {column: {beam.name} for beam in beam_bodies(scene) for column in _coordinates(beam)}
     for output in scene.outputs:
         own = set(_bodies(list(output.values.values()), scene))
-        bodies |= dict.fromkeys(output_columns(output), own)
+        bodies |= dict.fromkeys(output_columns(output, isinstance(scene, SpatialScene)), own)
     return {body for column in columns for body in bodies.get(column, ())}
 
 
@@ -169,7 +196,7 @@ def _coordinates(beam: BeamBody) -> Iterator[str]:
         yield from (owned(symbol, piece).identity.shown for piece in piece_names(beam) for symbol in symbols)
 
 
-def _bodies(values: list[object], scene: Scene) -> Iterator[str]:
+def _bodies(values: list[object], scene: AnyScene) -> Iterator[str]:
     """The bodies of the markers and joints among the values of an output."""
     joints = {joint.name: (joint.first, joint.second) for joint in scene.joints}
     for value in values:

@@ -10,7 +10,11 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import Problem, SpecError
+from derive.mechanics.bodies.section_fields import section_shapes
 from derive.reduction.component_modes import static_mode_count
+from derive.reduction.eigen import max_elastic_modes
+from derive.reduction.integrals import canonical_csr
+from derive.reduction.interface import RIGID_MOTIONS
 from derive.spec.model.beam_parts import Polynomial
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
@@ -28,9 +32,7 @@ def flexible_bodies(scene: SpatialScene) -> tuple[SpatialBeam | FlexibleBody, ..
 
 def modelled_in_space(scene: SpatialScene, body: SpatialBody, model: LadderModel) -> SpatialBody:
     """A body with a model, if it is flexible and the model is one of such bodies. Raises SpecError if it cannot be."""
-    if not isinstance(body, (SpatialBeam, FlexibleBody)):
-        return body
-    if model.shapes is not Shapes.RIGID and isinstance(body, FlexibleBody) != (model.shapes in COMPONENT_MODES):
+    if not isinstance(body, (SpatialBeam, FlexibleBody)) or not can_have(scene, body, model):
         return body
     if body.start.amplitudes or body.start.amplitude_rates:
         text = "models have other shapes, to which these amplitudes do not belong; leave them out"
@@ -89,8 +91,44 @@ def mode_count(scene: SpatialScene, body: FlexibleBody, model: LadderModel) -> i
     return model.count + static_mode_count(str(COMPONENT_MODES[model.shapes]), held)
 
 
-def has_order(body: FlexibleBody, order: DisplacementOrder) -> bool:
-    """Whether the modes of the files of a body are of an order: the second one needs geometric stiffness matrices."""
-    return order is DisplacementOrder.FIRST_ORDER or (
-        order is DisplacementOrder.TRUNCATED and body.body.data.has_geometric_stiffness
-    )
+def can_have(scene: SpatialScene, body: SpatialBeam | FlexibleBody, model: LadderModel) -> bool:
+    """Whether a model is one of such a body, and its data suffice for it."""
+    if isinstance(body, SpatialBeam) or model.shapes is Shapes.RIGID:
+        return model.shapes not in COMPONENT_MODES
+    if model.shapes not in COMPONENT_MODES or model.count > most_modes(scene, body, model.shapes):
+        return False
+    data, first = body.body.data, model.order is DisplacementOrder.FIRST_ORDER
+    if model.shapes is Shapes.GIVEN:
+        return data.modes is not None and (first or data.has_geometric_stiffness)
+    return data.stiffness is not None and first and (model.shapes not in STATIC or _is_held(scene, body))
+
+
+def _is_held(scene: SpatialScene, body: FlexibleBody) -> bool:
+    """Whether the interface of a body may hold it: a set of nodes does, and so do three nodes that are on no line."""
+    held = interface_markers(interface(scene, body), body.markers)
+    return any(len(marker.nodes) > 1 for marker in held) or len(held) > 2
+
+
+def most_modes(scene: SpatialScene, body: FlexibleBody, shapes: Shapes) -> int:
+    """The largest number of modes of a kind, beside static ones, that the nodes or the files of a body have."""
+    data = body.body.data
+    if shapes is Shapes.GIVEN:
+        return 0 if data.modes is None else len(data.modes)
+    elastic = max_elastic_modes(canonical_csr(data.mass), RIGID_MOTIONS, body.body.rigid_sets)
+    return elastic - mode_count(scene, body, LadderModel(shapes))
+
+
+def coordinates(scene: SpatialScene, model: LadderModel) -> int:
+    """The number of coordinates of all bodies with a model, without joints; a quaternion counts as three."""
+    models = {body.name: model.of(body.name) for body in flexible_bodies(scene)}
+    rigid = [body for body in scene.bodies if body.name not in models or models[body.name].shapes is Shapes.RIGID]
+    flexible = (modelled_in_space(scene, body, models[body.name]) for body in scene.bodies if body not in rigid)
+    return RIGID_MOTIONS * len(rigid) + sum(map(_coordinates, flexible))
+
+
+def _coordinates(body: SpatialBody) -> int:
+    if isinstance(body, SpatialBeam):
+        return body.pieces * (RIGID_MOTIONS + len(section_shapes(body)))
+    assert isinstance(body, FlexibleBody)
+    own, given = body.body.modes, body.body.data.modes
+    return RIGID_MOTIONS + (own if own is not None else 0 if given is None else len(given))

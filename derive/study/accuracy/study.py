@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from derive.simulation.inputs import with_functions
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.chart import LadderChart
 from derive.study.accuracy.fixed_steps import fixed_step_lines
 from derive.study.accuracy.ladder_run import LadderRun
@@ -17,7 +17,7 @@ from derive.study.accuracy.models import ladder
 from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
 from derive.study.computed_ahead import available_workers
-from derive.study.studied_scene import COMPARED, planar_scene
+from derive.study.studied_scene import COMPARED, flexible_scene
 from derive.study.study_options import (
     ACCURACY,
     ERROR,
@@ -36,11 +36,14 @@ from derive.terminal import Report, reports_of
 BETWEEN = 60.0
 """The time (s) between two records of the part of the ladder that is finished."""
 
+FINER = 0.5
+"""The error of a reference from models over the requested one, below which no finer model is run."""
+
 Record = Callable[[LadderChart], None]
 
 
 def study_accuracy(
-    scene: Scene,
+    scene: AnyScene,
     *,
     plot: str | None = None,
     error: float = ERROR,
@@ -52,6 +55,9 @@ def study_accuracy(
     pieces: Sequence[int] = ACCURACY.pieces,
     sines: Sequence[int] = ACCURACY.sines,
     modes: Sequence[str] = ACCURACY.modes,
+    torsion: Sequence[int] = ACCURACY.torsion,
+    component_modes: Sequence[str] = ACCURACY.component_modes,
+    component_counts: Sequence[int] = ACCURACY.component_counts,
     tolerances: Sequence[float] = TOLERANCES,
     integrators: Sequence[str] = (),
     peers: str | Path | None = None,
@@ -59,23 +65,26 @@ def study_accuracy(
     progress: Report | bool | None = None,
     record: Record | None = None,
 ) -> LadderChart:
-    """Run a ladder of models of the beams of a scene: the error of each against what it costs.
+    """Run a ladder of models of the flexible bodies of a scene: the error of each against what it costs.
 
     The command `tisserand study accuracy` calls this function. Times are CPU times of the integration; compiling is
     left out.
 
     Arguments:
-        scene: a planar scene with a beam, a simulation and a plot.
+        scene: a scene, in the plane or in space, with a beam or a finite-element body, a simulation and a plot.
         plot: the name of the plot that is compared; by default the first one.
         error: the largest error (rms) that is allowed, relative to the peak of the plot.
         reference_error: the error (rms) of the reference of the plot itself, relative to its peak, if it is known.
         own_reference: whether ever finer models are the reference in place of the curve that the plot refers to.
         orders: those of the displacements, among "first", "truncated" and "full".
         frames: those of polynomials, among "mean", "chord", "point" and "tangent".
-        shapes: the numbers of polynomials of one beam.
+        shapes: the numbers of polynomials of one beam, in space of each of its planes.
         pieces: the numbers of beams, with two polynomials each, into which a beam is divided.
         sines: the numbers of half sine waves of one beam.
         modes: other natural modes in the same numbers, among "free-free" and "clamped-free".
+        torsion: the numbers of shapes of torsion of a beam in space; by default as the scene has them.
+        component_modes: modes of finite-element bodies, among "free", "craig_bampton" and "attachment".
+        component_counts: the numbers of these modes, beside the static ones of the interface.
         tolerances: those of the adaptive integrator, with each of which every model is run.
         integrators: integrators with fixed steps beside it, among "rk4" and "generalised-alpha".
         peers: a CSV file of runs of other programs, with the columns model, cpu_s, rms_error and largest_error.
@@ -86,10 +95,10 @@ def study_accuracy(
             KeyboardInterrupt, which ends the study.
 
     Raises:
-        SpecError: if the scene has no beam, no plot or no simulation, or there is no such plot.
+        SpecError: if the scene has no flexible body, no plot or no simulation, or there is no such plot.
         UnknownNameError: for an order, a frame, modes or an integrator that there is not.
         ValueError: for a number out of its range.
-        TypeError: for what is no planar scene.
+        TypeError: for what is no scene.
         SimulationError: if the reference cannot be computed.
         CompilerError: if there is no compiler.
         WrongPeers: if the file of other programs cannot be used.
@@ -110,17 +119,20 @@ def study_accuracy(
         >>> [line.model.label for line in study.lines]
         ['rigid', '1 sine, first', '1 beam, P2, P3, first']
     """
-    models = ladder(LadderRange(orders, frames, shapes, pieces, sines, modes))
+    limits = LadderRange(orders, frames, shapes, pieces, sines, modes, torsion, component_modes, component_counts)
     integrators = among("integrator with fixed steps", integrators, FIXED_STEPS)
     fractions = {fraction("tolerances", tolerance) for tolerance in several("tolerances", tolerances)}
     error, runs = fraction("error", error), whole("runs", runs)
     if reference_error is not None:
         fraction("reference_error", reference_error)
-    given = with_functions(planar_scene(scene, COMPARED.format("accuracy")), {})
+    given = with_functions(flexible_scene(scene, COMPARED.format("accuracy")), {})
+    models = ladder(limits, given)
     compared = replace(given, plots=(compared_plot(given, plot),))
     others = read_peers(Path(peers)) if peers else ()
     with reports_of(progress) as (task, result), preparation(compared, available_workers()) as ahead:
-        known = reference(compared, compared.plots[0], reference_error, own_reference, task, result, ahead)
+        known = reference(
+            compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error
+        )
         shown = plotted_beams(compared.plots[0], compared)
         empty = LadderChart(compared.name, (), known, error, _machine(), others, shown)
         ladder_run = LadderRun(compared, known, sorted(fractions, reverse=True), not integrators, ahead)
