@@ -1,11 +1,9 @@
-"""Stability of beams in space: whirling shafts, shafts under torque, lateral buckling, blades, each beside its theory."""
+"""Stability of beams in space beside its theory: whirling shafts, shafts under torque, lateral buckling, blades."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,18 +13,12 @@ from numpy.polynomial.legendre import Legendre
 
 import derive
 from conftest import QUICK, ROOT
-from derive.cli.main import main
-from derive.cli.specifications import read_scene
 from derive.generated_models import generated
 from derive.simulation.linear.linearisation import linearise
-from derive.simulation.linear.steady_motion import NoSteadyMotion
 from derive.simulation.scene_start import steady_motion_of
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_scene import SpatialScene
-from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
-from derive.study.stability.model_path import ModelPath, model_path
-from derive.study.stability.parameter import ParameterRange, studied
 
 FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
 SHAFT, BLADE = ROOT / "examples/whirling_shaft.toml", ROOT / "examples/rotating_blade.toml"
