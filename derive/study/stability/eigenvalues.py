@@ -38,6 +38,11 @@ class Eigenvalues:
         return int(np.sum(self.grows))
 
     @property
+    def diverging(self) -> int:
+        """The number of modes that grow without vibrating."""
+        return int(np.sum(self.grows & (self.values.imag == 0.0)))
+
+    @property
     def growth(self) -> float:
         """The largest growth rate, 1/s; 0 if nothing grows."""
         return float(self.values.real[self.grows].max(initial=0.0))
