@@ -408,7 +408,7 @@ def test_an_equilibrium_is_sought_near_the_initial_state_and_then_from_value_to_
 def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """A reference that is quick to derive, and good to 0.06 %."""
     models = (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND))
-    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
 
 
 @pytest.mark.long
@@ -455,7 +455,7 @@ def test_where_a_model_has_no_steady_motion_it_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     models = (LadderModel(Shapes.RIGID), polynomials(2, FIRST))
-    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
     asked = ["--orders", "first", "--shapes", "2", "--pieces", "1", "--sines", "1", "--out", str(tmp_path)]
     assert main(["study", "stability", str(SPINNING), "--parameter", f"{SPIN}=0:40:3", *asked]) == 2
     assert "these functions of time never come to rest: forces.knock.components;" in capsys.readouterr().err

@@ -38,6 +38,11 @@ class Eigenvalues:
         return int(np.sum(self.grows))
 
     @property
+    def diverging(self) -> int:
+        """The number of modes that grow without vibrating."""
+        return int(np.sum(self.grows & (self.values.imag == 0.0)))
+
+    @property
     def growth(self) -> float:
         """The largest growth rate, 1/s; 0 if nothing grows."""
         return float(self.values.real[self.grows].max(initial=0.0))
@@ -67,5 +72,6 @@ def eigenvalues(A: Matrix, spin: float = 0.0) -> Eigenvalues:
     values, left, right = eig(scaled, left=True, right=True)
     cosines = np.abs(np.sum(left.conj() * right, axis=0))
     errors = ROUNDING * float(np.linalg.norm(scaled, 2)) / np.maximum(cosines, np.sqrt(ROUNDING))
+    values = np.where(np.abs(values.imag) <= errors, values.real, values)  # double ones that rounding makes a pair
     upper = values.imag >= 0
     return Eigenvalues(values[upper], errors[upper], spin)
