@@ -26,6 +26,8 @@ from derive.study.accuracy.ladder_model import (
 from derive.study.accuracy.spatial_models import can_have, coordinates, flexible_bodies, modelled_in_space, most_modes
 from derive.study.study_options import LadderRange
 
+OF_PIECES = (2, 4)
+"""The numbers of polynomials of each piece of a beam, in each of its planes."""
 TWISTS = 2
 """The number of shapes of torsion of each piece of a beam in a reference."""
 PIECES = ((1, 4), (2, 4), (3, 4), (4, 4), (6, 3), (8, 3))
@@ -55,8 +57,8 @@ def _beams(limits: LadderRange) -> Iterator[LadderModel]:
             yield LadderModel(modes, count, order, FAMILIES[modes][1].kind, torsion=torsion)
         for frame, count in product(limits.frames, limits.shapes):
             yield LadderModel(Shapes.POLYNOMIALS, count, order, frame, torsion=torsion)
-        for frame, pieces in product(limits.frames, limits.pieces):
-            yield LadderModel(Shapes.POLYNOMIALS, 2, order, frame, pieces, torsion=torsion)
+        for frame, pieces, count in product(limits.frames, limits.pieces, OF_PIECES):
+            yield LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces, torsion=torsion)
 
 
 def _component_modes(bodies: Iterable[FlexibleBody], limits: LadderRange) -> Iterator[LadderModel]:
