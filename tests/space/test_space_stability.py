@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,12 +15,18 @@ from numpy.polynomial.legendre import Legendre
 
 import derive
 from conftest import QUICK, ROOT
+from derive.cli.main import main
+from derive.cli.specifications import read_scene
 from derive.generated_models import generated
 from derive.simulation.linear.linearisation import linearise
+from derive.simulation.linear.steady_motion import NoSteadyMotion
 from derive.simulation.scene_start import steady_motion_of
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
+from derive.study.stability.model_path import ModelPath, model_path
+from derive.study.stability.parameter import ParameterRange, studied
 
 FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
 SHAFT, BLADE = ROOT / "examples/whirling_shaft.toml", ROOT / "examples/rotating_blade.toml"
@@ -208,3 +216,145 @@ def test_a_shaft_buckles_under_torque_as_that_of_greenhill() -> None:
     for thrust in (0.0, 5.0, 9.0):  # the Ritz solution, and so the model, tends to the closed form
         exact = 2 * np.sqrt(CRITICAL - thrust)
         assert ritz(8, 0.999 * exact, 1.0, thrust)[0] > 0 > ritz(8, 1.001 * exact, 1.0, thrust)[0]
+
+
+# ---- models of a ladder
+
+
+def path(scene: SpatialScene, name: str, low: float, high: float, model: LadderModel, count: int = 4) -> ModelPath:
+    """A model over a parameter."""
+    made = model_path(studied(scene, ParameterRange(name, low, high, count)), model)
+    assert not made.failure and not made.gaps
+    return made
+
+
+def polynomials(count: int, order: DisplacementOrder, frame: str = "tangent", pieces: int = 1) -> LadderModel:
+    return LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces)
+
+
+LATERAL = 4.0126 / np.sqrt(1 - 1 / 1000)
+"""sqrt(EI GJ)/l^2: the load of lateral buckling, with the first effect of a bending stiffness of 1000 EI in its plane,
+which the torsional stiffness adds to that of EI: 1/((1 - EI/EI_3)(1 - GJ/EI_3)) is the square of the factor."""
+
+
+def cantilever() -> SpatialScene:
+    """A cantilever that is stiff in the plane of its end load P (N)."""
+    return derive.spatial_scene(
+        "cantilever",
+        parameters={"P": {"default": 0, "unit": "N"}},
+        ground={"wall": (0, 0, 0)},
+        bodies={
+            "rod": rod(
+                bending_stiffness=1000,
+                lateral={"bending_stiffness": 1},
+                torsion={"ansatz": ["xi", "xi^2", "xi^3"], "stiffness": 1},
+                ansatz=["1", "xi", "xi^2"],
+                markers={"left": -1, "right": 1},
+            )
+        },
+        joints={"root": {"kind": "fixed", "between": ["ground.wall", "rod.left"]}},
+        forces={"end": {"at": "rod.right", "force": [0, "-P", 0]}},
+        simulation={"duration": 1, "output": 1},
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("model", "near"),
+    [(polynomials(3, SECOND), 1e-2), (polynomials(2, SECOND, "mean", 2), 2e-2), (polynomials(2, FIRST), None)],
+    ids=lambda value: value.label if isinstance(value, LadderModel) else None,
+)
+def test_a_cantilever_buckles_laterally_at_second_order_alone(model: LadderModel, near: float | None) -> None:
+    """At 4.013 sqrt(EI GJ)/l^2, from above, also in pieces."""
+    lost = path(cantilever(), "P", 0, 6, model).loss
+    if near is None:
+        assert lost is None
+    else:
+        assert lost is not None and 0 < lost / LATERAL - 1 < near
+
+
+def blade() -> SpatialScene:
+    """The blade of the example."""
+    scene = read_scene(BLADE)
+    assert isinstance(scene, SpatialScene)
+    return scene
+
+
+SPIN = "drives.spin.speed"
+
+
+@pytest.mark.long
+def test_a_blade_of_first_order_is_lost_in_lag_at_its_frequency_at_rest() -> None:
+    """At 3.516 sqrt(EI/(m l^3)); flap does not soften, but does not stiffen either."""
+    made = path(blade(), SPIN, 0, 6, polynomials(3, FIRST), 3)
+    assert made.unit == "rad/s" and made.loss == pytest.approx(3.516, rel=1e-3)
+    flaps = [p.eigenvalues.frequencies[0] for p in made.points if p.eigenvalues is not None and p.value > 4]
+    assert flaps == pytest.approx([3.516] * len(flaps), rel=1e-3)
+
+
+@pytest.mark.long
+def test_a_blade_of_second_order_stiffens_in_flap_and_in_lag() -> None:
+    known = json.loads(DATA.read_text())["inextensible"]
+    chosen = [1, 3]
+    low, high = (known["mu"][n] for n in chosen)
+    made = path(blade(), SPIN, low, high, polynomials(3, SECOND), 2)
+    assert made.loss is None
+    for point, n in zip(made.points, chosen, strict=True):
+        assert point.eigenvalues is not None
+        expected = [known["chordwise"][n], known["flapwise"][n]]
+        assert point.eigenvalues.frequencies[:2] == pytest.approx(expected, rel=5e-3)
+
+
+@pytest.mark.long
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    models = (LadderModel(Shapes.RIGID), LadderModel(Shapes.SINES, 1, SECOND, "chord"))
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
+    monkeypatch.setattr("derive.study.stability.ladder_stability.ladder", lambda *_: models)
+    asked = ["study", "stability", str(SHAFT), "--parameter", "spin=0:20:5", "--exact", "14.9468", "--json"]
+    assert main([*asked, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    rigid, sine = json.loads(said.out)["models"]
+    assert rigid["wrong"] == [{"from": 14.9468, "to": 20.0, "stable": True}]
+    assert sine["loss"] == pytest.approx(14.9468, rel=1e-5)
+    assert "1 sine, truncated" in (tmp_path / "stability.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"bodies": {"rod": {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}}},
+            "there is no beam and no finite-element body",
+        ),
+        (
+            {"forces": {"end": {"at": "rod.right", "force": [0, "-P*t", 0]}}},
+            "no motion is steady, since these functions",
+        ),
+    ],
+)
+def test_scenes_that_have_no_stability_to_study(changes: dict[str, Any], message: str) -> None:
+    given = {
+        "parameters": {"P": {"default": 0}} if "forces" in changes else {},
+        "bodies": {"rod": rod(ansatz=["1", "xi", "xi^2"], markers={"left": -1, "right": 1})},
+        "simulation": {"duration": 1, "output": 1},
+    }
+    scene = derive.spatial_scene("refused", **{**given, **changes})
+    with pytest.raises(derive.TisserandError, match=message):
+        derive.study_stability(
+            scene, ("bodies.rod.start.angular_velocity", 0, 1, 2) if not given["parameters"] else ("P", 0, 1, 2)
+        )
+
+
+def test_a_shaft_that_gravity_bends_does_not_rotate_steadily() -> None:
+    """Its weight is along one direction in space."""
+    scene = derive.spatial_scene(
+        "heavy",
+        gravity=(0, -9.81, 0),
+        ground=GROUND,
+        bodies={"rod": rod(ansatz={"kind": "pinned", "count": 1}, start={"angular_velocity": [2, 0, 0]})},
+        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
+    )
+    native = derive.load_scene(generated(scene)[1], QUICK)
+    with pytest.raises(NoSteadyMotion, match="not those of a rotation of the whole scene"):
+        steady_motion_of(scene, native, native.setup())
