@@ -23,7 +23,13 @@ from derive.study.accuracy.ladder_model import (
     Shapes,
     mixed,
 )
-from derive.study.accuracy.spatial_models import can_have, coordinates, flexible_bodies, most_modes
+from derive.study.accuracy.spatial_models import (
+    can_have,
+    coordinates,
+    flexible_bodies,
+    modelled_in_space,
+    most_modes,
+)
 from derive.study.study_options import LadderRange
 
 TWISTS = 2
@@ -42,7 +48,13 @@ def spatial_ladder(scene: SpatialScene, limits: LadderRange) -> tuple[LadderMode
         models += _beams(limits)
     finite = [body for body in bodies if isinstance(body, FlexibleBody)]
     models += [model for model in _component_modes(finite, limits) if any(can_have(scene, b, model) for b in finite)]
-    return tuple(sorted(dict.fromkeys(models), key=lambda model: (coordinates(scene, model), model.label)))
+    return tuple(sorted(dict.fromkeys(models), key=lambda model: (_coordinates(scene, model), model.label)))
+
+
+def _coordinates(scene: SpatialScene, model: LadderModel) -> int:
+    """The number of coordinates of the flexible bodies of a scene with a model, without joints."""
+    bodies = (modelled_in_space(scene, body, model.of(body.name)) for body in flexible_bodies(scene))
+    return sum(map(coordinates, bodies))
 
 
 def _beams(limits: LadderRange) -> Iterator[LadderModel]:
