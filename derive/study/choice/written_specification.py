@@ -120,7 +120,7 @@ def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
 def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
     """Write forces on a rigid body in place of the loads on a beam, and keep the texts of their factors."""
     loads = document["bodies"][beam.name].pop("loads", {})
-    for force, of in zip(rigid_loads(beam), resultants(replace(beam, pieces=1), 0), strict=True):
+    for force, of in zip(rigid_loads(beam), resultants(beam.loads, 1, 0), strict=True):
         total = float(of.density.integral() / 2) * si_value(beam.beam.length)
         factor = loads[of.load.name].get("time", 1)
         component = f"{total!r}*({factor})" if isinstance(factor, str) else total * factor
