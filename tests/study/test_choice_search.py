@@ -10,7 +10,6 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from derive.study.choice.beam_candidates import beam_candidates, cannot_do, suits
 
 from derive.runtime.compiler import RUN_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
