@@ -27,7 +27,7 @@ from derive.spec.tables.value_types import VALUE_TYPES, markers_type
 
 
 def _check_mass(of: SpatialAttachedMass) -> None:
-    if of.inertia is not None:
+    if of.inertia is not None and any(of.inertia):
         check_tensor(of.inertia)
 
 

@@ -36,6 +36,8 @@ DASHES: dict[str, tuple[float | None, ...]] = {
     "generalised-alpha": (6, 1.5, 1, 1.5),
 }
 """The dashes of lines by their integrators."""
+FAR = 10.0
+"""The largest error on the axis: of a motion that grows without bounds it would be 1e12."""
 SIGNS = {
     "x": "x rigid",
     "o": "● natural modes",
@@ -97,7 +99,7 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
     low, high = _range(chart)
 
     def errors(points: Iterable[Point]) -> list[float]:
-        return [max(point.rms, low) for point in points]
+        return [min(max(point.rms, low), high) for point in points]
 
     for n, line in enumerate(chart.drawn):
         shown = [p for p in line.points if cost(p) > 0]
@@ -169,11 +171,11 @@ def _power(value: float) -> str:
 
 
 def _range(chart: LadderChart) -> tuple[float, float]:
-    """The ends of the logarithmic axis of errors; those that vanish are drawn at its lower end."""
+    """The ends of the logarithmic axis of errors; those that vanish, or exceed `FAR`, are drawn at its ends."""
     errors = [p.rms for line in chart.drawn for p in line.points if p.rms > 0]
     errors += [rms for peer in chart.peers for _, rms, _ in peer.runs]
     known = [*errors, chart.error, *([chart.reference.error] if chart.reference.error else [])]
-    return min(known) / 1.6, max(known) * 1.6
+    return min(known) / 1.6, min(max(known), FAR) * 1.6
 
 
 def _marker(model: LadderModel) -> str:
@@ -193,7 +195,8 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
     low, high = (math.log(x) for x in _range(chart))
     labels = [(group[0].best, group_label(group), colour(group[0].model)) for group in label_groups(chart.drawn)]
     labels = sorted([*labels, *((peer.best, peer.name, style.INK) for peer in chart.peers)])
-    wanted = [HEIGHT * (math.log(best) - low) / (high - low) if best else 0.0 for best, _, _ in labels]
+    logarithms = [min(math.log(best), high) if best else low for best, _, _ in labels]
+    wanted = [HEIGHT * (logarithm - low) / (high - low) for logarithm in logarithms]
     places = spread(wanted, LABEL)
     edge = LEFT + 2 * PANEL + GAP
     for (best, text, tint), want, at in zip(labels, wanted, places, strict=True):
