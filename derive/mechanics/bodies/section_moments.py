@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_functions import ONE, rational
+from derive.mechanics.bodies.beam_functions import LEFT, ONE, rational
 from derive.mechanics.bodies.beam_integrals import CENTRED, CONDITION_17, CONDITION_19, ORTHOGONAL, PARITY
 from derive.mechanics.bodies.section_fields import (
     SectionField,
@@ -66,13 +67,17 @@ Tensor = dict[tuple[int, int], Integral]
 
 @dataclass(frozen=True)
 class SectionMoments:
-    """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2)."""
+    """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2).
+
+    They are those of its part to the right of xi = `start`; mass and inertia are those of the whole beam.
+    """
 
     beam: SpatialBeam
     shapes: tuple[SectionShape, ...]
     mass: sp.Expr
     length: sp.Expr
     inertia: sp.Expr
+    start: Fraction = LEFT
 
     def constants(self) -> Iterator[ModelConstant]:
         """The entries of the tables of shape integrals, each with its value, or the reason why it vanishes."""
@@ -147,7 +152,7 @@ class SectionMoments:
                 if weight := self._section[left[1], right[1]]:
                     product = of * other
                     unit = f.unit(left) * g.unit(right) * weight * self.mass / 2
-                    total += Integral(unit * rational(product.integral()), True, product.is_odd)
+                    total += Integral(unit * rational(product.integral(self.start)), True, product.is_odd)
         return total
 
 

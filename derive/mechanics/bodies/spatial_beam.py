@@ -11,6 +11,7 @@ a term of third order in the amplitudes, and of second order about a bent state:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations_with_replacement, product
 from typing import TYPE_CHECKING
 
@@ -130,18 +131,33 @@ def damping_constants(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> It
     if beam.damping is None:
         return
     entries: dict[tuple[int, int], sp.Expr] = {}
-    masses = inertia_units(beam)
-    for direction, unit in stiffness_units(beam).items():
-        own = [(i, shape) for i, shape in enumerate(shapes, 1) if shape.direction is direction]
-        of = [shape for _, shape in own]
-        K = sp.Matrix(len(own), len(own), lambda p, q, of=of: _strain_product(of[min(p, q)], of[max(p, q)]))
-        M = deformation_mass([shape.of for shape in of], CURVED[direction], 1)
-        B = damping_matrix(beam.damping, M, K, masses[direction], unit)
-        entries |= {(i, j): B[p, q] for p, (i, _) in enumerate(own) for q, (j, _) in enumerate(own)}
+    for direction in stiffness_units(beam):
+        of = damping_along(beam, shapes, direction)
+        entries |= {(i, j): of.B[p, q] for p, i in enumerate(of.numbers) for q, j in enumerate(of.numbers)}
     for i, j in combinations_with_replacement(range(1, len(shapes) + 1), 2):
         value = entries.get((i, j), sp.S.Zero)
         zero = None if value else UNCOUPLED if (i, j) not in entries else DAMPED_ALONE
         yield ModelConstant(pair(Family.DAMPING, i, j), value, "(13)", f"damping of modes {i} and {j}", "N s/m", zero)
+
+
+@dataclass(frozen=True)
+class DirectionalDamping:
+    """The damping of the amplitudes of a direction, with their numbers: B (N s/m), and the times K^-1 B (s)."""
+
+    numbers: tuple[int, ...]
+    B: sp.Matrix
+    retardation_times: sp.Matrix
+
+
+def damping_along(beam: SpatialBeam, shapes: tuple[SectionShape, ...], direction: Direction) -> DirectionalDamping:
+    """The damping of a beam, which has one, in a direction."""
+    assert beam.damping is not None
+    own = {i: shape for i, shape in enumerate(shapes, 1) if shape.direction is direction}
+    of, unit = [*own.values()], stiffness_units(beam)[direction]
+    K = sp.Matrix(len(own), len(own), lambda p, q: _strain_product(of[min(p, q)], of[max(p, q)]))
+    M = deformation_mass([shape.of for shape in of], CURVED[direction], 1)
+    B = damping_matrix(beam.damping, M, K, inertia_units(beam)[direction], unit)
+    return DirectionalDamping(tuple(own), B, (K.inv() * B / unit).expand())
 
 
 def cubic_stiffness(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> Iterator[ModelConstant]:

@@ -144,7 +144,7 @@ class _Named:
             motion=self.motion,
             gear_loads=nothing,
         )
-        return spatial_output_equations((output,), parts)
+        return spatial_output_equations((output,), parts)[0]  # motions have no constants of their own
 
 
 class _Nothing(Mapping[str, Any]):

@@ -153,6 +153,7 @@ class SpatialMechanism(InstancesOfKinds):
                 for load in gear_loads(gear, condition.multiplier, motion)
             ),
         )
+        outputs, of_outputs = spatial_output_equations(scene.outputs, parts)
         contributions = Gathered(
             doc=self.doc(conditions),
             frame_doc=self.frame_doc(),
@@ -160,8 +161,9 @@ class SpatialMechanism(InstancesOfKinds):
             terms=tuple(term for action in actions for term in action.terms(at, rows)),
             potentials=tuple(action.potential for action in actions),
             definitions=tuple(definition for action in actions for definition in action.definitions),
-            outputs=spatial_output_equations(scene.outputs, parts),
+            outputs=outputs,
             poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
+            of_outputs=of_outputs,
         )
         return equations_of_mechanism(self, instances, contributions)
 
