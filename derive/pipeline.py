@@ -14,6 +14,7 @@ from derive.artifacts import File
 from derive.backends.model_files import emit
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Built:
-    """The results of all stages for a specification.
+    """The results of all stages for a specification; that of a scene in space has all pieces of its beams.
 
     derived: the equations of a body, or the mechanism of a scene. unstarted: the reason why the files of a scene have
     no function NAME_start; empty where they have one. seconds: the wall-clock time of each stage by its name.
@@ -94,6 +95,7 @@ def generate(
     """
     from derive.derivation import derive, lower
 
+    written, spec = spec, in_pieces(spec)
     stages = stages or Stages()
     with stages.stage("derive", "deriving the equations of motion"):
         derived, first = derive(spec), _foreseen(spec)
@@ -104,7 +106,7 @@ def generate(
         with stages.stage("start", "computing the initial state"):
             model, unstarted = _started(spec, model, start_needed, first is not spec)
     with stages.stage("emit", "emitting C and Python"):
-        files = emit(model, spec, backends)
+        files = emit(model, written, backends)
     return Built(spec, derived, model, files, unstarted, stages.seconds)
 
 
@@ -137,8 +139,9 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     if not isinstance(model, Model):
         kind = type(model).__name__
         raise TypeError(f"the model that derive.lower(derive.derive(spec)) returns is needed, not {kind}")
-    if isinstance(spec, (Scene, SpatialScene)) and model.start is None:
-        model, unstarted = _started(spec, model)
+    scene = in_pieces(spec)
+    if isinstance(scene, (Scene, SpatialScene)) and model.start is None:
+        model, unstarted = _started(scene, model)
         if unstarted:
             warn(unstarted, stacklevel=2)
     return emit(model, spec, backends)

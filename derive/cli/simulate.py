@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from derive.artifacts import File, check_folder, write
 from derive.cli.result_files import motion_page_path, picture_names
@@ -25,16 +26,15 @@ from derive.cli.specifications import in_file_order, read_changed, simulation_of
 from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
-from derive.simulation.observables.motion import planar
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.output_times import output_times
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.run_record import DRIFT_COLUMNS, run_files
-from derive.simulation.simulated_scene import surroundings
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Deflection
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
@@ -160,14 +160,16 @@ class Simulations:
 
 
 def _pieces(spec: AnyScene | NodalBody) -> Pieces:
-    return tuple((b.name, b.pieces) for b in surroundings(spec).bodies if isinstance(b, BeamBody))
+    bodies = () if isinstance(spec, NodalBody) else spec.bodies
+    return tuple((b.name, b.pieces) for b in bodies if isinstance(b, (BeamBody, SpatialBeam)))
 
 
-def _divided(spec: AnyScene | NodalBody, cut: str | None, pieces: int) -> Scene:
+def _divided(spec: AnyScene | NodalBody, cut: str | None, pieces: int) -> AnyScene:
     """The scene with the beam `cut` divided into `pieces` pieces."""
-    scene = planar(surroundings(spec))
-    bodies = (replace(b, pieces=pieces) if isinstance(b, BeamBody) and b.name == cut else b for b in scene.bodies)
-    return replace(scene, bodies=tuple(bodies))
+    assert not isinstance(spec, NodalBody), "a body alone has no plots of pieces"
+    changed: Any = spec
+    bodies: Any = (replace(b, pieces=pieces) if b.name == cut else b for b in changed.bodies)
+    return replace(changed, bodies=tuple(bodies))
 
 
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:

@@ -17,6 +17,7 @@ from derive.short_text import listed, record_text, summary
 from derive.simulation.initial.start_state import start_state
 from derive.simulation.linear.run_time_inputs import input_values
 from derive.simulation.simulated_scene import simulated, surroundings
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.body import NodalBody
 from derive.spec.model.specification import AnyScene, Specification
 
@@ -145,7 +146,7 @@ def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
         >>> [(variable.name, variable.start) for variable in host.velocities]
         [('ball_c1dot', 3.0), ('ball_c2dot', 4.0), ('ball_phidot', 0.0)]
     """
-    mechanism = simulated(spec, lacking="it has no initial state for a host to start from")
+    mechanism = in_pieces(simulated(spec, lacking="it has no initial state for a host to start from"))
     values = input_values(surroundings(mechanism), 0.0)
     result = generate(mechanism, sensitivities, ("c",), start_needed=True)
     model = result.model

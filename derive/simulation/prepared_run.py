@@ -84,14 +84,14 @@ class PreparedRun:
         self.units = dict(columns)
         problems = [
             *_repeated(self.scene, [name for name, _ in columns]),
-            *plots_of_nothing(spec.plots, tuple(self.units)),
+            *plots_of_nothing(self.scene.plots, tuple(self.units)),
         ]
         self._until, wrong = stop_condition(spec.simulation, tuple(self.units))
         if problems or wrong:
             raise SpecError((*problems, *wrong))
         self._spatial = spatial_state(self.model, self.body.start) if self.body else None
         self._notes = (*monitoring_note(self.scene), *plots_note(self.scene, self.model))
-        self.plots = (*spec.plots, *default_plots(self.scene, self.model))
+        self.plots = (*self.scene.plots, *default_plots(self.scene, self.model))
 
     def _generate(self, scene: AnyScene) -> None:
         """Generate the model, of `scene` in place of the scene that is simulated."""

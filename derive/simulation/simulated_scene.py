@@ -12,6 +12,7 @@ from derive.runtime.native_call import Matrix
 from derive.runtime.native_scene import NativeScene
 from derive.spec.construction import validated
 from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import NOT_GIVEN
@@ -41,9 +42,9 @@ def simulated(spec: Specification, lacking: str = "there is nothing to simulate 
 
 
 def surroundings(spec: AnyScene | NodalBody) -> AnyScene:
-    """The scene in which a specification moves: a body in space alone is in an empty one."""
+    """The scene in which a specification moves, with all pieces of beams: a body in space alone is in an empty one."""
     if isinstance(spec, (Scene, SpatialScene)):
-        return spec
+        return in_pieces(spec)
     return Scene(spec.name, (), None, (), (), simulation=spec.simulation, plots=spec.plots)
 
 

@@ -33,6 +33,7 @@ from derive.mechanics.tables import exact_tables
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.spatial_beam import cut_into
 
 if TYPE_CHECKING:
     from derive.spec.model.spatial_beam import SpatialBeam
@@ -53,16 +54,21 @@ DESCRIPTIONS = {
 
 
 def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()) -> Body:
-    """The body of a beam in space with its integrals. Raises ConditionError when the ansatz does not fit the frame."""
+    """The body of a beam in space, or of a piece of one, with its integrals.
+
+    Damping is that of the whole beam, which couples its pieces and is no part of them. Raises ConditionError when the
+    ansatz does not fit the frame.
+    """
     shapes = section_shapes(beam)
-    mass, length, inertia = (quantity.value(x) for x in (beam.mass, beam.length, beam.rotary_inertia))
+    n, length = cut_into(beam), length_of(beam)
+    mass, inertia = quantity.value(beam.mass) / n, quantity.value(beam.rotary_inertia) / n
     second_order = beam.order is not DisplacementOrder.FIRST_ORDER
     constants = (
         *SectionMoments(beam, shapes, mass, length, inertia).constants(),
         *stiffness_constants(beam, shapes),
         *(cubic_stiffness(beam, shapes) if second_order else ()),
         *preload_constants(beam, shapes),
-        *damping_constants(beam, shapes),
+        *(damping_constants(beam, shapes) if n == 1 else ()),
     )
     docs = (SECOND_ORDER_DOCS if second_order else DOCS) | OTHER_DOCS
     return Body(
@@ -79,6 +85,11 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
     )
 
 
+def length_of(beam: SpatialBeam) -> sp.Expr:
+    """The length of a beam, or of a piece of one."""
+    return quantity.value(beam.length) / cut_into(beam)
+
+
 def shape_texts(shapes: tuple[SectionShape, ...]) -> str:
     """The shape functions as text, in a line."""
     texts = {d: ", ".join(shape.of.text for shape in shapes if shape.direction is d) for d in Direction}
@@ -87,7 +98,7 @@ def shape_texts(shapes: tuple[SectionShape, ...]) -> str:
 
 def stiffness_units(beam: SpatialBeam) -> dict[Direction, sp.Expr]:
     """The units of which the entries of K are rational multiples, N/m, by directions."""
-    length = quantity.value(beam.length)
+    length = length_of(beam)
     units = dict(zip(Direction, (quantity.value(x) / length**3 for x in beam.bending_stiffnesses), strict=False))
     if beam.torsion:
         units[Direction.TORSION] = quantity.value(beam.torsion.stiffness) / length**3
@@ -98,7 +109,7 @@ def stiffness_units(beam: SpatialBeam) -> dict[Direction, sp.Expr]:
 
 def inertia_units(beam: SpatialBeam) -> dict[Direction, sp.Expr]:
     """The units of which the entries of c8 are rational multiples, kg, by directions: m, or 4 J/l^2 of torsion."""
-    of_torsion = 4 * quantity.value(beam.rotary_inertia) / quantity.value(beam.length) ** 2
+    of_torsion = 4 * quantity.value(beam.rotary_inertia) / length_of(beam) ** 2
     return {d: of_torsion if d is Direction.TORSION else quantity.value(beam.mass) for d in stiffness_units(beam)}
 
 
@@ -127,14 +138,18 @@ def _strain_product(first: SectionShape, second: SectionShape) -> sp.Rational:
 
 
 def damping_constants(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> Iterator[ModelConstant]:
-    """The entries B_ij, i <= j, in N s/m, with the reasons of those that vanish; none without damping."""
+    """The entries B_ij, i <= j, in N s/m, of a beam, or of all pieces of a beam that is one of them.
+
+    The amplitudes are counted through the pieces from left to right. Entries that vanish have the reason; without
+    damping there are none.
+    """
     if beam.damping is None:
         return
-    entries: dict[tuple[int, int], sp.Expr] = {}
+    n, entries = cut_into(beam), dict[tuple[int, int], sp.Expr]()
     for direction in stiffness_units(beam):
         of = damping_along(beam, shapes, direction)
         entries |= {(i, j): of.B[p, q] for p, i in enumerate(of.numbers) for q, j in enumerate(of.numbers)}
-    for i, j in combinations_with_replacement(range(1, len(shapes) + 1), 2):
+    for i, j in combinations_with_replacement(range(1, n * len(shapes) + 1), 2):
         value = entries.get((i, j), sp.S.Zero)
         zero = None if value else UNCOUPLED if (i, j) not in entries else DAMPED_ALONE
         yield ModelConstant(pair(Family.DAMPING, i, j), value, "(13)", f"damping of modes {i} and {j}", "N s/m", zero)
@@ -142,7 +157,10 @@ def damping_constants(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> It
 
 @dataclass(frozen=True)
 class DirectionalDamping:
-    """The damping of the amplitudes of a direction, with their numbers: B (N s/m), and the times K^-1 B (s)."""
+    """The damping of the amplitudes of a direction: B (N s/m), and the times K^-1 B (s).
+
+    numbers: those of the amplitudes, counted through the pieces of a beam that is cut.
+    """
 
     numbers: tuple[int, ...]
     B: sp.Matrix
@@ -150,20 +168,22 @@ class DirectionalDamping:
 
 
 def damping_along(beam: SpatialBeam, shapes: tuple[SectionShape, ...], direction: Direction) -> DirectionalDamping:
-    """The damping of a beam, which has one, in a direction."""
+    """The damping of a beam, which has one, or of all pieces of a beam that is one of them, in a direction."""
     assert beam.damping is not None
-    own = {i: shape for i, shape in enumerate(shapes, 1) if shape.direction is direction}
-    of, unit = [*own.values()], stiffness_units(beam)[direction]
+    n, unit = cut_into(beam), stiffness_units(beam)[direction]
+    own = [i for i, shape in enumerate(shapes) if shape.direction is direction]
+    of = [shapes[i] for i in own]
     K = sp.Matrix(len(own), len(own), lambda p, q: _strain_product(of[min(p, q)], of[max(p, q)]))
-    M = deformation_mass([shape.of for shape in of], CURVED[direction], 1)
-    B = damping_matrix(beam.damping, M, K, inertia_units(beam)[direction], unit)
-    return DirectionalDamping(tuple(own), B, (K.inv() * B / unit).expand())
+    M = deformation_mass([shape.of for shape in of], CURVED[direction], n)
+    B = damping_matrix(beam.damping, M, sp.diag(*[K] * n), inertia_units(beam)[direction], unit)
+    numbers = tuple(len(shapes) * k + i + 1 for k in range(n) for i in own)
+    return DirectionalDamping(numbers, B, (sp.diag(*[K.inv()] * n) * B / unit).expand())
 
 
 def cubic_stiffness(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> Iterator[ModelConstant]:
     """The factors of alpha_i alpha_j alpha_k in the strain energy, N/m^2, that do not vanish."""
     first, second = (quantity.value(x) for x in beam.bending_stiffnesses)
-    unit = 16 * (first - second) / quantity.value(beam.length) ** 4
+    unit = 16 * (first - second) / length_of(beam) ** 4
     numbered = {d: [(i, s.of) for i, s in enumerate(shapes, 1) if s.direction is d] for d in Direction}
     bending = product(numbered[Direction.ALONG_E2], numbered[Direction.ALONG_E3])
     for ((i, v), (j, w)), (k, tau) in product(bending, numbered[Direction.TORSION]):

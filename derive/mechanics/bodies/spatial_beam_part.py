@@ -14,11 +14,13 @@ from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import rational
 from derive.mechanics.bodies.section_fields import section_shapes
 from derive.mechanics.bodies.section_moments import SectionMoments
+from derive.mechanics.bodies.spatial_beam import length_of
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.expansion import rigid_rows
 from derive.mechanics.tables import exact_tables
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.spatial_beam import cut_into
 
 if TYPE_CHECKING:
     from derive.algebra import sp
@@ -34,7 +36,7 @@ KEPT = 64
 def spatial_part(
     beam: SpatialBeam, start: Fraction, gravity: tuple[ModelConstant, ...]
 ) -> tuple[Body, tuple[sp.Expr, ...]]:
-    """The part of a beam to the right of xi = `start`, without stiffness and damping, and its rigid rows.
+    """The part of a beam, or of a piece of one, to the right of xi = `start`, without stiffness and damping, and its rigid rows.
 
     The rows contain the rotation tensor by its symbols.
     """
@@ -44,8 +46,9 @@ def spatial_part(
 
 def _part(beam: SpatialBeam, start: Fraction, gravity: tuple[ModelConstant, ...]) -> Body:
     shapes = section_shapes(beam)
-    mass, length, inertia = (quantity.value(x) for x in (beam.mass, beam.length, beam.rotary_inertia))
-    constants = tuple(SectionMoments(beam, shapes, mass, length, inertia, start).constants())
+    n = cut_into(beam)
+    mass, inertia = quantity.value(beam.mass) / n, quantity.value(beam.rotary_inertia) / n
+    constants = tuple(SectionMoments(beam, shapes, mass, length_of(beam), inertia, start).constants())
     docs = DOCS if beam.order is DisplacementOrder.FIRST_ORDER else SECOND_ORDER_DOCS
     return Body(
         name="part",

@@ -9,13 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from derive.algebra import sp
-from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
+from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.kinematics import Kinematics, Linear
 from derive.simulation.observables.beams import fields_of, half_length
 from derive.simulation.observables.motion import body_coordinates, si_value
+from derive.spec.model.beam_pieces import piece_of, place_in_piece
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef

@@ -31,6 +31,7 @@ from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import state_of
 from derive.simulation.simulate import with_simulation
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.scene import EQUILIBRIUM, STEADY, Scene
 from derive.spec.model.scene_functions import input_functions, time_functions
 from derive.spec.model.spatial_scene import SpatialScene
@@ -175,6 +176,7 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
         array([0.6105])
     """
     if isinstance(spec, (Scene, SpatialScene)):
+        spec = in_pieces(spec)
         state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
     else:
         state = _of_body(spec, at)

@@ -11,10 +11,11 @@ from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.bodies.beam_integrals import BeamField
 from derive.mechanics.bodies.displacement_fields import displacement_fields, shortening
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
+from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.symbols import amplitude_of
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
 from derive.spec.model.beam_parts import AssumedDeflection
+from derive.spec.model.beam_pieces import piece_of, place_in_piece
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody
 from derive.spec.model.specification import AnyScene

@@ -8,6 +8,7 @@ from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.simulation.observables.motion import Array, SceneMotion, body_coordinates, planar, transformed
 from derive.simulation.space.marker_frames import frame_of
 from derive.simulation.space.poses import SpatialPoses
+from derive.spec.model.beam_pieces import located
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
@@ -21,7 +22,8 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     if isinstance(motion.scene, SpatialScene):
         states = zip(motion.t, motion.q, strict=True)
         poses = (SpatialPoses(native, motion.k, float(t), q, 1.0) for t, q in states)
-        return np.array([frame_of(motion.scene, at, marker).position for at in poses])
+        own = located(motion.scene, marker)
+        return np.array([frame_of(motion.scene, at, own).position for at in poses])
     if marker.body == GROUND:
         return np.tile(body_coordinates(planar(motion.scene), marker), (len(motion.t), 1))
     body = next(b for b in motion.scene.bodies if b.name == marker.body)

@@ -14,7 +14,7 @@ from derive.mechanics.bodies.section_fields import second_rotation, section_shap
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_beam import SpatialBeam, cut_into
 
 STATIONS = 13
 """The number of sections of a beam that are drawn."""
@@ -24,7 +24,7 @@ SLENDER = 60
 
 def section_frame(beam: SpatialBeam, name: str, at: Fraction) -> ModalFrame:
     """The section at xi = at in the floating frame of a beam."""
-    shapes, length = section_shapes(beam), si_value(beam.length)
+    shapes, length = section_shapes(beam), si_value(beam.length) / cut_into(beam)
     displacements = np.array([_at(shape.displacement, at) for shape in shapes])
     twists = np.array([_at(shape.rotation, at) for shape in shapes]) * 2 / length
     position = np.array([float(at) * length / 2, 0.0, 0.0])
@@ -45,7 +45,7 @@ def beam_frames(beam: SpatialBeam) -> dict[str, ModalFrame]:
 
 def drawn_points(beam: SpatialBeam) -> tuple[Matrix, Matrix]:
     """The corners (4 STATIONS, 3), m, of square sections along the undeformed beam, and the modes there, (N, .., 3)."""
-    length = si_value(beam.length)
+    length = si_value(beam.length) / cut_into(beam)
     radius = (2 * si_value(beam.rotary_inertia) / si_value(beam.mass)) ** 0.5
     half = max(radius / 2**0.5, length / SLENDER / 2)
     corners = np.array([[0.0, y * half, z * half] for y, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -27,7 +28,8 @@ from derive.simulation.space.joint_targets import (
     rotation_of_frames,
 )
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.spatial_beam import SpatialBody
+from derive.spec.model.beam_pieces import piece_name, whole
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 
@@ -83,18 +85,23 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
 
 
 def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
-    start, table = body.start, f"bodies.{body.name}.start"
+    """The targets of a body; those of a beam in pieces belong to its first piece, and are means over all."""
+    of = whole(body)
+    names: tuple[str, ...] = (body.name,)
+    if isinstance(body, SpatialBeam) and body.piece_of is not None:
+        if body.piece_of.number:
+            return
+        names = tuple(piece_name(of.name, body.pieces, k) for k in range(body.pieces))
+    start, table = of.start, f"bodies.{of.name}.start"
     given = Strength.GUESS if start.guess else Strength.GIVEN
     if start.position is not None:
-        yield SpatialTarget(
-            table, "position", start.position, given, False, False, _position(body.name, np.array(start.position))
-        )
+        function = _mean(names, partial(_position, value=np.array(start.position)))
+        yield SpatialTarget(table, "position", start.position, given, False, False, function)
     if start.rotation is not None:
         quaternion = np.array(start.rotation)
         reference = rotation_matrix(quaternion / np.linalg.norm(quaternion))
-        yield SpatialTarget(
-            table, "rotation", start.rotation, given, True, False, _rotation(body.name, reference), body=body.name
-        )
+        function = _mean(names, partial(_rotation, reference=reference))
+        yield SpatialTarget(table, "rotation", start.rotation, given, True, False, function, body=names[0])
     for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates)):
         if values:
             rate = key == "amplitude_rates"
@@ -104,10 +111,10 @@ def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
                 table, key, values, given, False, rate, _amplitudes(places, columns, np.array(values), rate), columns
             )
     if start.velocity is not None:
-        function = _twist(body.name, slice(0, 3), np.array(start.velocity))
+        function = _mean(names, partial(_twist, part=slice(0, 3), value=np.array(start.velocity)))
         yield SpatialTarget(table, "velocity", start.velocity, given, False, True, function)
     if start.angular_velocity is not None:
-        function = _twist(body.name, slice(3, 6), np.array(start.angular_velocity))
+        function = _mean(names, partial(_twist, part=slice(3, 6), value=np.array(start.angular_velocity)))
         yield SpatialTarget(table, "angular_velocity", start.angular_velocity, given, True, True, function)
 
 
@@ -130,28 +137,32 @@ def _amplitudes(
     return linearised
 
 
-def _position(body: str, value: Vector) -> Callable[[SpatialPoses], Linearised]:
+def _mean(
+    names: tuple[str, ...], of_body: Callable[[SpatialPoses, str], Linearised]
+) -> Callable[[SpatialPoses], Linearised]:
+    """The mean of a vector over some bodies."""
+
     def linearised(poses: SpatialPoses) -> Linearised:
-        twist, drift = poses.twist(body)
-        return poses.position(body) - value, twist[:3], drift[:3]
+        every = [of_body(poses, name) for name in names]
+        deviation, gradient, drift = (np.mean(of, axis=0) for of in zip(*every, strict=True))
+        return deviation, gradient, drift
 
     return linearised
 
 
-def _rotation(body: str, reference: Matrix) -> Callable[[SpatialPoses], Linearised]:
-    def linearised(poses: SpatialPoses) -> Linearised:
-        twist, drift = poses.twist(body)
-        return poses.rotation_from(body, reference), twist[3:], drift[3:]
-
-    return linearised
+def _position(poses: SpatialPoses, body: str, value: Vector) -> Linearised:
+    twist, drift = poses.twist(body)
+    return poses.position(body) - value, twist[:3], drift[:3]
 
 
-def _twist(body: str, part: slice, value: Vector) -> Callable[[SpatialPoses], Linearised]:
-    def linearised(poses: SpatialPoses) -> Linearised:
-        twist, drift = poses.twist(body)
-        return drift[part] - value, twist[part], drift[part]
+def _rotation(poses: SpatialPoses, body: str, reference: Matrix) -> Linearised:
+    twist, drift = poses.twist(body)
+    return poses.rotation_from(body, reference), twist[3:], drift[3:]
 
-    return linearised
+
+def _twist(poses: SpatialPoses, body: str, part: slice, value: Vector) -> Linearised:
+    twist, drift = poses.twist(body)
+    return drift[part] - value, twist[part], drift[part]
 
 
 # ---- joints and drives ----

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.mechanics.multibody.bodies.beam import piece_of, place_in_piece
 from derive.runtime.native_call import Vector
 from derive.simulation.validity.loaded_sections import free_ends
 from derive.simulation.validity.missed_moment import ENDS
 from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, monitored_sections
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.simulation.validity.watched_forms import WatchedForms
+from derive.spec.model.beam_pieces import piece_of, place_in_piece
 from derive.spec.model.scene import Scene
 
 

@@ -144,6 +144,14 @@ class TorsionalDeformation:
     __repr__ = record_text
 
 
+@dataclass(frozen=True)
+class PieceOf:
+    """The place of a piece: the whole beam, whose length and mass it has a part of, and its number from 0."""
+
+    rod: SpatialBeam
+    number: int
+
+
 @documented
 @dataclass(frozen=True)
 class SpatialBeam:
@@ -151,6 +159,7 @@ class SpatialBeam:
 
     Attributes:
         name: the name of the body.
+        piece_of: the beam that it is a piece of, in scenes whose beams are cut; their other keys are those of the beam.
 
     Examples:
         >>> import derive
@@ -242,6 +251,10 @@ class SpatialBeam:
         ),
     ] = ()
     start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    pieces: Annotated[
+        int, key(KeyType.PIECE_COUNT, "Number of beams of equal length into which the beam is divided.")
+    ] = 1
+    piece_of: PieceOf | None = None
     keep_coordinates: ClassVar[bool] = True
     kind: ClassVar[str] = "beam"
     __repr__ = record_text
@@ -259,6 +272,11 @@ class SpatialBeam:
         """The bending stiffnesses of deflections along e2 and e3, N m^2."""
         lateral = self.lateral.bending_stiffness if self.lateral else None
         return self.bending_stiffness, self.bending_stiffness if lateral is None else lateral
+
+
+def cut_into(body: SpatialBeam) -> int:
+    """The number of equal pieces of its length and mass of which a body is one: 1 for a whole beam."""
+    return 1 if body.piece_of is None else body.pieces
 
 
 DEFLECTION_FIELDS = tuple(field.name for field in fields(AssumedDeflection))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
 from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import COUNT
@@ -46,6 +47,14 @@ def _beam(name: str, order: int, **given: Any) -> SpatialBeam:
     beam = SpatialBeam(name=name, order=kept, **own, **given)
     if beam.ends is not None and any(isinstance(of.ansatz, ShapeFamily) for of in beam.deflections):
         raise WrongValueError("`ends` is for polynomials; families of shapes fulfil conditions of their own")
+    if beam.pieces > 1 and (
+        beam.ends is not None or any(isinstance(of.ansatz, ShapeFamily) for of in beam.deflections)
+    ):
+        raise WrongValueError(WHOLE_BEAM)
+    if beam.pieces > 1 and (beam.start.amplitudes is not None or beam.start.amplitude_rates is not None):
+        raise WrongValueError(
+            "amplitudes belong to the shapes of a beam in one piece; leave them out of `start`, or leave `pieces` out"
+        )
     if order == 1 and beam.axial is not None and beam.axial.preload != 0:
         raise WrongValueError(
             "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"

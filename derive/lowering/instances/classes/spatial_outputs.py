@@ -143,6 +143,7 @@ class _Named:
             drive_multipliers=nothing,
             motion=self.motion,
             gear_loads=nothing,
+            dissipations=nothing,
         )
         return spatial_output_equations((output,), parts)[0]  # motions have no constants of their own
 

@@ -8,26 +8,24 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS, damping_constants
 from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
-from derive.mechanics.symbols import owned
+from derive.mechanics.multibody.component_damping import shared_damping
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AttachedMass, Marker, ShapeFamily
+from derive.spec.model.beam_pieces import CUT, piece_of, place_in_piece
+from derive.spec.model.beam_pieces import piece_name as name_of_piece
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Joint
 
 if TYPE_CHECKING:
     from derive.mechanics.body import Body
-
-CUT = ("cut_left", "cut_right")
-"""The markers at the ends at which pieces are welded together."""
 
 WHOLE_BEAM = (
     "`ends` and families of shape functions are for beams in one piece: with them the pieces could not bend at the "
@@ -92,14 +90,8 @@ class Beam(BodyType[BeamBody]):
         """The damping of a rod in pieces, where equal entries share a constant; None for a rod in one piece."""
         if body.beam.damping is None or body.pieces == 1:
             return None
-        entries, constants = dict[tuple[int, int], sp.Symbol](), dict[sp.Expr, ModelConstant]()
-        for c in (c for c in damping_constants(body.beam, body.pieces) if not c.zero):
-            i, j = c.symbol.identity.shapes
-            doc = f"damping of amplitudes {i} and {j} of {body.name}, counted through its pieces; also of equal entries"
-            entry = replace(c, symbol=owned(c.symbol, body.name), doc=doc)
-            entries[i, j] = constants.setdefault(c.value, entry).symbol
         names = tuple(piece_name(body, k) for k in range(body.pieces))
-        return ComponentDamping(names, entries, tuple(constants.values()))
+        return shared_damping(body.name, names, damping_constants(body.beam, body.pieces))
 
     def forces(self, body: BeamBody) -> tuple[Force, ...]:
         """The resultants of the distributed loads."""
@@ -138,21 +130,10 @@ def _piece(
 
 def piece_name(rod: BeamBody, k: int) -> str:
     """The name of piece k, counted from 0."""
-    return f"{rod.name}_{k + 1}" if rod.pieces > 1 else rod.name
+    return name_of_piece(rod.name, rod.pieces, k)
 
 
 def masses_of_piece(rod: BeamBody, k: int) -> tuple[AttachedMass, ...]:
     """The attached masses on piece k, counted from 0, with their positions in it."""
     n = rod.pieces
     return tuple(replace(m, at=place_in_piece(m.at, n)) for m in rod.beam.masses if piece_of(m.at, n) == k)
-
-
-def piece_of(at: Fraction, pieces: int) -> int:
-    """The number, from 0, of the piece that contains position xi of the rod; at a boundary, the left piece."""
-    along = (at + 1) / 2 * pieces
-    return max(-(-along.numerator // along.denominator) - 1, 0)
-
-
-def place_in_piece(at: Fraction, pieces: int) -> Fraction:
-    """The position xi in the piece that contains position xi of the rod."""
-    return (at + 1) * pieces - 2 * piece_of(at, pieces) - 1

@@ -26,10 +26,11 @@ from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
 from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.expansion import rigid_rows
-from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
+from derive.mechanics.multibody.bodies.beam import masses_of_piece, piece_name
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
+from derive.spec.model.beam_pieces import CUT, place_in_piece
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Scene

@@ -22,6 +22,7 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialElimi
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import element
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -42,7 +43,7 @@ def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -
 
     Raises SpecError with what does not go together, UnknownNameError for a body or joint that no registry knows.
     """
-    result: SpatialMechanism = _SpatialAssembly(scene, reduced).mechanism()
+    result: SpatialMechanism = _SpatialAssembly(in_pieces(scene), reduced).mechanism()
     return result
 
 
@@ -68,6 +69,7 @@ class _SpatialAssembly(SceneAssembly):
             eliminated_joints=tuple(self.eliminated_joints.values()),
             gears=self._gears(),
             forces=self._actions(),
+            dampings=tuple(filter(None, (self.type_of(body).damping(body) for body in self.scene.bodies))),
             parameters=spatial_parameters(self.scene),
             constants=tuple(self.constants),
             definitions=tuple(self.definitions),

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
-from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.spec.model.spatial_beam import SpatialBeam
+from derive.mechanics.multibody.component_damping import shared_damping
+from derive.spec.model.beam_pieces import CUT, piece_name, whole
+from derive.spec.model.spatial_beam import PieceOf, SpatialBeam
 from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
 
 if TYPE_CHECKING:
@@ -29,14 +31,16 @@ class BeamInSpace(BodyType[SpatialBeam]):
 
     def components(self, body: SpatialBeam, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The beam with its floating frame."""
-        alike = replace(body, name="", start=NOT_GIVEN_IN_SPACE)
+        alike = replace(body, name="", start=NOT_GIVEN_IN_SPACE, piece_of=_alike(body.piece_of))
         of, sections = _beam(alike, gravity)
-        names = tuple(m.name for m in body.markers)
-        return (Component(body.name, body.name, of, sections, names, body.name),)
+        group, names = whole(body).name, tuple(m.name for m in body.markers if m.name not in CUT)
+        return (Component(body.name, group, of, sections, names, group),)
 
     def constants(self, body: SpatialBeam) -> Iterator[Constant]:
         """The mass, length, inertia and stiffnesses, the offset of the centres of mass, the damping."""
-        name = body.name
+        if body.piece_of and body.piece_of.number:
+            return  # those of the first piece
+        name = whole(body).name
         yield Constant(body.mass, f"mass of {name}", positive=True)
         yield Constant(body.length, f"length of {name}", positive=True)
         yield Constant(body.rotary_inertia, f"moment of inertia of {name} about its axis", positive=True)
@@ -51,6 +55,24 @@ class BeamInSpace(BodyType[SpatialBeam]):
             yield Constant(value, f"offset of the centres of mass of {name} along its e{axis}")
         for key, value in vars(body.damping).items() if body.damping else ():
             yield Constant(value, f"{DAMPING_DOCS[key]} of {name}")
+
+    def damping(self, body: SpatialBeam) -> ComponentDamping | None:
+        """The damping of a beam in pieces, where equal entries share a constant; of its first piece alone."""
+        if body.damping is None or body.piece_of is None or body.piece_of.number:
+            return None
+        from derive.mechanics.bodies.section_fields import section_shapes
+        from derive.mechanics.bodies.spatial_beam import damping_constants
+
+        rod = body.piece_of.rod
+        names = tuple(piece_name(rod.name, rod.pieces, k) for k in range(rod.pieces))
+        return shared_damping(rod.name, names, damping_constants(body, section_shapes(body)))
+
+
+def _alike(piece: PieceOf | None) -> PieceOf | None:
+    """The place of a piece without what its equations do not depend on."""
+    if piece is None:
+        return None
+    return PieceOf(replace(piece.rod, name="", markers=(), start=NOT_GIVEN_IN_SPACE), 0)
 
 
 @lru_cache(KEPT)

@@ -15,7 +15,7 @@ from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import rational
 from derive.mechanics.bodies.section_fields import Direction, section_shapes
-from derive.mechanics.bodies.spatial_beam import damping_along
+from derive.mechanics.bodies.spatial_beam import damping_along, length_of
 from derive.mechanics.bodies.spatial_beam_part import spatial_part
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.motion.vectors import cross, dot
@@ -24,6 +24,7 @@ from derive.mechanics.multibody.space.forces import moved_to
 from derive.mechanics.multibody.space.output_parts import SpatialParts
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
+from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_beam import SpatialBeam
@@ -46,7 +47,7 @@ class SpatialBeamSection:
         self.position, self.axes = position, axes
         self.instance = parts.instances[beam.name]
         self.shapes = section_shapes(beam)
-        self.length = quantity.value(beam.length)
+        self.length = length_of(beam)
         self._constants: dict[sp.Symbol, ModelConstant] = {}
 
     @property
@@ -111,11 +112,15 @@ class SpatialBeamSection:
         of = damping_along(self.beam, self.shapes, direction)
         first, second, third = self.stiffnesses
         stiffness = {Direction.TORSION: first, Direction.ALONG_E3: second, Direction.ALONG_E2: third}[direction]
-        factors = sp.Matrix([[derivatives[i] for i in of.numbers]]) * of.retardation_times
+        pieces, number = [self.beam.name], 0
+        if cut := self.beam.piece_of:
+            pieces, number = [piece_name(cut.rod.name, cut.rod.pieces, k) for k in range(cut.rod.pieces)], cut.number
+        n = len(derivatives)
+        factors = sp.Matrix([[*derivatives.values()]]) * of.retardation_times[n * number : n * (number + 1), :]
+        rates = [self.parts.instances[piece].rows[RIGID - 1 + i].v for piece in pieces for i in derivatives]
         total, label = sp.S.Zero, f"damping_{direction.name.lower()}_{order}"
-        for i, value in zip(of.numbers, factors, strict=True):
-            rate = self.instance.rows[RIGID - 1 + i].v
-            total += self.constant(f"{label}_{i}", value, f"damping per rate of amplitude {i}", "") * rate
+        for j, (value, rate) in enumerate(zip(factors, rates, strict=True), 1):
+            total += self.constant(f"{label}_{j}", value, f"damping per rate of amplitude {j}", "") * rate
         return stiffness * total
 
     @property

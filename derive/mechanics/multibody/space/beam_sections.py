@@ -8,9 +8,9 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
-from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import BeamFunction, rational
 from derive.mechanics.bodies.section_fields import SectionShape, second_rotation, section_shapes, shortening_of
+from derive.mechanics.bodies.spatial_beam import length_of
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import CrossSection
@@ -29,7 +29,7 @@ Vectors: TypeAlias = "dict[tuple[int, ...], dict[int, sp.Expr]]"
 
 def section_at(marker: SectionFrame, beam: SpatialBeam) -> CrossSection:
     """The cross-section at a marker. Raises ConditionError when the ansatz does not fit the frame."""
-    shapes, length, at = section_shapes(beam), quantity.value(beam.length), marker.at
+    shapes, length, at = section_shapes(beam), length_of(beam), marker.at
     pairs: list[tuple[int, int]] = []
     if beam.order is not DisplacementOrder.FIRST_ORDER:
         pairs += combinations_with_replacement(range(1, len(shapes) + 1), 2)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equations_of_mechanism, refuse_idle
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
 from derive.mechanics.multibody.space.actions import loads_of
@@ -59,11 +60,7 @@ class SpatialMechanism(InstancesOfKinds):
     eliminated_joints: tuple[SpatialEliminatedJoint, ...]
     gears: tuple[GearInstance, ...]
     forces: tuple[SpatialActionInstance, ...]
-
-    @property
-    def dampings(self) -> tuple[ComponentDamping, ...]:
-        """Damping between components of a body: none, since no body in space has several."""
-        return ()
+    dampings: tuple[ComponentDamping, ...]
 
     def __str__(self) -> str:
         joints = (f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints)
@@ -135,6 +132,7 @@ class SpatialMechanism(InstancesOfKinds):
         known += [(d.symbol, d.expr) for d in chain(self.definitions, *in_order)]
         refuse_idle(conditions, scene.redundant, known)
         actions = tuple(self.loads(f, at, rows) for f in self.forces)
+        damped = [damping_force(damping, instances) for damping in self.dampings]
         parts = SpatialParts(
             scene=scene,
             at=at,
@@ -152,17 +150,22 @@ class SpatialMechanism(InstancesOfKinds):
                 if condition.section == "gears" and condition.of == gear.gear.name
                 for load in gear_loads(gear, condition.multiplier, motion)
             ),
+            dissipations=tuple(force.dissipation for force in damped),
         )
         outputs, of_outputs = spatial_output_equations(scene.outputs, parts)
         contributions = Gathered(
             doc=self.doc(conditions),
             frame_doc=self.frame_doc(),
             conditions=conditions,
-            terms=tuple(term for action in actions for term in action.terms(at, rows)),
+            terms=(
+                *(term for action in actions for term in action.terms(at, rows)),
+                *(term for force in damped for term in force.terms),
+            ),
             potentials=tuple(action.potential for action in actions),
             definitions=tuple(definition for action in actions for definition in action.definitions),
             outputs=outputs,
             poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
+            coefficients=tuple(constant for damping in self.dampings for constant in damping.constants),
             of_outputs=of_outputs,
         )
         return equations_of_mechanism(self, instances, contributions)

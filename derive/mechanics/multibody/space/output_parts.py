@@ -30,7 +30,7 @@ class SpatialParts:
     joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
     that has eliminated coordinates, the marker of the body that it supports. joints: all of them by their names.
     drive_multipliers: of each drive that is a constraint, its multiplier. motion: that of a joint by its name.
-    gear_loads: those of all gears.
+    gear_loads: those of all gears. dissipations: the powers of dampings between components, W.
     """
 
     scene: SpatialScene
@@ -43,6 +43,7 @@ class SpatialParts:
     drive_multipliers: Mapping[str, sp.Expr]
     motion: Callable[[str], JointMotion]
     gear_loads: tuple[MarkerLoad, ...]
+    dissipations: tuple[sp.Expr, ...]
 
     def joint(self, name: str) -> SpatialJoint:
         """A joint by its name, with its constants as expressions."""

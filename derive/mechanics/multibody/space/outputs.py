@@ -99,7 +99,7 @@ def _power(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialCompo
     driven = [(d.name, parts.drive(d.name)[1].motion[1]) for d in parts.scene.drives]
     drives = [parts.drive_force(name) * speed for name, speed in driven]
     dissipated = sp.Add(*(action.dissipation for action in parts.actions))
-    dissipated += sp.Add(*map(material_damping, parts.instances.values()))
+    dissipated += sp.Add(*map(material_damping, parts.instances.values()), *parts.dissipations)
     return (
         SpatialComponent("loads", "W", "power of forces and torques", sp.Add(*loads)),
         SpatialComponent("drives", "W", "power of the drives", sp.Add(*drives)),
