@@ -66,14 +66,6 @@ class SpatialBeamSection:
             total += factor * self.instance.coordinates[COORDINATES - 1 + i].q
         return total
 
-    def rate(self, direction: Direction, order: int) -> sp.Expr:
-        """The time derivative of that."""
-        total, label = sp.S.Zero, f"{direction.name.lower()}_{order}"
-        for i, value in self._derivatives(direction, order).items():
-            factor = self.constant(f"{label}_{i}", value, f"derivative {order} by x of shape {i}", "")
-            total += factor * self.instance.rows[RIGID - 1 + i].v
-        return total
-
     def _derivatives(self, direction: Direction, order: int) -> dict[int, sp.Expr]:
         """The derivatives of the shapes of a direction by x, by their numbers; those of torsion are of the angle."""
         unit = (2 / self.length) ** (order + (direction is Direction.TORSION))
