@@ -36,9 +36,9 @@ KEPT = 64
 def spatial_part(
     beam: SpatialBeam, start: Fraction, gravity: tuple[ModelConstant, ...]
 ) -> tuple[Body, tuple[sp.Expr, ...]]:
-    """The part of a beam, or of a piece of one, to the right of xi = `start`, without stiffness and damping, and its rigid rows.
+    """The part of a beam, or of a piece of one, to the right of xi = `start`, and its rigid rows.
 
-    The rows contain the rotation tensor by its symbols.
+    It has no stiffness and no damping. The rows contain the rotation tensor by its symbols.
     """
     body = _part(beam, start, gravity)
     return body, rigid_rows(body, tuple(body.motion.rotation))

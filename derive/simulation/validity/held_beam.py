@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from derive.roles import Role
-from derive.runtime.native_call import ModelError, Vector
+from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.observables.beams import piece_names
@@ -37,13 +37,13 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
 
     native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
     """
-    pieces = [shapes.amplitudes_in(native, piece) for piece in piece_names(shapes.beam)]
-    own = [column for columns in pieces for column in columns]
+    pieces = [shapes.rates_in(native, piece) for piece in piece_names(shapes.beam)]
     deformations = coordinates_with(native, Role.AMPLITUDE)
     straight = np.where(deformations, 0.0, q)
-    free = ~deformations
-    free[own] = True
-    K = np.zeros((native.nq, native.nq))
+    moved = _moved_by_velocities(native, straight, k)
+    free = ~np.any(moved[deformations], axis=0)
+    free[[column for columns in pieces for column in columns]] = True
+    K = np.zeros((native.nv, native.nv))
     for columns in pieces:
         K[np.ix_(columns, columns)] = shapes.stiffness
     M = mass_matrix(native, straight, k)
@@ -60,10 +60,17 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
         squares, modes = eigh(*reduced)
     except np.linalg.LinAlgError:  # a velocity without inertia
         return ()
-    motions = np.zeros((len(squares), native.nq))
+    motions = np.zeros((len(squares), native.nv))
     motions[:, free] = (admitted @ modes / scale[:, None]).T
     elastic = squares > RIGID * squares[-1]
-    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic]))
+    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic] @ moved.T))
+
+
+def _moved_by_velocities(native: NativeScene, q: Vector, k: Vector) -> Matrix:
+    """The rates (nq, nv) of the coordinates for unit velocities; in the plane velocities are these rates."""
+    if native.nq == native.nv:
+        return np.eye(native.nq)
+    return np.array([native.rates(q, unit, k) for unit in np.eye(native.nv)]).T
 
 
 @dataclass(frozen=True, eq=False)

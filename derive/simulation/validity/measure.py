@@ -36,7 +36,9 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
     beam, errors = watched.beam, ImpliedErrors(watched, seen)
 
     def monitor(cause: Cause, value: float, error: float, t: float) -> Monitor:
-        return Monitor(beam.name, beam.pieces, cause, beam.beam.order, float(value), error, float(t))
+        return Monitor(
+            beam.name, beam.pieces, cause, beam.beam.order, float(value), error, float(t), watched.shapes.axis
+        )
 
     if not errors.straight:
         value, t = errors.peak / watched.length, seen.times[watched.deflection]

@@ -43,7 +43,7 @@ class Monitor:
     """The largest value of a monitored quantity of a beam in a run.
 
     value: of what `Cause` says, without unit. error: what it implies, root mean square over the run, of the peak of the
-    deflection. t: when it occurs, s.
+    deflection. t: when it occurs, s. axis: the one of a beam in space along which it deflects, 0 in the plane.
     """
 
     beam: str
@@ -53,6 +53,7 @@ class Monitor:
     value: float
     error: float
     t: float
+    axis: int = 0
 
     @property
     def passed(self) -> bool:
@@ -65,6 +66,7 @@ class Monitor:
         return {
             "beam": self.beam,
             "pieces": self.pieces,
+            **({"axis": f"e{self.axis}"} if self.axis else {}),
             "quantity": self.cause.value,
             "value": self.value,
             "t": self.t,
@@ -80,13 +82,18 @@ class Monitor:
 
     def warning_with(self, others: Sequence[Monitor]) -> str:
         """The warning, and the errors of other beams in which the same causes smaller ones."""
-        name = f"{self.beam} in {self.pieces} beam{'s' if self.pieces > 1 else ''}"
-        of_others = enumeration([f"{other._error} in {other.beam}" for other in others], MOST_NAMED)
+        name = f"{self._bent} in {self.pieces} beam{'s' if self.pieces > 1 else ''}"
+        of_others = enumeration([f"{other._error} in {other._bent}" for other in others], MOST_NAMED)
         return (
             f"{name}: {_WHAT[self.cause].format(percent(self.value))} at t = {self.t:.6g} s; this implies an error of "
             f"{self._error} in its deflection (rms over the run, relative to the peak; the limit is "
             f"{percent(ERROR_LIMIT)}){', and of ' * bool(others)}{of_others}; {self.remedy}"
         )
+
+    @property
+    def _bent(self) -> str:
+        """The beam, and in space the axis along which it deflects."""
+        return f"{self.beam} along its e{self.axis}" if self.axis else self.beam
 
     @property
     def _error(self) -> str:
@@ -103,6 +110,8 @@ class Monitor:
             case Cause.BENDING_MOMENT:
                 return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
             case Cause.MASS_MATRIX:
+                if self.axis:
+                    return "choose the mean frame, or divide the beam into more pieces"
                 return 'choose terms = "full", or the mean frame'
         assert_never(self.cause)
 

@@ -27,7 +27,7 @@ from derive.mechanics.terms import ModelConstant
 from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_beam import SpatialBeam, cut_into
 from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
 
 RIGID = 6
@@ -48,6 +48,7 @@ class SpatialBeamSection:
         self.instance = parts.instances[beam.name]
         self.shapes = section_shapes(beam)
         self.length = length_of(beam)
+        self.mass = quantity.value(beam.mass) / cut_into(beam)
         self._constants: dict[sp.Symbol, ModelConstant] = {}
 
     @property

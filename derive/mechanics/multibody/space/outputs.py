@@ -10,6 +10,7 @@ from derive.mechanics.multibody.outputs.energies import material_damping
 from derive.mechanics.multibody.space.joints import Freedom
 from derive.mechanics.multibody.space.marker_outputs import AXES, FRAME, LABELS, MARKER_OUTPUTS, along, observer
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
+from derive.mechanics.multibody.space.section_monitors import SPATIAL_MONITORS
 from derive.mechanics.multibody.space.section_outputs import SECTION_OUTPUTS
 from derive.mechanics.terms import ModelConstant, OutputEquation
 from derive.registry import Registry
@@ -165,6 +166,11 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
 )
 
 
+def spatial_output_type(kind: str) -> SpatialOutputType:
+    """The type of an output of a scene in space, or of one that a simulation adds. Raises UnknownNameError."""
+    return SPATIAL_MONITORS[kind] if kind in SPATIAL_MONITORS else SPATIAL_OUTPUTS[kind]
+
+
 def spatial_output_equations(
     outputs: tuple[SceneOutput, ...], parts: SpatialParts
 ) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
@@ -172,7 +178,7 @@ def spatial_output_equations(
     equations: list[OutputEquation] = []
     constants: dict[sp.Symbol, ModelConstant] = {}
     for output in outputs:
-        for part in SPATIAL_OUTPUTS[output.kind].components(output.values, parts):
+        for part in spatial_output_type(output.kind).components(output.values, parts):
             shown = joined(output.name, part.label)
             equations.append(OutputEquation(identifier(shown), shown, part.unit, part.doc, part.expr))
             constants |= {c.symbol: c for c in part.constants}
