@@ -6,6 +6,7 @@ beams are rigid. Gravity, springs and spin are left out, so that frequencies are
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,32 +39,37 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
     native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
     """
     pieces = [shapes.rates_in(native, piece) for piece in piece_names(shapes.beam)]
-    deformations = coordinates_with(native, Role.AMPLITUDE)
-    straight = np.where(deformations, 0.0, q)
+    straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
     moved = _moved_by_velocities(native, straight, k)
-    free = ~np.any(moved[deformations], axis=0)
-    free[[column for columns in pieces for column in columns]] = True
+    admitted = admitted_velocities(native, k, t, straight, [column for columns in pieces for column in columns])
+    if not admitted.size:
+        return ()
     K = np.zeros((native.nv, native.nv))
     for columns in pieces:
         K[np.ix_(columns, columns)] = shapes.stiffness
-    M = mass_matrix(native, straight, k)
-    size = np.sqrt(np.diag(M)[free])
+    try:
+        squares, modes = eigh(*(admitted.T @ x @ admitted for x in (K, mass_matrix(native, straight, k))))
+    except np.linalg.LinAlgError:  # a velocity without inertia
+        return ()
+    motions = (admitted @ modes).T
+    elastic = squares > RIGID * squares[-1]
+    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic] @ moved.T))
+
+
+def admitted_velocities(native: NativeScene, k: Vector, t: float, q: Vector, own: Sequence[int]) -> Matrix:
+    """The velocities (nv, n) that joints admit in the undeformed state q, with no deformation rates but `own` ones."""
+    moved = _moved_by_velocities(native, q, k)
+    free = ~np.any(moved[coordinates_with(native, Role.AMPLITUDE)], axis=0)
+    free[list(own)] = True
+    size = np.sqrt(np.diag(mass_matrix(native, q, k))[free])
     scale = np.where(size > 0, size, 1.0)
     admitted = np.eye(len(scale))
     if native.nlambda:
-        G = constraint_matrix(native, t, straight, k)[:, free] / scale
+        G = constraint_matrix(native, t, q, k)[:, free] / scale
         admitted = null_space(G / np.maximum(np.linalg.norm(G, axis=1, keepdims=True), np.finfo(float).tiny))
-    if not admitted.size:
-        return ()
-    reduced = [admitted.T @ (x[np.ix_(free, free)] / np.outer(scale, scale)) @ admitted for x in (K, M)]
-    try:
-        squares, modes = eigh(*reduced)
-    except np.linalg.LinAlgError:  # a velocity without inertia
-        return ()
-    motions = np.zeros((len(squares), native.nv))
-    motions[:, free] = (admitted @ modes / scale[:, None]).T
-    elastic = squares > RIGID * squares[-1]
-    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic] @ moved.T))
+    result = np.zeros((native.nv, admitted.shape[1]))
+    result[free] = admitted / scale[:, None]
+    return result
 
 
 def _moved_by_velocities(native: NativeScene, q: Vector, k: Vector) -> Matrix:

@@ -29,13 +29,15 @@ class Cause(Enum):
     Deflection, over the length. Axial force: the stiffness that it adds or removes, over that in bending, which first
     order leaves out. Bending moment: the root mean square of the largest that the shapes miss of it, over that of the
     largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of a
-    velocity that deflections take away; a truncated one is indefinite where nothing is left.
+    velocity that deflections take away; a truncated one is indefinite where nothing is left. Lateral buckling: the part
+    of the stiffness in the weaker plane that bending and twisting moments take away, which first order leaves out.
     """
 
     DEFLECTION = "deflection"
     AXIAL_FORCE = "axial_force"
     BENDING_MOMENT = "bending_moment"
     MASS_MATRIX = "mass_matrix"
+    LATERAL = "lateral_buckling"
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,8 @@ class Monitor:
                 if self.axis:
                     return "choose the mean frame, or divide the beam into more pieces"
                 return 'choose terms = "full", or the mean frame'
+            case Cause.LATERAL:
+                return "choose order = 2"
         assert_never(self.cause)
 
     @property
@@ -124,6 +128,7 @@ _WHAT = {
     Cause.DEFLECTION: "it bends by {} of its length",
     Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which a model of first order leaves out,",
     Cause.BENDING_MOMENT: "its shapes miss the bending moment by {} of the largest one",
+    Cause.LATERAL: "its bending and twisting moments take away {} of its stiffness, which first order leaves out,",
     Cause.MASS_MATRIX: "its deflection reduces the kinetic energy of some velocity by {}",
 }
 
