@@ -1,14 +1,14 @@
 """Lateral buckling of beams in space: the stiffness that bending and twisting moments take away at second order.
 
-A beam of first order knows no such coupling. At second order a bending moment M in the stiffer plane, here v'' along e2,
-couples the twist with the bending in the other plane, and a twisting moment T couples the bendings of both planes, by
+A beam of first order knows no such coupling. At second order a bending moment M in the stiffer plane, here along e2,
+couples the twist with the bending in the other plane, and a twisting moment T the bendings of both planes, by
 
     int M sqrt(1 - EI_2/EI_3) theta w'' dx + 1/2 int T (v' w'' - v'' w') dx
 
-in the potential, the square root by the curvature of the beam in its stiffer plane. Divided by the strain energy of the
-deformations that the joints admit, the largest value mu of this form is 1 where the beam buckles. What is coupled loses
-the fraction mu^2 of its stiffness. It is 1 under an end load 4.013 sqrt(EI_2 GJ)/l^2 on a cantilever, and under Greenhill's
-torque 2 pi EI/l on a shaft between hinges, as far as the shapes can represent the buckled beam.
+in the potential; the square root is due to the curvature of the beam in its stiffer plane. Divided by the strain energy
+of the deformations that the joints admit, the largest value mu of this form is 1 where the beam buckles. What is
+coupled loses the fraction mu^2 of its stiffness. As far as the shapes can represent the buckled beam, mu is 1 under an
+end load 4.013 sqrt(EI_2 GJ)/l^2 on a cantilever, and under Greenhill's torque 2 pi EI/l on a shaft between hinges.
 """
 
 from __future__ import annotations
