@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from derive.simulation.observables.motion import planar
+from derive.simulation.validity.bending_planes import spatial_beams
 from derive.simulation.validity.loaded_sections import free_ends, held_ends
 from derive.simulation.validity.monitoring_outputs import monitored_pieces, monitored_sections
 from derive.simulation.validity.piece_shapes import PieceShapes
@@ -34,7 +35,8 @@ def surroundings(scene: AnyScene, shapes: PieceShapes) -> Surroundings:
     beam = shapes.beam
     if isinstance(scene, SpatialScene):
         held = tuple(int(at) for at in held_in_plane(scene, beam.name, shapes.axis))
-        loaded = loaded_places(scene, beam.name)
+        masses = next(of.masses for of in spatial_beams(scene) if of.name == beam.name)
+        loaded = {*loaded_places(scene, beam.name)} | {mass.at for mass in masses}
         free = (Fraction(-1) not in loaded, Fraction(1) not in loaded)
     else:
         held = tuple(int(marker.at) for marker in held_ends(planar(scene), beam))

@@ -93,8 +93,9 @@ def _piece(rod: SpatialBeam, k: int) -> SpatialBeam:
     own = tuple(replace(m, at=place_in_piece(m.at, n)) for m in rod.markers if piece_of(m.at, n) == k)
     ends = [SectionFrame(CUT[0], Fraction(-1))] if k else []
     ends += [SectionFrame(CUT[1], Fraction(1))] if k < n - 1 else []
+    masses = tuple(replace(m, at=place_in_piece(m.at, n)) for m in rod.masses if piece_of(m.at, n) == k)
     name, of = piece_name(rod.name, n, k), PieceOf(rod, k)
-    return replace(rod, name=name, markers=(*own, *ends), start=_start(rod, k), piece_of=of)
+    return replace(rod, name=name, markers=(*own, *ends), masses=masses, start=_start(rod, k), piece_of=of)
 
 
 def _start(rod: SpatialBeam, k: int) -> SpatialInitialValues:

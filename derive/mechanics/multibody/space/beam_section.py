@@ -10,11 +10,13 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import combinations_with_replacement
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_functions import rational
-from derive.mechanics.bodies.section_fields import Direction, section_shapes
+from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
+from derive.mechanics.bodies.reference_conditions import on_piece
+from derive.mechanics.bodies.section_fields import Direction, section_shapes, shortening_of
 from derive.mechanics.bodies.spatial_beam import damping_along, length_of
 from derive.mechanics.bodies.spatial_beam_part import spatial_part
 from derive.mechanics.motion.rotations import matrix_of
@@ -135,9 +137,9 @@ class SpatialBeamSection:
         What acts at the section itself acts on the left part, but for the right end, where it acts on the right one.
         """
         about, places = self.position, {m.name: m.at for m in self.beam.markers}
-        force, torque = self._inertia(about)
+        force, torque = (a + b for a, b in zip(self._inertia(about), self._distributed(about), strict=True))
         for load in self.parts.loads_on(self.beam.name):
-            place = places[load.marker.marker]
+            place = places.get(load.marker.marker, self.at)  # others are the resultants of distributed loads
             if place > self.at or place == 1:
                 f, m = moved_to(load, sp.Matrix(self.parts.at(load.marker).position), about)
                 force, torque = force + f, torque + m
@@ -146,10 +148,68 @@ class SpatialBeamSection:
     def _along(self, vector: sp.Matrix) -> sp.Matrix:
         return sp.Matrix([dot(self.axes[:, k], vector) for k in range(3)])
 
+    def _distributed(self, about: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:
+        """The distributed loads on the part to the right, with their torque about a point.
+
+        Torques per length turn with the sections by their rotations of first order.
+        """
+        frame = self.parts.at(MarkerRef(self.beam.name, BODY_FRAME))
+        Q, force, torque = sp.Matrix(frame.frame), sp.zeros(3, 1), sp.zeros(3, 1)
+        for load in self.beam.loads:
+            in_time, n = quantity.function(load.time), cut_into(self.beam)
+            number = self.beam.piece_of.number if self.beam.piece_of else 0
+            axes = sp.eye(3) if load.frame == "inertial" else Q
+            for k in range(3):
+                what = f"{load.name}_{k + 1}"
+                density = on_piece(load.force[k], n, number)
+                if not density.is_zero:
+                    lever = Q * sp.Matrix(self._lever(density, what))
+                    pulled = in_time * self._right(density, what, "total") * axes[:, k]
+                    force += pulled
+                    torque += cross(lever, in_time * axes[:, k]) + cross(sp.Matrix(frame.position) - about, pulled)
+                density = on_piece(load.torque[k], n, number)
+                if not density.is_zero:
+                    unit = sp.eye(3)[:, k]
+                    total = self._right(density, f"{what}_torque", "total") * unit
+                    if load.frame != "inertial":
+                        total += cross(sp.Matrix(self._rotation(density, f"{what}_torque")), unit)
+                    torque += in_time * (total if load.frame == "inertial" else Q * total)
+        return force, torque
+
+    def _right(self, of: BeamFunction, what: str, label: str, order: int = 0) -> sp.Expr:
+        """The integral of a function by x from the section to the right end, with (2/l)^order."""
+        half = self.length / 2
+        value = half ** (1 - order) * rational(of.integral(self.at))
+        return self.constant(f"{what}_{label}", value, f"{label} of load {what}", "")
+
+    def _lever(self, density: BeamFunction, what: str) -> list[sp.Expr]:
+        """The integral of a load times the position of its points, from the floating frame along its axes."""
+        amplitudes = [c.q for c in self.instance.coordinates[COORDINATES:]]
+        total = [self._right(density * XI, what, "first", -1), sp.S.Zero, sp.S.Zero]
+        for i, (shape, a) in enumerate(zip(self.shapes, amplitudes, strict=True), 1):
+            for axis, of in shape.displacement.items():
+                total[axis - 1] += self._right(density * of, what, f"shape_{i}") * a
+        if self.beam.order is not DisplacementOrder.FIRST_ORDER:
+            numbered = [*enumerate(zip(self.shapes, amplitudes, strict=True), 1)]
+            for (i, (shape, a)), (j, (other, b)) in combinations_with_replacement(numbered, 2):
+                psi = density * shortening_of(shape, other, self.beam.frame)
+                if not psi.is_zero:
+                    factor = sp.S.Half if i == j else sp.S.One
+                    total[0] += factor * self._right(psi, what, f"psi_{i}_{j}", 1) * a * b
+        return total
+
+    def _rotation(self, density: BeamFunction, what: str) -> list[sp.Expr]:
+        """The integral of a load times the rotation vector of its sections."""
+        total, amplitudes = [sp.S.Zero] * 3, [c.q for c in self.instance.coordinates[COORDINATES:]]
+        for i, (shape, a) in enumerate(zip(self.shapes, amplitudes, strict=True), 1):
+            for axis, of in shape.rotation.items():
+                total[axis - 1] += self._right(density * of, what, f"rotation_{i}_{axis}", 1) * a
+        return total
+
     def _inertia(self, about: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:
         """The weight of the part to the right, less the rate of change of its momentum; torque about a point."""
         gravity, _ = quantity.gravity(self.parts.scene.gravity)
-        alike = replace(self.beam, name="", start=NOT_GIVEN_IN_SPACE, markers=())
+        alike = replace(self.beam, name="", start=NOT_GIVEN_IN_SPACE, markers=(), loads=())
         part, rows = spatial_part(alike, self.at, gravity)
         motion, frame = part.motion, self.parts.at(MarkerRef(self.beam.name, BODY_FRAME))
         known: dict[sp.Basic, sp.Expr] = dict(zip(motion.rotation, frame.frame, strict=True))
