@@ -131,6 +131,12 @@ def test_statics_of_a_cantilever(order: int) -> None:
 def test_force_at_the_root_is_the_reaction(order: int, frame: Any) -> None:
     """The section force and moment at an end that a joint holds are the joint's, whatever the motion."""
     rod = ROD | {"order": order, "frame": frame, "centre": ["1/30", "-1/20"], "markers": {"left": -1, "right": 1}}
+    rod["loads"] = {
+        "wind": {"force": ["xi", 2, "xi^2"], "torque": [1, "xi", 0], "time": "1 + t"},
+        "jet": {"force": ["1 + xi", "xi", 1], "frame": "body"},
+    }
+    mass = {"mass": "1/3", "centre": ["1/10", 0, "1/20"], "inertia": [0.01, 0.02, 0.02, 0.001, 0, 0]}
+    rod["masses"] = {"inner": {"at": "1/2", **mass}, "tip": {"at": 1, **mass}}
     scene = derive.spatial_scene(
         "root",
         ground={"o": (0, 0, 0), "far": (2, 1, 0)},
