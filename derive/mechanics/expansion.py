@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, TypeAlias
@@ -93,20 +93,23 @@ class _Expansion:
         return (replace(t, expr=self.sums.put_in(t.expr)) for t in terms)
 
 
-def rigid_rows(body: Body) -> tuple[sp.Expr, ...]:
-    """The force (N) and the torque about O (N m) that the motion of a planar body needs, besides its weight.
+def rigid_rows(body: Body, kept: Collection[sp.Symbol] = ()) -> tuple[sp.Expr, ...]:
+    """The force (N) and the torque about O (N m) that the motion of a body needs, besides its weight.
 
-    In the coordinates and the constants of the body. They are sums of terms of `expand`, which makes those of all rows,
-    energies and momenta in three times as long.
+    In the plane the components are 1, 2 and about e3; in space three of the force along inertial axes, and three of the
+    torque along those of the body. In the coordinates and the constants of the body, and the defined symbols that are
+    `kept`. They are sums of terms of `expand`, which makes those of all rows, energies and momenta in three times as
+    long.
     """
     work, expanded = body.virtual_work, _Expansion(body)
     weight = work.rigid_weight if body.gravity else ()
     complete = (expanded.dependent.projected(expanded.written(part)) for part in (work.rigid, weight))
     terms, _ = zeros.drop_terms(tuple(chain.from_iterable(complete)), expanded.reasons)
+    replaced = [definition for definition in reversed(expanded.definitions) if definition.symbol not in kept]
     result = []
     for row in body.motion.rigid_rows:
         total = sp.Add(*(term.expr for term in terms if term.row == row.name))
-        for definition in reversed(expanded.definitions):
+        for definition in replaced:
             total = total.xreplace({definition.symbol: definition.expr})
         result.append(total)
     return tuple(result)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
-from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
+from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import Scene
 from derive.spec.model.specification import AnyScene
@@ -25,7 +25,7 @@ def _inertia_notes(scene: AnyScene) -> tuple[str, ...]:
     """
     planar = isinstance(scene, Scene)
     kinds = (output.kind for output in scene.outputs)
-    if not any((output_type(kind) if planar else SPATIAL_OUTPUTS[kind]).counts_inertia for kind in kinds):
+    if not any((output_type(kind) if planar else spatial_output_type(kind)).counts_inertia for kind in kinds):
         return ()
     bodies = _missing(scene)
     return tuple(

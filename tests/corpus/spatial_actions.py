@@ -241,6 +241,10 @@ def _options(draft: SpatialDraft, at: list[str], kind: str, key: Key) -> list[An
             return turning if key.name == "frame" or "rotation" in kind or kind.startswith("angular_") else at
         case KeyType.MARKER_PAIR if kind == "deflection":
             return [[_far_marker(draft), draft.draws.choice(at)]]
+        case KeyType.BEAM_MARKER:
+            return [marker for marker in at if "length" in draft.section("bodies")[marker.split(".")[0]]]
+        case KeyType.QUANTITY:
+            return [rounded(0.02 * draft.size, 2), draft.quantity(0.01 * draft.size, key.unit)]
         case KeyType.POSITIVE:
             return [rounded(draft.size, 2)]
         case KeyType.MARKER_PAIR:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_functions import ONE, rational
+from derive.mechanics.bodies.beam_functions import LEFT, ONE, rational
 from derive.mechanics.bodies.beam_integrals import CENTRED, CONDITION_17, CONDITION_19, ORTHOGONAL, PARITY
 from derive.mechanics.bodies.section_fields import (
     SectionField,
@@ -78,7 +79,8 @@ Tensor = dict[tuple[int, int], Integral]
 class SectionMoments:
     """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2).
 
-    The masses are attached to its sections.
+    The masses are attached to its sections. They are the moments of its part to the right of xi = `start`; mass and
+    inertia are those of the whole beam.
     """
 
     beam: SpatialBeam
@@ -87,6 +89,7 @@ class SectionMoments:
     length: sp.Expr
     inertia: sp.Expr
     masses: tuple[SectionMass, ...] = ()
+    start: Fraction = LEFT
 
     def constants(self) -> Iterator[ModelConstant]:
         """The entries of the tables of shape integrals, each with its value, or the reason why it vanishes."""
@@ -161,7 +164,7 @@ class SectionMoments:
                 if weight := self._section[left[1], right[1]]:
                     product = of * other
                     unit = f.unit(left) * g.unit(right) * weight * self.mass / 2
-                    total += Integral(unit * rational(product.integral()), True, product.is_odd)
+                    total += Integral(unit * rational(product.integral(self.start)), True, product.is_odd)
                 for m in self.masses:
                     if weight := m.moments[left[1], right[1]]:
                         there = rational((of * other).at(m.at))

@@ -11,6 +11,7 @@ a term of third order in the amplitudes, and of second order about a bent state:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations_with_replacement, product
 from typing import TYPE_CHECKING
 
@@ -147,19 +148,39 @@ def damping_constants(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> It
     """
     if beam.damping is None:
         return
-    n, entries, masses = cut_into(beam), dict[tuple[int, int], sp.Expr](), inertia_units(beam)
-    for direction, unit in stiffness_units(beam).items():
-        own = [i for i, shape in enumerate(shapes) if shape.direction is direction]
-        of = [shapes[i] for i in own]
-        K = sp.Matrix(len(own), len(own), lambda p, q, of=of: _strain_product(of[min(p, q)], of[max(p, q)]))
-        M = deformation_mass([shape.of for shape in of], CURVED[direction], n)
-        B = damping_matrix(beam.damping, M, sp.diag(*[K] * n), masses[direction], unit)
-        numbers = [len(shapes) * k + i + 1 for k in range(n) for i in own]
-        entries |= {(i, j): B[p, q] for p, i in enumerate(numbers) for q, j in enumerate(numbers)}
+    n, entries = cut_into(beam), dict[tuple[int, int], sp.Expr]()
+    for direction in stiffness_units(beam):
+        of = damping_along(beam, shapes, direction)
+        entries |= {(i, j): of.B[p, q] for p, i in enumerate(of.numbers) for q, j in enumerate(of.numbers)}
     for i, j in combinations_with_replacement(range(1, n * len(shapes) + 1), 2):
         value = entries.get((i, j), sp.S.Zero)
         zero = None if value else UNCOUPLED if (i, j) not in entries else DAMPED_ALONE
         yield ModelConstant(pair(Family.DAMPING, i, j), value, "(13)", f"damping of modes {i} and {j}", "N s/m", zero)
+
+
+@dataclass(frozen=True)
+class DirectionalDamping:
+    """The damping of the amplitudes of a direction: B (N s/m), and the times K^-1 B (s).
+
+    numbers: those of the amplitudes, counted through the pieces of a beam that is cut.
+    """
+
+    numbers: tuple[int, ...]
+    B: sp.Matrix
+    retardation_times: sp.Matrix
+
+
+def damping_along(beam: SpatialBeam, shapes: tuple[SectionShape, ...], direction: Direction) -> DirectionalDamping:
+    """The damping of a beam, which has one, or of all pieces of a beam that is one of them, in a direction."""
+    assert beam.damping is not None
+    n, unit = cut_into(beam), stiffness_units(beam)[direction]
+    own = [i for i, shape in enumerate(shapes) if shape.direction is direction]
+    of = [shapes[i] for i in own]
+    K = sp.Matrix(len(own), len(own), lambda p, q: _strain_product(of[min(p, q)], of[max(p, q)]))
+    M = deformation_mass([shape.of for shape in of], CURVED[direction], n)
+    B = damping_matrix(beam.damping, M, sp.diag(*[K] * n), inertia_units(beam)[direction], unit)
+    numbers = tuple(len(shapes) * k + i + 1 for k in range(n) for i in own)
+    return DirectionalDamping(numbers, B, (sp.diag(*[K.inv()] * n) * B / unit).expand())
 
 
 def cubic_stiffness(beam: SpatialBeam, shapes: tuple[SectionShape, ...]) -> Iterator[ModelConstant]:

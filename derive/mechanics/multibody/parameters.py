@@ -13,6 +13,7 @@ from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
+from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.mechanics.multibody.space.rigid import frame_constants
 from derive.mechanics.multibody.space.springs import spring_type
 from derive.spec.model.keys import Key, KeyType, quantities
@@ -67,6 +68,10 @@ def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
             Constant(getattr(gear, key), f"{key} of gear {gear.name}")
             for gear in scene.gears
             for key in ("ratio", "offset")
+        ),
+        *chain.from_iterable(
+            _constants("output", output.name, spatial_output_type(output.kind).keys, output.values)
+            for output in scene.outputs
         ),
         *_of_functions(scene),
     ]

@@ -8,8 +8,8 @@ from typing import Any
 from derive.ir.model import Model
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, ChordDeflection
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
-from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS, output_type
-from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
+from derive.mechanics.multibody.outputs.registry import output_type
+from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.roles import Role
 from derive.simulation.trajectory import energy_names
 from derive.spec.model.instances import identifier, joined
@@ -123,8 +123,8 @@ def _free_name(output: SceneOutput, scene: AnyScene) -> str:
 
 def output_columns(output: SceneOutput, in_space: bool = False) -> tuple[str, ...]:
     """The names of the columns of an output of a scene, or of one that monitors a model."""
-    known: Mapping[str, Any] = SPATIAL_OUTPUTS if in_space else {**OUTPUTS, **MONITORS}
-    labels = known[output.kind].labels
+    of: Any = spatial_output_type(output.kind) if in_space else output_type(output.kind)
+    labels: tuple[str, ...] = of.labels
     return tuple(joined(output.name, label) for label in labels)
 
 

@@ -6,6 +6,7 @@ beams are rigid. Gravity, springs and spin are left out, so that frequencies are
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from scipy.linalg import eigh, null_space
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import Mask, constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.piece_shapes import PieceShapes
 
@@ -37,39 +38,55 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
 
     native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
     """
-    pieces = [shapes.amplitudes_in(native, piece) for piece in piece_names(shapes.beam)]
+    pieces = [shapes.rates_in(native, piece) for piece in piece_names(shapes.beam)]
+    straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
     own = [column for columns in pieces for column in columns]
-    deformations = coordinates_with(native, Role.AMPLITUDE)
-    straight = np.where(deformations, 0.0, q)
-    free = ~deformations
-    free[own] = True
-    K = np.zeros((native.nq, native.nq))
+    K = np.zeros((native.nv, native.nv))
     for columns in pieces:
         K[np.ix_(columns, columns)] = shapes.stiffness
-    M = mass_matrix(native, straight, k)
-    G = constraint_matrix(native, t, straight, k) if native.nlambda else np.zeros((0, native.nq))
-    return admitted_modes(K, M, G, free)
+    return admitted_modes(K, native, k, t, straight, own)
 
 
-def admitted_modes(K: Matrix, M: Matrix, G: Matrix, free: Mask) -> tuple[HeldMode, ...]:
-    """The vibrations of M xddot + K x = 0 (n, n) in the motions of the `free` x with G x = 0 (m, n), slowest first."""
-    size = np.sqrt(np.diag(M)[free])
-    scale = np.where(size > 0, size, 1.0)
-    admitted = np.eye(len(scale))
-    if len(G):
-        rows = G[:, free] / scale
-        admitted = null_space(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), np.finfo(float).tiny))
+def admitted_modes(
+    K: Matrix, native: NativeScene, k: Vector, t: float, q: Vector, own: Sequence[int]
+) -> tuple[HeldMode, ...]:
+    """The vibrations with the stiffness K (nv, nv) and no deformation rates but `own` ones, slowest first.
+
+    q: the undeformed state (nq,) in which the joints admit motions, at t (s).
+    """
+    admitted = admitted_velocities(native, k, t, q, own)
     if not admitted.size:
         return ()
-    reduced = [admitted.T @ (x[np.ix_(free, free)] / np.outer(scale, scale)) @ admitted for x in (K, M)]
     try:
-        squares, modes = eigh(*reduced)
+        squares, modes = eigh(*(admitted.T @ x @ admitted for x in (K, mass_matrix(native, q, k))))
     except np.linalg.LinAlgError:  # a velocity without inertia
         return ()
-    motions = np.zeros((len(squares), len(free)))
-    motions[:, free] = (admitted @ modes / scale[:, None]).T
+    motions = (admitted @ modes).T @ _moved_by_velocities(native, q, k).T
     elastic = squares > RIGID * squares[-1]
     return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic]))
+
+
+def admitted_velocities(native: NativeScene, k: Vector, t: float, q: Vector, own: Sequence[int]) -> Matrix:
+    """The velocities (nv, n) that joints admit in the undeformed state q, with no deformation rates but `own` ones."""
+    moved = _moved_by_velocities(native, q, k)
+    free = ~np.any(moved[coordinates_with(native, Role.AMPLITUDE)], axis=0)
+    free[list(own)] = True
+    size = np.sqrt(np.diag(mass_matrix(native, q, k))[free])
+    scale = np.where(size > 0, size, 1.0)
+    admitted = np.eye(len(scale))
+    if native.nlambda:
+        G = constraint_matrix(native, t, q, k)[:, free] / scale
+        admitted = null_space(G / np.maximum(np.linalg.norm(G, axis=1, keepdims=True), np.finfo(float).tiny))
+    result = np.zeros((native.nv, admitted.shape[1]))
+    result[free] = admitted / scale[:, None]
+    return result
+
+
+def _moved_by_velocities(native: NativeScene, q: Vector, k: Vector) -> Matrix:
+    """The rates (nq, nv) of the coordinates for unit velocities; in the plane velocities are these rates."""
+    if native.nq == native.nv:
+        return np.eye(native.nq)
+    return np.array([native.rates(q, unit, k) for unit in np.eye(native.nv)]).T
 
 
 @dataclass(frozen=True, eq=False)

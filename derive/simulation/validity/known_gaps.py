@@ -16,13 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.runtime.native_call import Vector
-from derive.simulation.validity.loaded_sections import free_ends
 from derive.simulation.validity.missed_moment import ENDS
-from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, monitored_sections
+from derive.simulation.validity.monitoring_outputs import MOMENT_GAP
 from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.simulation.validity.surroundings import Surroundings
 from derive.simulation.validity.watched_forms import WatchedForms
 from derive.spec.model.beam_pieces import piece_of, place_in_piece
-from derive.spec.model.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +37,7 @@ class KnownGap:
 
 
 def known_gaps(
-    scene: Scene, forms: WatchedForms, shapes: PieceShapes, amplitudes: Sequence[Sequence[int]]
+    around: Surroundings, forms: WatchedForms, shapes: PieceShapes, amplitudes: Sequence[Sequence[int]]
 ) -> list[list[KnownGap]]:
     """The known gaps of each piece of a beam; `amplitudes`: the numbers of the coordinates of each piece."""
     last = len(amplitudes) - 1
@@ -53,11 +52,11 @@ def known_gaps(
     for i in range(last):  # the moment between two pieces is the mean of theirs
         jump = (of_amplitudes(i + 1, moments[0]) - of_amplitudes(i, moments[1])) / 2
         gaps[i, 1.0, 0], gaps[i + 1, -1.0, 0] = jump, -jump
-    for end, free in enumerate(free_ends(scene, shapes.beam)):
+    for end, free in enumerate(around.free):
         if free:
             gaps[end * last, ENDS[end], 1] = of_amplitudes(end * last, -slopes[end])
-    for (beam, at, kind), output in monitored_sections(scene).items():
+    for (at, kind), output in around.gaps.items():
         piece, xi = piece_of(at, last + 1), float(place_in_piece(at, last + 1))
-        if beam == shapes.beam.name and (abs(at) == 1 or abs(xi) < 1):
-            gaps[piece, xi, 0 if kind == MOMENT_GAP else 1] = forms.of_output(output.name)
+        if abs(at) == 1 or abs(xi) < 1:
+            gaps[piece, xi, 0 if kind == MOMENT_GAP else 1] = forms.of_output(output)
     return [[KnownGap(xi, order, form) for (i, xi, order), form in gaps.items() if i == n] for n in range(last + 1)]

@@ -14,6 +14,7 @@ from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matri
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.validity.implied_errors import ImpliedErrors
+from derive.simulation.validity.lateral_buckling import lateral_monitors
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam, scene_watch
 from derive.spec.model.body import DisplacementOrder
@@ -29,14 +30,17 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
         return ()
     if seen is None:
         seen = scene.of_rows(motion.t, motion.q, motion.v, motion.outputs)
-    return tuple(monitor for beam in scene.beams for monitor in _of_beam(scene, beam, seen))
+    of_beams = (monitor for beam in scene.beams for monitor in _of_beam(scene, beam, seen))
+    return (*of_beams, *lateral_monitors(motion.scene, motion.native, motion.k, motion.t, motion.q))
 
 
 def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator[Monitor]:
     beam, errors = watched.beam, ImpliedErrors(watched, seen)
 
     def monitor(cause: Cause, value: float, error: float, t: float) -> Monitor:
-        return Monitor(beam.name, beam.pieces, cause, beam.beam.order, float(value), error, float(t))
+        return Monitor(
+            beam.name, beam.pieces, cause, beam.beam.order, float(value), error, float(t), watched.shapes.axis
+        )
 
     if not errors.straight:
         value, t = errors.peak / watched.length, seen.times[watched.deflection]

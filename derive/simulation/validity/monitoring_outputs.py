@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, TypeVar
@@ -10,11 +10,15 @@ from typing import Any, TypeVar
 import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
+from derive.simulation.validity.bending_planes import bending_planes, spatial_beams
 from derive.simulation.validity.loaded_sections import loaded_markers, sections, turned_markers
+from derive.simulation.validity.piece_shapes import IN_PLANE
+from derive.simulation.validity.spatial_sections import loaded_places, turned_places
+from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
@@ -24,6 +28,11 @@ MOMENT_GAP, SHEAR_GAP = "moment_gap", "shear_gap"
 """The outputs of sections."""
 MOST_PIECES = 4
 """Pieces of a beam whose axial force is monitored: evenly spaced ones, both ends among them, where there are more."""
+
+
+MOST_PIECES_IN_SPACE = 6
+"""Beams in space, each piece counted, of a scene whose beams are monitored: more take the compiler long."""
+LOADS = ("axial_load", "axial_load_linear", "axial_load_quadratic")
 
 
 @dataclass(frozen=True)
@@ -38,23 +47,34 @@ class MonitoredPiece:
 def monitored_pieces(scene: AnyScene) -> tuple[MonitoredPiece, ...]:
     """The pieces whose axial force is monitored; their outputs have names that the scene does not use."""
     taken, result = {output.name for output in scene.outputs}, []
-    for beam in beam_bodies(scene):
-        kinds = ("axial_load", "axial_load_linear", "axial_load_quadratic")[: 3 if beam.pieces == 1 else 1]
-        for piece in _watched(beam):
+    for beam, pieces in _pieces(scene).items():
+        for piece in _watched(pieces):
+            kinds = LOADS[: 3 if len(pieces) == 1 else 1]
             outputs = tuple(SceneOutput(_name(identifier(k, piece), taken), k, {"component": piece}) for k in kinds)
-            result.append(MonitoredPiece(beam.name, piece, outputs))
+            result.append(MonitoredPiece(beam, piece, outputs))
     return tuple(result)
 
 
-def monitored_sections(scene: AnyScene) -> dict[tuple[str, Fraction, str], SceneOutput]:
-    """The outputs of the moment and the shear force that the shapes miss, by beam, place and kind.
+def _pieces(scene: AnyScene) -> dict[str, tuple[str, ...]]:
+    """The names of the pieces of each beam."""
+    planar = {beam.name: piece_names(beam) for beam in beam_bodies(scene)}
+    return planar | {
+        beam.name: tuple(piece_name(beam.name, beam.pieces, k) for k in range(beam.pieces))
+        for beam in spatial_beams(scene)
+    }
+
+
+def monitored_sections(scene: AnyScene) -> dict[tuple[str, int, Fraction, str], SceneOutput]:
+    """The outputs of the moment and the shear force that the shapes miss, by beam, plane, place and kind.
 
     Moments at the ends that are clamped against rotation, and where something acts within the beam; shear forces at the
-    ends that something acts on.
+    ends that something acts on. A plane is the axis along which the beam deflects.
     """
+    if isinstance(scene, SpatialScene):
+        return _sections_in_space(scene)
     taken = {output.name for output in scene.outputs}
-    result: dict[tuple[str, Fraction, str], SceneOutput] = {}
-    if isinstance(scene, SpatialScene) or not beam_bodies(scene):
+    result: dict[tuple[str, int, Fraction, str], SceneOutput] = {}
+    if not beam_bodies(scene):
         return result
     every, turned = loaded_markers(scene), turned_markers(scene)
     for beam in beam_bodies(scene):
@@ -66,7 +86,23 @@ def monitored_sections(scene: AnyScene) -> dict[tuple[str, Fraction, str], Scene
             for marker in markers:
                 name = _name(identifier(kind, beam.name, marker.name), taken)
                 section = {"section": MarkerRef(beam.name, marker.name)}
-                result[beam.name, marker.at, kind] = SceneOutput(name, kind, section)
+                result[beam.name, IN_PLANE, marker.at, kind] = SceneOutput(name, kind, section)
+    return result
+
+
+def _sections_in_space(scene: SpatialScene) -> dict[tuple[str, int, Fraction, str], SceneOutput]:
+    taken = {output.name for output in scene.outputs}
+    result: dict[tuple[str, int, Fraction, str], SceneOutput] = {}
+    for shapes in bending_planes(scene):
+        name, axis = shapes.beam.name, shapes.axis
+        loaded, turned = loaded_places(scene, name), turned_places(scene, name)
+        moments = {at: m for at, m in (loaded | turned).items() if abs(at) < 1 or at in turned}
+        shears = {at: m for at, m in loaded.items() if abs(at) == 1}
+        for kind, places in ((MOMENT_GAP, moments), (SHEAR_GAP, shears)):
+            for at, marker in places.items():
+                of = _name(identifier(kind, marker.body, marker.marker, str(axis)), taken)
+                values = {"section": marker, "axis": axis}
+                result[name, axis, at, kind] = SceneOutput(of, kind, values)
     return result
 
 
@@ -75,15 +111,26 @@ MOST_BEAMS = 30
 
 
 def is_monitored(scene: AnyScene) -> bool:
-    """Whether the beams of a scene are monitored: there are few enough of them."""
+    """Whether the beams of a scene are monitored: there are few enough of them, and in space no loops over bodies."""
+    if isinstance(scene, SpatialScene):
+        beams = sum(isinstance(body, SpatialBeam) for body in scene.bodies)
+        return beams <= MOST_PIECES_IN_SPACE and scene.lowering != "instances"
     return len(beam_bodies(scene)) <= MOST_BEAMS
 
 
 def monitoring_note(scene: AnyScene) -> tuple[str, ...]:
     """A line on beams that are not monitored, if there are any."""
-    if is_monitored(scene):
+    if is_monitored(scene) or not (pieces := _pieces(scene)):
         return ()
-    many = f"none of the {len(beam_bodies(scene))} beams is monitored"
+    if isinstance(scene, SpatialScene):
+        if scene.lowering == "instances":
+            return ("validity: no beam is monitored: loops over bodies in space do not compute the outputs for it",)
+        count = sum(map(len, pieces.values()))
+        return (
+            f"validity: none of the {count} beams in space, pieces counted, is monitored: it takes the compiler long, "
+            f"and at most {MOST_PIECES_IN_SPACE} are",
+        )
+    many = f"none of the {len(pieces)} beams is monitored"
     return (f"validity: {many}: it takes time with their third power, and at most {MOST_BEAMS} are",)
 
 
@@ -108,7 +155,6 @@ def _name(name: str, taken: set[str]) -> str:
     return name
 
 
-def _watched(beam: BeamBody) -> Iterator[str]:
-    names = piece_names(beam)
+def _watched(names: Sequence[str]) -> Iterator[str]:
     for i in dict.fromkeys(np.linspace(0, len(names) - 1, min(len(names), MOST_PIECES)).round().astype(int)):
         yield names[i]

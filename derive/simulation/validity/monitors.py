@@ -29,13 +29,15 @@ class Cause(Enum):
     Deflection, over the length. Axial force: the stiffness that it adds or removes, over that in bending, which first
     order leaves out. Bending moment: the root mean square of the largest that the shapes miss of it, over that of the
     largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of a
-    velocity that deflections take away; a truncated one is indefinite where nothing is left.
+    velocity that deflections take away; a truncated one is indefinite where nothing is left. Lateral buckling: the part
+    of the stiffness in the weaker plane that bending and twisting moments take away, which first order leaves out.
     """
 
     DEFLECTION = "deflection"
     AXIAL_FORCE = "axial_force"
     BENDING_MOMENT = "bending_moment"
     MASS_MATRIX = "mass_matrix"
+    LATERAL = "lateral_buckling"
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Monitor:
     """The largest value of a monitored quantity of a beam in a run.
 
     value: of what `Cause` says, without unit. error: what it implies, root mean square over the run, of the peak of the
-    deflection. t: when it occurs, s.
+    deflection. t: when it occurs, s. axis: the one of a beam in space along which it deflects, 0 in the plane.
     """
 
     beam: str
@@ -53,6 +55,7 @@ class Monitor:
     value: float
     error: float
     t: float
+    axis: int = 0
 
     @property
     def passed(self) -> bool:
@@ -65,6 +68,7 @@ class Monitor:
         return {
             "beam": self.beam,
             "pieces": self.pieces,
+            **({"axis": f"e{self.axis}"} if self.axis else {}),
             "quantity": self.cause.value,
             "value": self.value,
             "t": self.t,
@@ -80,13 +84,18 @@ class Monitor:
 
     def warning_with(self, others: Sequence[Monitor]) -> str:
         """The warning, and the errors of other beams in which the same causes smaller ones."""
-        name = f"{self.beam} in {self.pieces} beam{'s' if self.pieces > 1 else ''}"
-        of_others = enumeration([f"{other._error} in {other.beam}" for other in others], MOST_NAMED)
+        name = f"{self._bent} in {self.pieces} beam{'s' if self.pieces > 1 else ''}"
+        of_others = enumeration([f"{other._error} in {other._bent}" for other in others], MOST_NAMED)
         return (
             f"{name}: {_WHAT[self.cause].format(percent(self.value))} at t = {self.t:.6g} s; this implies an error of "
             f"{self._error} in its deflection (rms over the run, relative to the peak; the limit is "
             f"{percent(ERROR_LIMIT)}){', and of ' * bool(others)}{of_others}; {self.remedy}"
         )
+
+    @property
+    def _bent(self) -> str:
+        """The beam, and in space the axis along which it deflects."""
+        return f"{self.beam} along its e{self.axis}" if self.axis else self.beam
 
     @property
     def _error(self) -> str:
@@ -103,7 +112,11 @@ class Monitor:
             case Cause.BENDING_MOMENT:
                 return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
             case Cause.MASS_MATRIX:
+                if self.axis:
+                    return "choose the mean frame, or divide the beam into more pieces"
                 return 'choose terms = "full", or the mean frame'
+            case Cause.LATERAL:
+                return "choose order = 2"
         assert_never(self.cause)
 
     @property
@@ -115,6 +128,7 @@ _WHAT = {
     Cause.DEFLECTION: "it bends by {} of its length",
     Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which a model of first order leaves out,",
     Cause.BENDING_MOMENT: "its shapes miss the bending moment by {} of the largest one",
+    Cause.LATERAL: "its bending and twisting moments take away {} of its stiffness, which first order leaves out,",
     Cause.MASS_MATRIX: "its deflection reduces the kinetic energy of some velocity by {}",
 }
 

@@ -8,7 +8,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from derive.mechanics.symbols import Family, Identity, amplitude_of
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.observables.beams import function_values, half_length, shape_functions
@@ -18,12 +18,20 @@ from derive.spec.model.scene import BeamBody
 POINTS = 48
 """Gauss points along a piece: polynomials up to degree 95 are integrated exactly, and products of twenty half waves."""
 
+IN_PLANE = 0
+"""The axis of deflections in the plane, where there is no other."""
+
 
 @dataclass(frozen=True)
 class PieceShapes:
-    """The shapes of each piece of a beam, with its values in SI units."""
+    """The shapes of each piece of a beam, with its values in SI units.
+
+    before: the amplitudes of a piece before those of these shapes. axis: the one along which a beam in space deflects.
+    """
 
     beam: BeamBody
+    before: int = 0
+    axis: int = IN_PLANE
 
     @property
     def length(self) -> float:
@@ -93,16 +101,14 @@ class PieceShapes:
 
     def amplitudes_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the coordinates of a scene that are the amplitudes of a piece."""
-        return [_index(native, amplitude_of(piece, i + 1).shown) for i in range(len(self.stiffness))]
+        return [native.coordinates.index(name) for name in self._names(piece, 0)]
 
-    @staticmethod
-    def rotation_in(native: ConstrainedSystem, piece: str) -> int:
-        """The number of the coordinate that is the rotation of a piece."""
-        return _index(native, Identity(Family.ANGLE, owner=piece).shown)
+    def rates_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
+        """The numbers of the velocities of a scene that are the rates of these amplitudes."""
+        return [native.velocities.index(name) for name in self._names(piece, 1)]
 
-
-def _index(native: ConstrainedSystem, name: str) -> int:
-    return native.coordinates.index(name)
+    def _names(self, piece: str, derivative: int) -> list[str]:
+        return [amplitude_of(piece, self.before + i + 1, derivative).shown for i in range(len(self.stiffness))]
 
 
 @cache

@@ -16,17 +16,17 @@ import numpy as np
 from derive.runtime.integrators.watch import Watch, Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.observables.beams import beam_bodies, piece_names
-from derive.simulation.observables.motion import planar
+from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
+from derive.simulation.validity.bending_planes import bending_planes
 from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_modes
 from derive.simulation.validity.known_gaps import known_gaps
-from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.missed_moment import ENDS, SECTIONS, missed_fields, sections
-from derive.simulation.validity.monitoring_outputs import is_monitored, monitored_pieces
+from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
+from derive.simulation.validity.surroundings import Surroundings, surroundings
 from derive.simulation.validity.watched_forms import WatchedForms
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
 from derive.spec.model.specification import AnyScene
 
 SLOPE = 1e-9
@@ -113,10 +113,10 @@ def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Ve
     """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
     forms = WatchedForms(native)
     beams = []
-    for beam in beam_bodies(scene) if is_monitored(scene) else ():
-        shapes = PieceShapes(beam)
+    for shapes in bending_planes(scene) if is_monitored(scene) else ():
         modes = held_modes(shapes, native, k, t, q)
-        beams.append(_BeamForms(planar(scene), forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
+        around = surroundings(scene, shapes)
+        beams.append(_BeamForms(around, forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 
@@ -125,22 +125,23 @@ class _BeamForms:
 
     def __init__(
         self,
-        scene: Scene,
+        around: Surroundings,
         forms: WatchedForms,
         shapes: PieceShapes,
         modes: Sequence[HeldMode],
         response: StaticResponse,
     ) -> None:
-        self.scene, self.forms, self.shapes, self.modes, self.response = scene, forms, shapes, modes, response
+        self.around, self.forms, self.shapes, self.modes, self.response = around, forms, shapes, modes, response
         beam, native = shapes.beam, forms.native
         self.pieces = piece_names(beam)
         self.amplitudes = [shapes.amplitudes_in(native, piece) for piece in self.pieces]
         self.columns = [column for columns in self.amplitudes for column in columns]
+        self.rates = [native.nq + column for piece in self.pieces for column in shapes.rates_in(native, piece)]
         if modes:
             self.frequency, self.lowest = modes[0].frequency, modes[0].motion[self.amplitudes]
         else:  # nothing deforms it alone: its first shape stands for that of the loads
             self.frequency, self.lowest = np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1))
-        ends = [int(marker.at) for marker in held_ends(scene, beam)]
+        ends = around.held
         self.clamped = ends[0] if len(ends) == 1 else None
         self.rotations_act = len(self.pieces) > 1 or any(
             np.abs(shapes.slopes(np.array([float(end)])) * shapes.length).max() > SLOPE for end in ends
@@ -149,7 +150,7 @@ class _BeamForms:
     def watched(self) -> WatchedBeam:
         """The numbers of the quantities."""
         forms, shapes, columns = self.forms, self.shapes, self.columns
-        rates = [forms.native.nq + column for column in columns]
+        rates = self.rates
         bent = self.along(shapes.values(places()), shapes.slopes(ENDS))
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
@@ -191,8 +192,7 @@ class _BeamForms:
         kept = float(forces @ amplitudes.ravel()) / 2
         missed = float(np.sum((energies @ self.response(mode.motion)) ** 2))
         size = float(np.abs(bent @ amplitudes.ravel()).max())
-        rates = [self.forms.native.nq + column for column in self.columns]
-        rate = self.forms.add(rates, size * forces[None] / (2 * kept))
+        rate = self.forms.add(self.rates, size * forces[None] / (2 * kept))
         late = self.forms.add([self.forms.size - 1], np.eye(1), rate)
         return WatchedVibration(rate, late, mode.frequency, missed / (missed + kept))
 
@@ -203,7 +203,7 @@ class _BeamForms:
     def missed(self) -> tuple[Matrix, Matrix, Matrix]:
         """The forms that the shapes miss: moments in sections of all pieces, the deflection, and energies (., z)."""
         moments, deflections, energies = list[Matrix](), np.zeros((PLACES, self.forms.size)), list[Matrix]()
-        for i, known in enumerate(known_gaps(self.scene, self.forms, self.shapes, self.amplitudes)):
+        for i, known in enumerate(known_gaps(self.around, self.forms, self.shapes, self.amplitudes)):
             form = np.array([gap.form for gap in known])
             missed = missed_fields(self.shapes, [(gap.xi, gap.order) for gap in known])
             moments.append(missed.moments.T @ form)
@@ -227,13 +227,12 @@ class _BeamForms:
 
     def axial(self) -> tuple[list[int], Matrix]:
         """The relative stiffness that the axial force adds; pieces that are not monitored have that of the nearest."""
-        monitored = [piece for piece in monitored_pieces(self.scene) if piece.beam == self.shapes.beam.name]
-        where = np.array([self.pieces.index(piece.piece) for piece in monitored])
+        where = np.array([self.pieces.index(piece) for piece in self.around.axial])
         nearest = [int(np.abs(where - i).argmin()) for i in range(len(self.pieces))]
         columns, factors = list[int](), list[float]()
-        for number, piece in enumerate(monitored):
+        for number, outputs in enumerate(self.around.axial.values()):
             a = self.lowest[[i for i, near in enumerate(nearest) if near == number]]
-            for power, output in enumerate(piece.outputs):
-                columns.append(self.forms.output(output.name))
+            for power, output in enumerate(outputs):
+                columns.append(self.forms.output(output))
                 factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
         return columns, np.array([factors])

@@ -181,19 +181,23 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
         output_type = OUTPUTS.get(str(table.get("kind")))
         for key in output_type.keys if output_type else ():
             section, value = sections.get(key.type), table.get(key.name)
-            if key.type is KeyType.BEAM_MARKER and isinstance(value, str):
-                body = value.partition(".")[0]
-                if body in view.bodies and not view.is_beam(body):
-                    beams = [name for name in view.bodies if view.is_beam(name)]
-                    known = f"the beams are {names_text(beams)}" if beams else "the scene has no beam"
-                    text = f"the body {body} is no beam, and has no such sections; {known}"
-                    yield Fault(("outputs", name, key.name), text)
+            if key.type is KeyType.BEAM_MARKER:
+                yield from section_faults(view, ("outputs", name, key.name), value)
             if section is None or not isinstance(value, str) or value in view.tables[section]:
                 continue
             noun, others = NAMED[section], [*view.tables[section]]
             known = f"the {section} are {names_text(others)}" if others else f"the scene has no {section}"
             text = f"there is no {noun} {quoted(value)}{did_you_mean(value, others, known)}"
             yield Fault(("outputs", name, key.name), text)
+
+
+def section_faults(view: SceneData, path: KeyPath, marker: object) -> Iterator[Fault]:
+    """A fault of a section, which a marker of a beam names, if it is on another body."""
+    body = marker.partition(".")[0] if isinstance(marker, str) else ""
+    if body in view.bodies and not view.is_beam(body):
+        beams = [name for name in view.bodies if view.is_beam(name)]
+        known = f"the beams are {names_text(beams)}" if beams else "the scene has no beam"
+        yield Fault(path, f"the body {body} is no beam, and has no such sections; {known}")
 
 
 def plot_faults(view: SceneData) -> Iterator[Fault]:

@@ -10,7 +10,13 @@ from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME, O
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.body_checks import spatial_shape_faults
-from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults, plot_faults
+from derive.spec.checks.cross_references import (
+    ground_faults,
+    input_faults,
+    marker_faults,
+    plot_faults,
+    section_faults,
+)
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
 from derive.spec.checks.scene_parameters import parameter_faults
@@ -230,14 +236,16 @@ def _unknown(view: SceneData, section: str, name: str) -> str:
 
 
 def _of_elements(view: SceneData) -> Iterator[Fault]:
-    """Faults of outputs of drives, springs and loads in joints that are not there."""
+    """Faults of outputs of drives, springs and loads in joints that are not there, and of sections of no beam."""
     for name, output in view.tables["outputs"].items():
         output_type = SPATIAL_OUTPUTS.get(str(output.get("kind")))
         for key in output_type.keys if output_type else ():
             value, path = output.get(key.name), ("outputs", name, key.name)
             if not isinstance(value, str):
                 continue
-            if key.type is KeyType.DRIVE and value not in view.tables["drives"]:
+            if key.type is KeyType.BEAM_MARKER:
+                yield from section_faults(view, path, value)
+            elif key.type is KeyType.DRIVE and value not in view.tables["drives"]:
                 yield Fault(path, _unknown(view, "drives", value))
             elif key.type is KeyType.SPRING and value not in view.tables["springs"]:
                 yield Fault(path, _unknown(view, "springs", value))

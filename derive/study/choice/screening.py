@@ -21,12 +21,9 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.prescribed_motion import drive_speed
 from derive.mechanics.symbols import amplitude_of
 from derive.percentages import percent
-from derive.roles import Role
 from derive.runtime.compiler import UNOPTIMISED
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
-from derive.simulation.configurations import velocities_with
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
@@ -215,13 +212,10 @@ def modes_in_space(body: str, native: NativeScene, k: Vector, t: float, q: Vecto
     indices = [i for i in range(1, native.nq + 1) if amplitude_of(body, i).shown in native.coordinates]
     places = [native.coordinates.index(amplitude_of(body, i).shown) for i in indices]
     own = [native.velocities.index(amplitude_of(body, i, 1).name) for i in indices]
-    free = ~velocities_with(native, Role.AMPLITUDE)
-    free[own] = True
     K, at_rest = np.zeros((native.nv, native.nv)), np.zeros(native.nv)
     for place, column in zip(places, own, strict=True):
         step = np.zeros(native.nq)
         step[place] = SMALL
         ahead, behind = (native.force(t, q + sign * step, at_rest, k) for sign in (1, -1))
         K[own, column] = (ahead - behind)[own] / (2 * SMALL)
-    G = constraint_matrix(native, t, q, k) if native.nlambda else np.zeros((0, native.nv))
-    return admitted_modes((K + K.T) / 2, mass_matrix(native, q, k), G, free)
+    return admitted_modes((K + K.T) / 2, native, k, t, q, own)

@@ -145,7 +145,7 @@ class _Named:
             gear_loads=nothing,
             dissipations=nothing,
         )
-        return spatial_output_equations((output,), parts)
+        return spatial_output_equations((output,), parts)[0]  # motions have no constants of their own
 
 
 class _Nothing(Mapping[str, Any]):

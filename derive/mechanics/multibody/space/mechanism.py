@@ -152,6 +152,7 @@ class SpatialMechanism(InstancesOfKinds):
             ),
             dissipations=tuple(force.dissipation for force in damped),
         )
+        outputs, of_outputs = spatial_output_equations(scene.outputs, parts)
         contributions = Gathered(
             doc=self.doc(conditions),
             frame_doc=self.frame_doc(),
@@ -162,9 +163,10 @@ class SpatialMechanism(InstancesOfKinds):
             ),
             potentials=tuple(action.potential for action in actions),
             definitions=tuple(definition for action in actions for definition in action.definitions),
-            outputs=spatial_output_equations(scene.outputs, parts),
+            outputs=outputs,
             poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
             coefficients=tuple(constant for damping in self.dampings for constant in damping.constants),
+            of_outputs=of_outputs,
         )
         return equations_of_mechanism(self, instances, contributions)
 

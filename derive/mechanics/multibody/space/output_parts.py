@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
     from derive.mechanics.multibody.space.joint_motion import JointMotion
+    from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True)
@@ -96,19 +97,21 @@ class SpatialParts:
         instance, about = self.instances[own.body], sp.Matrix(self.at(own).position)
         force = sp.Matrix(instance.free_residual[:3])
         torque = sp.Matrix(self.at(own).frame) * sp.Matrix(instance.free_residual[3:6])
-        of_elements = (*(a.loads for a in self.actions), *self.joint_loads.values(), self.gear_loads)
-        every = [load for of in of_elements for load in of]
-        for other, marker in self.supports.items():
-            joint = self.joint(other)
-            known = joint.first if marker == joint.second else joint.second
-            if other != name and known.body == own.body:
-                f, m = self._support(marker, other)
-                every.append(MarkerLoad(known, *_about_other(MarkerLoad(marker, -f, -m), self.at, known)))
-        for load in every:
-            if load.marker.body == own.body:
-                f, m = moved_to(load, sp.Matrix(self.at(load.marker).position), about)
-                force, torque = force - f, torque - m
+        for load in self.loads_on(own.body, without=name):
+            f, m = moved_to(load, sp.Matrix(self.at(load.marker).position), about)
+            force, torque = force - f, torque - m
         return force, torque
+
+    def loads_on(self, body: str, without: str = "") -> Iterator[MarkerLoad]:
+        """Yield all loads on a body at its markers: those of forces, springs, gears and joints but for one of these."""
+        of_elements = (*(a.loads for a in self.actions), *self.joint_loads.values(), self.gear_loads)
+        yield from (load for of in of_elements for load in of if load.marker.body == body)
+        for name, marker in self.supports.items():
+            joint = self.joint(name)
+            known = joint.first if marker == joint.second else joint.second
+            if name != without and known.body == body:
+                f, m = self._support(marker, name)
+                yield MarkerLoad(known, *_about_other(MarkerLoad(marker, -f, -m), self.at, known))
 
 
 def _about_other(
@@ -119,12 +122,16 @@ def _about_other(
 
 @dataclass(frozen=True)
 class SpatialComponent:
-    """A number that an output consists of, see OutputComponent."""
+    """A number that an output consists of, see OutputComponent.
+
+    constants: those in it that the equations of motion do not have; components may have them in common.
+    """
 
     label: str
     unit: str
     doc: str
     expr: sp.Expr
+    constants: tuple[ModelConstant, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,9 @@ from derive.mechanics.multibody.outputs.energies import material_damping
 from derive.mechanics.multibody.space.joints import Freedom
 from derive.mechanics.multibody.space.marker_outputs import AXES, FRAME, LABELS, MARKER_OUTPUTS, along, observer
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
-from derive.mechanics.terms import OutputEquation
+from derive.mechanics.multibody.space.section_monitors import SPATIAL_MONITORS
+from derive.mechanics.multibody.space.section_outputs import SECTION_OUTPUTS
+from derive.mechanics.terms import ModelConstant, OutputEquation
 from derive.registry import Registry
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.keys import Key, KeyType
@@ -110,6 +112,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
     "output in space",
     {
         **MARKER_OUTPUTS,
+        **SECTION_OUTPUTS,
         "joint": SpatialOutputType(
             "rotation about z of a joint with parallel z axes, or displacement of a prismatic one",
             (JOINT,),
@@ -163,11 +166,20 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
 )
 
 
-def spatial_output_equations(outputs: tuple[SceneOutput, ...], parts: SpatialParts) -> tuple[OutputEquation, ...]:
-    """The components of all outputs of a scene."""
-    equations = []
+def spatial_output_type(kind: str) -> SpatialOutputType:
+    """The type of an output of a scene in space, or of one that a simulation adds. Raises UnknownNameError."""
+    return SPATIAL_MONITORS[kind] if kind in SPATIAL_MONITORS else SPATIAL_OUTPUTS[kind]
+
+
+def spatial_output_equations(
+    outputs: tuple[SceneOutput, ...], parts: SpatialParts
+) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
+    """The components of all outputs of a scene, and the constants in them alone."""
+    equations: list[OutputEquation] = []
+    constants: dict[sp.Symbol, ModelConstant] = {}
     for output in outputs:
-        for part in SPATIAL_OUTPUTS[output.kind].components(output.values, parts):
+        for part in spatial_output_type(output.kind).components(output.values, parts):
             shown = joined(output.name, part.label)
             equations.append(OutputEquation(identifier(shown), shown, part.unit, part.doc, part.expr))
-    return tuple(equations)
+            constants |= {c.symbol: c for c in part.constants}
+    return tuple(equations), tuple(constants.values())

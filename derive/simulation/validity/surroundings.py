@@ -1,0 +1,52 @@
+"""What a beam is connected to as its monitors see it, in the plane and in each plane of a beam in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from derive.simulation.observables.motion import planar
+from derive.simulation.validity.bending_planes import spatial_beams
+from derive.simulation.validity.loaded_sections import free_ends, held_ends
+from derive.simulation.validity.monitoring_outputs import monitored_pieces, monitored_sections
+from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.simulation.validity.spatial_sections import held_in_plane, loaded_places
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The ends of a beam, and the outputs that monitor it.
+
+    held: the ends at which a torque can act on it; free: whether nothing acts on the left and on the right end.
+    gaps: the outputs of what the shapes miss, by the place xi and the kind. axial: those of the axial force of pieces.
+    """
+
+    held: tuple[int, ...]
+    free: tuple[bool, bool]
+    gaps: Mapping[tuple[Fraction, str], str]
+    axial: Mapping[str, tuple[str, ...]]
+
+
+def surroundings(scene: AnyScene, shapes: PieceShapes) -> Surroundings:
+    """The surroundings of a beam in one of the planes in which it bends."""
+    beam = shapes.beam
+    if isinstance(scene, SpatialScene):
+        held = tuple(int(at) for at in held_in_plane(scene, beam.name, shapes.axis))
+        masses = next(of.masses for of in spatial_beams(scene) if of.name == beam.name)
+        loaded = {*loaded_places(scene, beam.name)} | {mass.at for mass in masses}
+        free = (Fraction(-1) not in loaded, Fraction(1) not in loaded)
+    else:
+        held = tuple(int(marker.at) for marker in held_ends(planar(scene), beam))
+        free = free_ends(planar(scene), beam)
+    gaps = {
+        (at, kind): output.name
+        for (name, axis, at, kind), output in monitored_sections(scene).items()
+        if (name, axis) == (beam.name, shapes.axis)
+    }
+    axial = {
+        of.piece: tuple(output.name for output in of.outputs) for of in monitored_pieces(scene) if of.beam == beam.name
+    }
+    return Surroundings(held, free, gaps, axial)
