@@ -66,20 +66,25 @@ Tensor = dict[tuple[int, int], Integral]
 
 @dataclass(frozen=True)
 class SectionMoments:
-    """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2)."""
+    """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2).
+
+    further: fields of the family of a full model, which are numbered behind the shapes.
+    """
 
     beam: SpatialBeam
     shapes: tuple[SectionShape, ...]
     mass: sp.Expr
     length: sp.Expr
     inertia: sp.Expr
+    further: tuple[SectionField, ...] = ()
 
     def constants(self) -> Iterator[ModelConstant]:
         """The entries of the tables of shape integrals, each with its value, or the reason why it vanishes."""
         mean = self.beam.frame.kind == "mean"
-        second_order = self.beam.order is not DisplacementOrder.FIRST_ORDER
-        X, numbers = position_field(self.length), range(1, len(self.shapes) + 1)
-        fields = {i: shape_field(shape, self.length) for i, shape in enumerate(self.shapes, 1)}
+        second_order = self.beam.order is DisplacementOrder.TRUNCATED
+        X = position_field(self.length)
+        family = (*(shape_field(shape, self.length) for shape in self.shapes), *self.further)
+        fields, numbers = dict(enumerate(family, 1)), range(1, len(family) + 1)
         pairs = [*combinations_with_replacement(numbers, 2)]
         first_vanishes = {1: CENTRED, 2: ON_AXIS, 3: ON_AXIS}
         for k, integral in self._first(X).items():

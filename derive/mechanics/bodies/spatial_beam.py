@@ -22,13 +22,14 @@ from derive.mechanics.bodies.beam_functions import LEFT, RIGHT, rational
 from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY
 from derive.mechanics.bodies.beam_stiffness import NO_STRETCH, UNCOUPLED
 from derive.mechanics.bodies.rod_deformation import deformation_mass
-from derive.mechanics.bodies.section_fields import Direction, SectionShape, section_shapes
+from derive.mechanics.bodies.section_fields import Direction, SectionShape, pair_fields, section_shapes
 from derive.mechanics.bodies.section_moments import SectionMoments
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.body import Body, ExactValues
+from derive.mechanics.motion.full_second_order import field_weight
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.symbols import quantity as quantity_symbol
-from derive.mechanics.tables import exact_tables
+from derive.mechanics.tables import PLANAR_DOCS, exact_tables
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder
@@ -40,9 +41,10 @@ CURVED = {Direction.ALONG_E2: 2, Direction.ALONG_E3: 2, Direction.TORSION: 1, Di
 """The order of the derivative of a shape in the strain energy."""
 OTHER_DOCS = {
     Family.CUBIC_STIFFNESS: ("stiffness of third order: int (EI_3 - EI_2) theta v'' w'' dx", "N/m^2"),
-    Family.PRELOAD: ("work of the axial force at rest", "N"),
+    **{family: PLANAR_DOCS[family] for family in (Family.PRELOAD, Family.FIELD_WEIGHT)},
 }
 """The descriptions and units of tables that a finite-element body does not have."""
+OF_ANOTHER_PAIR = "the numbering (theta_p is the field of two other shapes)"
 DESCRIPTIONS = {
     Direction.ALONG_E2: "int EI_3 (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx",
     Direction.ALONG_E3: "int EI_2 (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx",
@@ -56,14 +58,17 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
     shapes = section_shapes(beam)
     mass, length, inertia = (quantity.value(x) for x in (beam.mass, beam.length, beam.rotary_inertia))
     second_order = beam.order is not DisplacementOrder.FIRST_ORDER
+    full = beam.order is DisplacementOrder.FULL
+    fields = pair_fields(shapes, beam.frame, length) if full else {}
     constants = (
-        *SectionMoments(beam, shapes, mass, length, inertia).constants(),
+        *SectionMoments(beam, shapes, mass, length, inertia, tuple(fields.values())).constants(),
+        *pair_weights(tuple(fields), len(shapes), length),
         *stiffness_constants(beam, shapes),
         *(cubic_stiffness(beam, shapes) if second_order else ()),
         *preload_constants(beam, shapes),
         *damping_constants(beam, shapes),
     )
-    docs = (SECOND_ORDER_DOCS if second_order else DOCS) | OTHER_DOCS
+    docs = (SECOND_ORDER_DOCS if second_order and not full else DOCS) | OTHER_DOCS
     return Body(
         name=beam.name,
         doc=f"beam in space, {beam.frame.kind} frame, {shape_texts(shapes)}",
@@ -75,7 +80,17 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
         values=ExactValues(constants),
         gravity=gravity,
         order=beam.order,
+        fields=len(fields),
     )
+
+
+def pair_weights(fields: tuple[tuple[int, int], ...], n: int, length: sp.Expr) -> Iterator[ModelConstant]:
+    """The weights z_pij of Psi_ij = sum z_pij theta_p, where each theta_p is length/2 times the Psi of one pair."""
+    doc, unit = PLANAR_DOCS[Family.FIELD_WEIGHT]
+    for p, own in enumerate(fields, 1):
+        for pair in combinations_with_replacement(range(1, n + 1), 2):
+            value, zero = (2 / length, None) if pair == own else (sp.S.Zero, OF_ANOTHER_PAIR)
+            yield ModelConstant(field_weight(p, *pair), value, Source.SECOND_ORDER, doc, unit, zero)
 
 
 def shape_texts(shapes: tuple[SectionShape, ...]) -> str:
