@@ -21,7 +21,6 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
-from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, TypeVar
 
 from derive.algebra import sp
@@ -157,15 +156,6 @@ def second_field(first: SectionShape, second: SectionShape, frame: Frame, length
             slots[slot] = slots.get(slot, NOTHING) + product.scaled(factor)
     slots[1, 0] = shortening_of(first, second, frame)
     return SectionField(_kept(slots), 2 / length, (2 / length) ** 2)
-
-
-def pair_fields(
-    shapes: tuple[SectionShape, ...], frame: Frame, length: sp.Expr
-) -> dict[tuple[int, int], SectionField]:
-    """The fields theta = (length/2) Psi_ij that do not vanish, by the numbers i <= j of their shapes."""
-    pairs = combinations_with_replacement(enumerate(shapes, 1), 2)
-    slots = {(i, j): second_field(first, second, frame, length).slots for (i, first), (j, second) in pairs}
-    return {pair: SectionField(of, sp.S.One, 2 / length) for pair, of in slots.items() if of}
 
 
 def shortening_of(first: SectionShape, second: SectionShape, frame: Frame) -> BeamFunction:

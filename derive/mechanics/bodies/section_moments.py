@@ -98,7 +98,8 @@ class SectionMoments:
         for i in numbers:
             for ab, integral in _inertia(with_position[i]).items():
                 yield _constant(Family.C4, (i,), ab, integral)
-        of_pairs = {(i, j): self._second(fields[i], fields[j]) for i, j in pairs}
+        n = len(self.shapes)
+        of_pairs = {(i, j): self._second(fields[i], fields[j], whole=max(i, j) <= n) for i, j in pairs}
         second = {}
         for i, j in pairs if second_order else ():
             field = second_field(self.shapes[i - 1], self.shapes[j - 1], self.beam.frame, self.length)
@@ -127,29 +128,30 @@ class SectionMoments:
     @cached_property
     def _section(self) -> sp.Matrix:
         """The means (4, 4) of the products of 1 and the coordinates of p over a section."""
-        centre = [sp.S.Zero, *(quantity.value(x, positive=False) for x in self.beam.centre)]
         own = self.inertia / (2 * self.mass)
-        result = sp.diag(1, -own, own, own)
-        for k, x in enumerate(centre, 1):
-            result[0, k] = result[k, 0] = x
-            for j, y in enumerate(centre, 1):
-                result[k, j] += x * y
-        return result
+        return self._centres + sp.diag(0, -own, own, own)
+
+    @cached_property
+    def _centres(self) -> sp.Matrix:
+        """The products of 1 and the coordinates of p in the centre of mass of a section."""
+        centre = sp.Matrix([1, 0, *(quantity.value(x, positive=False) for x in self.beam.centre)])
+        return centre * centre.T
 
     def _first(self, field: SectionField) -> dict[int, Integral]:
         """The first moment int rho f."""
         unit = SectionField({(1, 0): ONE}, sp.S.One, sp.S.One)
-        return {axis: self._entry(field, unit, axis, 1) for axis in AXES}
+        return {axis: self._entry(field, unit, axis, 1, self._section) for axis in AXES}
 
-    def _second(self, f: SectionField, g: SectionField) -> Tensor:
-        """The second moment int rho f g^T."""
-        return {(a, b): self._entry(f, g, a, b) for a in AXES for b in AXES}
+    def _second(self, f: SectionField, g: SectionField, whole: bool = True) -> Tensor:
+        """The second moment int rho f g^T, or without `whole` that of the mass in the centres of the sections."""
+        means = self._section if whole else self._centres
+        return {(a, b): self._entry(f, g, a, b, means) for a in AXES for b in AXES}
 
-    def _entry(self, f: SectionField, g: SectionField, a: int, b: int) -> Integral:
+    def _entry(self, f: SectionField, g: SectionField, a: int, b: int, means: sp.Matrix) -> Integral:
         total = Integral(sp.S.Zero)
         for left, of in f.along(a):
             for right, other in g.along(b):
-                if weight := self._section[left[1], right[1]]:
+                if weight := means[left[1], right[1]]:
                     product = of * other
                     unit = f.unit(left) * g.unit(right) * weight * self.mass / 2
                     total += Integral(unit * rational(product.integral()), True, product.is_odd)

@@ -22,11 +22,11 @@ from derive.mechanics.bodies.beam_functions import LEFT, RIGHT, rational
 from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY
 from derive.mechanics.bodies.beam_stiffness import NO_STRETCH, UNCOUPLED
 from derive.mechanics.bodies.rod_deformation import deformation_mass
-from derive.mechanics.bodies.section_fields import Direction, SectionShape, pair_fields, section_shapes
+from derive.mechanics.bodies.section_family import family_weights, second_order_family
+from derive.mechanics.bodies.section_fields import Direction, SectionShape, section_shapes
 from derive.mechanics.bodies.section_moments import SectionMoments
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.body import Body, ExactValues
-from derive.mechanics.motion.full_second_order import field_weight
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.tables import PLANAR_DOCS, exact_tables
@@ -44,7 +44,6 @@ OTHER_DOCS = {
     **{family: PLANAR_DOCS[family] for family in (Family.PRELOAD, Family.FIELD_WEIGHT)},
 }
 """The descriptions and units of tables that a finite-element body does not have."""
-OF_ANOTHER_PAIR = "the numbering (theta_p is the field of two other shapes)"
 DESCRIPTIONS = {
     Direction.ALONG_E2: "int EI_3 (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx",
     Direction.ALONG_E3: "int EI_2 (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx",
@@ -59,10 +58,10 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
     mass, length, inertia = (quantity.value(x) for x in (beam.mass, beam.length, beam.rotary_inertia))
     second_order = beam.order is not DisplacementOrder.FIRST_ORDER
     full = beam.order is DisplacementOrder.FULL
-    fields = pair_fields(shapes, beam.frame, length) if full else {}
+    family = second_order_family(shapes, beam.frame, length) if full else ()
     constants = (
-        *SectionMoments(beam, shapes, mass, length, inertia, tuple(fields.values())).constants(),
-        *pair_weights(tuple(fields), len(shapes), length),
+        *SectionMoments(beam, shapes, mass, length, inertia, tuple(member.field for member in family)).constants(),
+        *family_weights(family, len(shapes), length),
         *stiffness_constants(beam, shapes),
         *(cubic_stiffness(beam, shapes) if second_order else ()),
         *preload_constants(beam, shapes),
@@ -80,17 +79,8 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
         values=ExactValues(constants),
         gravity=gravity,
         order=beam.order,
-        fields=len(fields),
+        fields=len(family),
     )
-
-
-def pair_weights(fields: tuple[tuple[int, int], ...], n: int, length: sp.Expr) -> Iterator[ModelConstant]:
-    """The weights z_pij of Psi_ij = sum z_pij theta_p, where each theta_p is length/2 times the Psi of one pair."""
-    doc, unit = PLANAR_DOCS[Family.FIELD_WEIGHT]
-    for p, own in enumerate(fields, 1):
-        for pair in combinations_with_replacement(range(1, n + 1), 2):
-            value, zero = (2 / length, None) if pair == own else (sp.S.Zero, OF_ANOTHER_PAIR)
-            yield ModelConstant(field_weight(p, *pair), value, Source.SECOND_ORDER, doc, unit, zero)
 
 
 def shape_texts(shapes: tuple[SectionShape, ...]) -> str:
