@@ -39,9 +39,7 @@ class FamilyMember:
     weights: Mapping[tuple[int, int], Real]
 
 
-def second_order_family(
-    shapes: tuple[SectionShape, ...], frame: Frame, length: sp.Expr
-) -> tuple[FamilyMember, ...]:
+def second_order_family(shapes: tuple[SectionShape, ...], frame: Frame, length: sp.Expr) -> tuple[FamilyMember, ...]:
     """The fields theta_p of some shapes: those along the axis, then those that turn sections."""
     pairs = combinations_with_replacement(enumerate(shapes, 1), 2)
     every = {(i, j): second_field(first, second, frame, length).slots for (i, first), (j, second) in pairs}
