@@ -191,8 +191,8 @@ class _Run:
             case Assign():
                 self._assign(node)
             case Require():
-                if self.check and not _meets(self.value(node.expr), node.kind):
-                    self.fail(node)
+                if self.check:
+                    self.require(self.value(node.expr), node)
             case Local():
                 self.arrays[node.array] = self.new_array(node.size, self.zero if node.cleared else None), 0
             case Alias():
@@ -223,9 +223,9 @@ class _Run:
             case _:
                 assert_never(node)
 
-    def fail(self, requirement: Require) -> None:
-        """End the run, since a requirement does not hold."""
-        raise RequirementError(requirement.code, requirement.text)
+    def require(self, value: Any, requirement: Require) -> None:
+        """End the run where a requirement does not hold."""
+        check_requirement(value, requirement)
 
     def new_array(self, size: int, value: Any) -> list[Any]:
         """The elements of a new array; those that no statement has written yet are None, so that none can be read."""
@@ -264,10 +264,11 @@ class _BatchRun(_Run):
         self.arrays |= {name: (values, 0) for name, values in self.outputs.items()}
         self.arrays |= {name: ([self.zero] * states, 0) for name in scalars}
 
-    def fail(self, requirement: Require) -> None:
+    def require(self, value: Any, requirement: Require) -> None:
         """Give the state the code of the first requirement that does not hold."""
         state = self.variables[STATE]
-        self.codes[state] = self.codes[state] or requirement.code
+        if not _meets(value, requirement.kind):
+            self.codes[state] = self.codes[state] or requirement.code
 
     def new_array(self, size: int, value: Any) -> list[Any]:
         """The elements of a new array."""
@@ -285,6 +286,12 @@ def interpret_batch(
     run = _BatchRun(kernel, arguments, many.scalars, states)
     run.all(many.nodes)
     return run.outputs, run.codes
+
+
+def check_requirement(value: Any, requirement: Require) -> None:
+    """Raise RequirementError if a value does not meet a requirement."""
+    if not _meets(value, requirement.kind):
+        raise RequirementError(requirement.code, requirement.text)
 
 
 def _meets(value: Any, requirement: Requirement) -> bool:

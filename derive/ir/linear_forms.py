@@ -23,6 +23,8 @@ FEWEST_OPERATIONS = 4
 FEWEST_ROWS = 12
 """The rows of a table from which on a loop is worth it: shorter ones take no less time than straight-line code."""
 FEWEST_FACTORS = 4
+SCALAR = (Let, Store, Require)
+"""The statements in straight line, a tuple since a union is made anew at each test."""
 DENSE = Fraction(3, 4)
 """The smallest part of the elements between the first and the last one that a form depends on."""
 
@@ -109,22 +111,22 @@ class _Form:
         return Row(tuple(self.factors.get(k, Fraction(0)) for k in elements), self.offset)
 
 
-def linear_rows(kernel: Kernel) -> dict[Window, tuple[Row, ...]]:
+def linear_rows(known: KernelForms) -> dict[Window, tuple[Row, ...]]:
     """The rows that a kernel needs of each window, in their order and with the signs that they have first.
 
     Windows that overlap are joined. Those with less than `FEWEST_ROWS` rows are left out.
     """
-    forms = _Forms(kernel).of_statements()
+    forms = known.found
     windows = _joined(form.window for form in forms)
     rows: dict[Window, dict[Row, int]] = defaultdict(dict)
     for form in forms:
-        row, known = form.row(windows[form.window]), rows[windows[form.window]]
-        known.setdefault(row.among(known), len(known))
+        row, present = form.row(windows[form.window]), rows[windows[form.window]]
+        present.setdefault(row.among(present), len(present))
     enough = {window: of for window, of in rows.items() if len(of) >= FEWEST_ROWS}
     if not enough:
         return {}
     every = {str(n): FormValues(str(n), window, of) for n, (window, of) in enumerate(enough.items())}
-    parts = linear_parts(kernel, tuple(every.values()))
+    parts = linear_parts(known, tuple(every.values()))
     read: dict[str, set[int]] = defaultdict(set)
     for statement in (statement for section in parts.sections for _, statement in section):
         for leaf in _leaves(statement):
@@ -134,10 +136,9 @@ def linear_rows(kernel: Kernel) -> dict[Window, tuple[Row, ...]]:
     return {window: of for window, of in needed.items() if len(of) >= FEWEST_ROWS}
 
 
-def linear_parts(kernel: Kernel, values: Sequence[FormValues]) -> LinearParts:
+def linear_parts(known: KernelForms, values: Sequence[FormValues]) -> LinearParts:
     """A kernel whose linear forms are elements of arrays; `values` are the arrays of the windows that have one."""
-    forms = _Forms(kernel, values)
-    sections = [[(n, forms.replaced(s)) for n, s in enumerate(section.body)] for section in kernel.sections]
+    sections = known.sections_with(values)
     needed: set[str] = set()
     kept: list[tuple[tuple[int, Statement], ...]] = []
     for section in reversed(sections):
@@ -176,55 +177,65 @@ def _together(group: Sequence[Window]) -> dict[Window, Window]:
     return dict.fromkeys(group, Window(group[0].argument, first, stop - first))
 
 
-class _Forms:
-    """The linear forms of a kernel; `values` are the arrays that have the values of some of them."""
+class KernelForms:
+    """The linear forms of a kernel that are worth a row, in the order of its statements: `found`."""
 
-    def __init__(self, kernel: Kernel, values: Sequence[FormValues] = ()) -> None:
-        self.kernel, self.values = kernel, values
+    def __init__(self, kernel: Kernel) -> None:
+        self.found: list[_Form] = []
+        self._values: Sequence[FormValues] = ()
         one = Fraction(1)
-        self.known: dict[str, _Form | None] = {
+        self._known: dict[str, _Form | None] = {
             name: _Form(argument.name, {k: one}, Fraction(0))
             for argument in kernel.arguments
             if not argument.scalar
             for k, name in argument.named_elements
         }
-        self.forms: list[_Form] = []
+        self._sections = [[self._with_forms(s) for s in section.body] for section in kernel.sections]
 
-    def of_statements(self) -> list[_Form]:
-        """All forms that are worth a row, in the order of the statements."""
-        for statement in self.kernel.statements:
-            self.replaced(statement)
-        return self.forms
-
-    def replaced(self, statement: Statement) -> Statement:
-        """A statement with its linear forms replaced; the names that it defines are known from then on."""
-        if not isinstance(statement, Let | Store | Require):
-            return statement
+    def _with_forms(self, statement: Statement) -> tuple[Statement, bool]:
+        """A statement, and whether it has forms; the name that it defines is known from then on."""
+        if not isinstance(statement, SCALAR):
+            return statement, False
+        before = len(self.found)
         form, expr, operations = self._parts(statement.expr)
         if isinstance(statement, Let):
-            self.known[statement.name] = form
-        whole = self._whole(form, expr, operations)
+            self._known[statement.name] = form
+        self._whole(form, expr, operations)
+        return statement, len(self.found) > before
+
+    def sections_with(self, values: Sequence[FormValues]) -> list[list[tuple[int, Statement]]]:
+        """The numbered statements of each section, where elements of these arrays replace the forms."""
+        self._values = values
+        return [
+            [(n, self._replaced(s) if has_forms else s) for n, (s, has_forms) in enumerate(section)]
+            for section in self._sections
+        ]
+
+    def _replaced(self, statement: Statement) -> Statement:
+        assert isinstance(statement, SCALAR)
+        whole = self._whole(*self._parts(statement.expr))
         return statement if whole is statement.expr else replace(statement, expr=whole)
 
     def _parts(self, expr: Expr) -> tuple[_Form | None, Expr, int]:
         """The form of an expression, the expression with the forms in it replaced if it is none, its operations."""
-        match expr:
-            case Number(value):
-                return _Form("", {}, value), expr, 0
-            case ScalarRef(name):
-                return self.known.get(name), expr, 0
-            case Operation(kind, args):
-                parts = [self._parts(arg) for arg in args]
-                operations = 1 + sum(count for _, _, count in parts)
-                forms = [form for form, _, _ in parts if form is not None]
-                form = _combined(kind, forms) if len(forms) == len(parts) else None
+        if isinstance(expr, Operation):
+            args = expr.args
+            parts = [self._parts(arg) for arg in args]
+            operations = 1
+            forms: list[_Form] = []
+            for form, _, count in parts:
+                operations += count
                 if form is not None:
-                    return form, expr, operations
-                whole = [self._whole(*part) for part in parts]
-                same = all(now is before for now, before in zip(whole, args, strict=True))
-                return None, expr if same else Operation(kind, tuple(whole)), operations
-            case _:
-                return None, expr, 0
+                    forms.append(form)
+            whole = _combined(expr.kind, forms) if len(forms) == len(parts) else None
+            if whole is not None:
+                return whole, expr, operations
+            replaced = [self._whole(*part) for part in parts]
+            same = all(now is before for now, before in zip(replaced, args, strict=True))
+            return None, expr if same else Operation(expr.kind, tuple(replaced)), operations
+        if isinstance(expr, ScalarRef):
+            return self._known.get(expr.name), expr, 0
+        return (_Form("", {}, expr.value) if isinstance(expr, Number) else None), expr, 0
 
     def _whole(self, form: _Form | None, expr: Expr, operations: int) -> Expr:
         """An expression, or the element of an array in its place if it is a form that is worth a row."""
@@ -232,8 +243,9 @@ class _Forms:
             return expr
         if len(form.factors) < DENSE * form.window.count:
             return expr
-        self.forms.append(form)
-        for values in self.values:
+        if not self._values:
+            self.found.append(form)
+        for values in self._values:
             window = values.window
             inside = window.first <= form.window.first < window.first + window.count
             if form.argument == window.argument and inside:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -73,12 +73,16 @@ class Body:
     @property
     def motion(self) -> Motion:
         """The motion of the body with its assumed modes."""
-        return (planar_motion if self.dimension == 2 else spatial_motion)(self.modes, self.truncated)
+        return self._kinematics(self.modes, self.truncated)
 
     @property
     def field_motion(self) -> Motion:
         """The motion in the family of fields, in which each theta_p has an amplitude of its own."""
-        return planar_motion(self.modes + self.fields) if self.fields else self.motion
+        return self._kinematics(self.modes + self.fields) if self.fields else self.motion
+
+    @property
+    def _kinematics(self) -> Callable[..., Motion]:
+        return planar_motion if self.dimension == 2 else spatial_motion
 
     @property
     def truncated(self) -> bool:

@@ -45,9 +45,13 @@ def expand(body: Body) -> Equations:
     written = expanded.written
 
     def total(*exprs: sp.Expr) -> sp.Expr:
-        return zeros.drop(dependent.put_in(sums.put_in(sp.Add(*exprs))), reasons)
+        return zeros.drop(dependent.put_in(sums.put_in(sp.Add(*exprs)), reasons), reasons)
 
-    complete = (*dependent.projected(written(inertia)), *written(applied), *dependent.projected(written(weight)))
+    projected = [dependent.projected(written(part), reasons) for part in (inertia, weight)]
+    complete = (*projected[0].terms, *written(applied), *projected[1].terms)
+    absent = _absent((*inertia, *applied), sums)
+    for key, symbols in projected[0].absent.items():
+        absent.setdefault(key, []).extend(symbols)
     terms, vanished = zeros.drop_terms(complete, reasons)
     return Equations(
         name=body.name,
@@ -62,7 +66,7 @@ def expand(body: Body) -> Equations:
         terms=terms,
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=mass_matrix(motion.rows, terms),
-        mass_zeros=_mass_zeros(motion, complete, reasons, _absent((*inertia, *applied), sums)),
+        mass_zeros=_mass_zeros(motion, complete, reasons, absent),
         kinetic_energy=total(work.kinetic_energy, *(force.kinetic for force in forces)),
         strain_energy=total(*(force.strain for force in forces), cubic_energy(body.constants, motion)),
         weight_energy=total(work.weight_energy) if body.gravity else None,
@@ -103,7 +107,9 @@ def rigid_rows(body: Body, kept: Collection[sp.Symbol] = ()) -> tuple[sp.Expr, .
     """
     work, expanded = body.virtual_work, _Expansion(body)
     weight = work.rigid_weight if body.gravity else ()
-    complete = (expanded.dependent.projected(expanded.written(part)) for part in (work.rigid, weight))
+    complete = (
+        expanded.dependent.projected(expanded.written(part), expanded.reasons).terms for part in (work.rigid, weight)
+    )
     terms, _ = zeros.drop_terms(tuple(chain.from_iterable(complete)), expanded.reasons)
     replaced = [definition for definition in reversed(expanded.definitions) if definition.symbol not in kept]
     result = []
@@ -121,7 +127,11 @@ def _moments(
     """The moments of the larger family of fields without vanishing parts, and the reasons with those of the moments."""
     if not dependent.numbers:
         return expanded_moments(fields, reasons)
-    in_amplitudes = (replace(d, expr=dependent.put_in(d.expr)) for d in expanded_moments(fields)[0])
+    complete = expanded_moments(fields)[0]
+    kept = (dependent.put_in(d.expr, reasons) for d in complete)
+    in_amplitudes = (
+        replace(d, expr=expr if expr != 0 else dependent.put_in(d.expr)) for d, expr in zip(complete, kept, strict=True)
+    )
     return zeros.drop_definitions(tuple(in_amplitudes), reasons)
 
 

@@ -97,7 +97,7 @@ class CoefficientTable:
         """The components of an entry: 1 2 3, or 11 12 13 22 23 33; a single empty one for a scalar."""
         if self.dimension == 2:
             return ((1,), (2,)) if self.family in VECTORS else ((),)
-        if self.family in (*SCALARS, Family.CUBIC_STIFFNESS, Family.PRELOAD):
+        if self.family in (*SCALARS, Family.CUBIC_STIFFNESS, Family.PRELOAD, Family.FIELD_WEIGHT):
             return ((),)
         return PAIRS if self.family in TENSORS else tuple((k,) for k in AXES)
 

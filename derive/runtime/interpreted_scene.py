@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from derive.ir.interpreter import RequirementError, interpret
+from derive.ir.interpreter import RequirementError, check_requirement, interpret
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model, Variable
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ReturnCode
+from derive.ir.straight_line import StraightLine, straight_line_function
 from derive.roles import Role
 from derive.runtime.compiled_function import CompiledFunction
 from derive.runtime.compiled_model import CompiledFunctions
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
+
+INTERPRETED_CALLS = 4
+"""The calls of a function until one of Python is made of it, which takes as long as some of them."""
 
 
 class InterpretedScene(NativeScene):
@@ -67,6 +74,8 @@ class InterpretedFunction(CompiledFunction):
         """number: the integer that functions of instances take."""
         self.name, self._kernel, self._number = f"{model.name}_{kernel.name}", kernel, number
         self._tables = {spline.name: spline for spline in model.splines}
+        self._calls = 0
+        self._straight: StraightLine | None = None
 
     def __call__(self, arrays: tuple[ArrayLike, ...], *numbers: float, out: Vector | None = None) -> Vector:
         """The first result, written into `out` where it is given."""
@@ -92,12 +101,21 @@ class InterpretedFunction(CompiledFunction):
             for a in self._kernel.arguments
         }
         try:
-            outputs = interpret(self._kernel, given, tables=self._tables)
+            outputs = self._outputs(given)
         except RequirementError as error:
             raise ModelError(self.name, error.code) from error
         except (ArithmeticError, ValueError) as error:  # C has an infinity or a NaN there
             raise ModelError(self.name, ReturnCode.NOT_FINITE) from error
         return [np.array(outputs[o.name], dtype=np.float64) for o in self._kernel.outputs]
+
+    def _outputs(self, given: Mapping[str, Any]) -> dict[str, list[Any]]:
+        """The outputs by name: interpreted in the first calls, by a function of Python from then on if there is one."""
+        self._calls += 1
+        if self._calls == INTERPRETED_CALLS:
+            self._straight = straight_line_function(self._kernel, check_requirement, self._tables)
+        if self._straight is not None:
+            return self._straight(given)
+        return interpret(self._kernel, given, tables=self._tables)
 
 
 def _names(variables: tuple[Variable, ...]) -> tuple[str, ...]:

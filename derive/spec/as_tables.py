@@ -141,10 +141,6 @@ def _section_frame(marker: SectionFrame) -> Any:
     return at if marker.rotation == NO_ROTATION else {"at": at, "rotation": [*marker.rotation]}
 
 
-def _order_number(order: DisplacementOrder) -> Data:
-    return {"order": 1 if order is DisplacementOrder.FIRST_ORDER else 2}
-
-
 def _order(order: DisplacementOrder) -> Data:
     match order:
         case DisplacementOrder.FIRST_ORDER:
@@ -211,7 +207,7 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     FlexibleBody: _flexible_body,
     NodeFrame: _node_frame,
     SectionFrame: _section_frame,
-    SpatialBeam: lambda beam: {**_declared(beam), "orthogonal": beam.orthogonal, **_order_number(beam.order)},
+    SpatialBeam: lambda beam: {**_declared(beam), "orthogonal": beam.orthogonal, "order": 1, **_order(beam.order)},
     SpatialJoint: _of_kind,
     SpatialSpring: lambda s: {"kind": s.kind, "between": [str(s.first), str(s.second)], **as_table(s.values)},
     Joint: _of_kind,

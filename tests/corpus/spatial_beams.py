@@ -13,7 +13,7 @@ import numpy as np
 
 from corpus.beams import ROD, SAG, axial_table, damping_table, frame_value
 from corpus.draft import Table
-from corpus.draws import rounded, words
+from corpus.draws import Draws, rounded, words
 from corpus.spatial_actions import act_in_space, input_or_function, observe_in_space
 from derive.spec.model.beam_parts import FAMILY_FRAMES, ShapeFamily
 from derive.spec.model.spatial_beam import SpatialBeam
@@ -144,6 +144,9 @@ def beam_body(draft: SpatialDraft, root: np.ndarray) -> SolidBody:
     }
     if draws.chance(0.5):
         table["order"] = order
+        terms = Draws(f"terms {stiffness}")  # apart, so that the other draws stay
+        if order == 2 and terms.chance(0.25):
+            table["terms"] = terms.choice(["truncated", "full"])
     else:
         order = 1
     lowest = ROD * math.sqrt(stiffness / (mass * length**3))

@@ -21,7 +21,7 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm, constant, variable
 from derive.ir.kernel import ConstantArray, Kernel
-from derive.ir.linear_forms import FormValues, LinearParts, Row, Window, linear_parts, linear_rows
+from derive.ir.linear_forms import FormValues, KernelForms, LinearParts, Row, Window, linear_parts, linear_rows
 from derive.ir.loop_nests import START, Accumulator, Alias, Assign, For, Local, LoopKind, Node
 from derive.ir.model import Model
 from derive.ir.statements import Let
@@ -187,15 +187,19 @@ def linear_sums(model: Model) -> LinearSums:
     if model.lowering != "flat" or not model.in_space:
         return NO_SUMS
     kernels = [kernel for kernel in model.kernels if kernel.name != "setup"]
-    wanted = {kernel.name: linear_rows(kernel) for kernel in kernels}
+    known = {kernel.name: KernelForms(kernel) for kernel in kernels}
+    wanted = {name: linear_rows(forms) for name, forms in known.items()}
     collected: dict[int, _Rows] = {}
     for windows in wanted.values():
         for window, rows in windows.items():
             for row in rows:
                 collected.setdefault(window.count, _Rows()).add(row, window.argument)
     tables = {columns: RowTable(model.name, columns, tuple(of.rows)) for columns, of in collected.items()}
-    with_sums = (kernel for kernel in kernels if wanted[kernel.name])
-    result = {kernel.name: _kernel_sums(kernel, wanted[kernel.name], tables, collected) for kernel in with_sums}
+    result = {
+        kernel.name: _kernel_sums(kernel, known[kernel.name], wanted[kernel.name], tables, collected)
+        for kernel in kernels
+        if wanted[kernel.name]
+    }
     return LinearSums(tuple(tables.values()), result)
 
 
@@ -232,6 +236,7 @@ class _Rows:
 
 def _kernel_sums(
     kernel: Kernel,
+    known: KernelForms,
     windows: Mapping[Window, Iterable[Row]],
     tables: Mapping[int, RowTable],
     collected: Mapping[int, _Rows],
@@ -258,7 +263,7 @@ def _kernel_sums(
         ]
     constants = (tables[columns].array for columns in dict.fromkeys(window.count for window in windows))
     reading = replace(kernel, constants=(*kernel.constants, *constants))
-    return KernelSums(reading, linear_parts(kernel, values), tuple(calls), tuple(arrays))
+    return KernelSums(reading, linear_parts(known, values), tuple(calls), tuple(arrays))
 
 
 def _runs(numbers: Iterable[int]) -> Iterator[tuple[int, int]]:

@@ -79,21 +79,8 @@ class Foreshortening:
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """The fields theta_p of which all psi_ij are combinations, and the weights.
-
-        For polynomials these are Legendre polynomials, which are orthogonal; for others the psi_ij themselves.
-        """
-        every = {(i, j): self.of(i, j) for i, j in pairs(len(self.fields))}
-        if not all(field.of.is_exact for field in self.fields):
-            return tuple(Combination(psi, {key: Fraction(1)}) for key, psi in every.items() if not psi.is_zero)
-        highest = max(len(psi.coefficients) for psi in every.values())
-        result = []
-        for theta in map(_legendre, range(highest)):
-            square = (theta * theta).integral()
-            parts = {key: (psi * theta).integral() / square for key, psi in every.items()}
-            if any(parts.values()):
-                result.append(Combination(theta, parts))
-        return tuple(result)
+        """The fields theta_p of which all psi_ij are combinations, and the weights."""
+        return combinations_of({(i, j): self.of(i, j) for i, j in pairs(len(self.fields))})
 
     def _value(self, integrand: BeamFunction, factor: sp.Expr, reason: str | None = None) -> Value:
         value = integrand.integral()
@@ -108,6 +95,23 @@ class Combination:
 
     field: BeamFunction
     weights: Mapping[tuple[int, int], Real]
+
+
+def combinations_of(every: Mapping[tuple[int, int], BeamFunction]) -> tuple[Combination, ...]:
+    """The fields theta_p of which all psi_ij length/2 are combinations, and the weights.
+
+    For polynomials these are Legendre polynomials, which are orthogonal; for others the functions themselves.
+    """
+    if not all(psi.is_exact for psi in every.values()):
+        return tuple(Combination(psi, {key: Fraction(1)}) for key, psi in every.items() if not psi.is_zero)
+    highest = max((len(psi.coefficients) for psi in every.values()), default=0)
+    result = []
+    for theta in map(_legendre, range(highest)):
+        square = (theta * theta).integral()
+        parts = {key: (psi * theta).integral() / square for key, psi in every.items()}
+        if any(parts.values()):
+            result.append(Combination(theta, parts))
+    return tuple(result)
 
 
 def _legendre(degree: int) -> BeamFunction:

@@ -81,6 +81,8 @@ class SectionMoments:
 
     The masses are attached to its sections. They are the moments of its part to the right of xi = `start`; mass and
     inertia are those of the whole beam.
+
+    further: fields of the family of a full model, which are numbered behind the shapes.
     """
 
     beam: SpatialBeam
@@ -90,13 +92,15 @@ class SectionMoments:
     inertia: sp.Expr
     masses: tuple[SectionMass, ...] = ()
     start: Fraction = LEFT
+    further: tuple[SectionField, ...] = ()
 
     def constants(self) -> Iterator[ModelConstant]:
         """The entries of the tables of shape integrals, each with its value, or the reason why it vanishes."""
         mean = self.beam.frame.kind == "mean"
-        second_order = self.beam.order is not DisplacementOrder.FIRST_ORDER
-        X, numbers = position_field(self.length), range(1, len(self.shapes) + 1)
-        fields = {i: shape_field(shape, self.length) for i, shape in enumerate(self.shapes, 1)}
+        second_order = self.beam.order is DisplacementOrder.TRUNCATED
+        X = position_field(self.length)
+        family = (*(shape_field(shape, self.length) for shape in self.shapes), *self.further)
+        fields, numbers = dict(enumerate(family, 1)), range(1, len(family) + 1)
         pairs = [*combinations_with_replacement(numbers, 2)]
         first_vanishes = {1: CENTRED, 2: ON_AXIS, 3: ON_AXIS}
         for k, integral in self._first(X).items():
@@ -110,7 +114,8 @@ class SectionMoments:
         for i in numbers:
             for ab, integral in _inertia(with_position[i]).items():
                 yield _constant(Family.C4, (i,), ab, integral)
-        of_pairs = {(i, j): self._second(fields[i], fields[j]) for i, j in pairs}
+        n = len(self.shapes)
+        of_pairs = {(i, j): self._second(fields[i], fields[j], whole=max(i, j) <= n) for i, j in pairs}
         second = {}
         for i, j in pairs if second_order else ():
             field = second_field(self.shapes[i - 1], self.shapes[j - 1], self.beam.frame, self.length)
@@ -139,34 +144,34 @@ class SectionMoments:
     @cached_property
     def _section(self) -> sp.Matrix:
         """The means (4, 4) of the products of 1 and the coordinates of p over a section."""
-        centre = [sp.S.Zero, *(quantity.value(x, positive=False) for x in self.beam.centre)]
         own = self.inertia / (2 * self.mass)
-        result = sp.diag(1, -own, own, own)
-        for k, x in enumerate(centre, 1):
-            result[0, k] = result[k, 0] = x
-            for j, y in enumerate(centre, 1):
-                result[k, j] += x * y
-        return result
+        return self._centres + sp.diag(0, -own, own, own)
+
+    @cached_property
+    def _centres(self) -> sp.Matrix:
+        """The products of 1 and the coordinates of p in the centre of mass of a section."""
+        centre = sp.Matrix([1, 0, *(quantity.value(x, positive=False) for x in self.beam.centre)])
+        return centre * centre.T
 
     def _first(self, field: SectionField) -> dict[int, Integral]:
         """The first moment int rho f."""
         unit = SectionField({(1, 0): ONE}, sp.S.One, sp.S.One)
-        return {axis: self._entry(field, unit, axis, 1) for axis in AXES}
+        return {axis: self._entry(field, unit, axis, 1, whole=True) for axis in AXES}
 
-    def _second(self, f: SectionField, g: SectionField) -> Tensor:
-        """The second moment int rho f g^T."""
-        return {(a, b): self._entry(f, g, a, b) for a in AXES for b in AXES}
+    def _second(self, f: SectionField, g: SectionField, whole: bool = True) -> Tensor:
+        """The second moment int rho f g^T, or without `whole` that of the mass in the centres of the sections."""
+        return {(a, b): self._entry(f, g, a, b, whole) for a in AXES for b in AXES}
 
-    def _entry(self, f: SectionField, g: SectionField, a: int, b: int) -> Integral:
-        total = Integral(sp.S.Zero)
+    def _entry(self, f: SectionField, g: SectionField, a: int, b: int, whole: bool) -> Integral:
+        total, means = Integral(sp.S.Zero), self._section if whole else self._centres
         for left, of in f.along(a):
             for right, other in g.along(b):
-                if weight := self._section[left[1], right[1]]:
+                if weight := means[left[1], right[1]]:
                     product = of * other
                     unit = f.unit(left) * g.unit(right) * weight * self.mass / 2
                     total += Integral(unit * rational(product.integral(self.start)), True, product.is_odd)
                 for m in self.masses:
-                    if weight := m.moments[left[1], right[1]]:
+                    if weight := (m.moments if whole else m.centres)[left[1], right[1]]:
                         there = rational((of * other).at(m.at))
                         unit = f.unit(left) * g.unit(right) * weight
                         total += Integral(unit * there, True, True, CANCEL if there else ZERO_THERE)

@@ -24,13 +24,11 @@ from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY
 from derive.mechanics.bodies.beam_stiffness import NO_STRETCH, UNCOUPLED
 from derive.mechanics.bodies.rod_deformation import deformation_mass
 from derive.mechanics.bodies.section_fields import Direction, SectionShape, section_shapes
-from derive.mechanics.bodies.section_masses import section_masses
-from derive.mechanics.bodies.section_moments import SectionMoments
-from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
+from derive.mechanics.bodies.section_inertia import length_of, section_inertia
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.symbols import quantity as quantity_symbol
-from derive.mechanics.tables import exact_tables
+from derive.mechanics.tables import PLANAR_DOCS, exact_tables
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder
@@ -43,7 +41,7 @@ CURVED = {Direction.ALONG_E2: 2, Direction.ALONG_E3: 2, Direction.TORSION: 1, Di
 """The order of the derivative of a shape in the strain energy."""
 OTHER_DOCS = {
     Family.CUBIC_STIFFNESS: ("stiffness of third order: int (EI_3 - EI_2) theta v'' w'' dx", "N/m^2"),
-    Family.PRELOAD: ("work of the axial force at rest", "N"),
+    **{family: PLANAR_DOCS[family] for family in (Family.PRELOAD, Family.FIELD_WEIGHT)},
 }
 """The descriptions and units of tables that a finite-element body does not have."""
 DESCRIPTIONS = {
@@ -60,37 +58,28 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
     Damping is that of the whole beam, which couples its pieces and is no part of them. Raises ConditionError when the
     ansatz does not fit the frame.
     """
-    shapes = section_shapes(beam)
-    n, length = cut_into(beam), length_of(beam)
-    mass, inertia = quantity.value(beam.mass) / n, quantity.value(beam.rotary_inertia) / n
-    masses = tuple(section_masses(beam.masses))
-    second_order = beam.order is not DisplacementOrder.FIRST_ORDER
+    shapes, inertia = section_shapes(beam), section_inertia(beam)
     constants = (
-        *SectionMoments(beam, shapes, mass, length, inertia, masses).constants(),
+        *inertia.constants,
         *stiffness_constants(beam, shapes),
-        *(cubic_stiffness(beam, shapes) if second_order else ()),
+        *(cubic_stiffness(beam, shapes) if beam.order is not DisplacementOrder.FIRST_ORDER else ()),
         *preload_constants(beam, shapes),
-        *(damping_constants(beam, shapes) if n == 1 else ()),
+        *(damping_constants(beam, shapes) if cut_into(beam) == 1 else ()),
     )
-    carried = f", with the attached masses {', '.join(m.name for m in beam.masses)}" if masses else ""
-    docs = (SECOND_ORDER_DOCS if second_order else DOCS) | OTHER_DOCS
+    carried = f", with the attached masses {', '.join(m.name for m in beam.masses)}" if beam.masses else ""
     return Body(
         name=beam.name,
         doc=f"beam in space, {beam.frame.kind} frame, {shape_texts(shapes)}{carried}",
         frame_doc="c is where the centre of the undeformed beam lies in the floating frame, whose e1 is its axis.",
         dimension=3,
         modes=len(shapes),
-        mass=sp.Add(mass, *(m.mass for m in masses)),
-        tables=exact_tables(constants, docs, 3),
+        mass=inertia.mass,
+        tables=exact_tables(constants, {**inertia.docs, **OTHER_DOCS}, 3),
         values=ExactValues(constants),
         gravity=gravity,
         order=beam.order,
+        fields=inertia.fields,
     )
-
-
-def length_of(beam: SpatialBeam) -> sp.Expr:
-    """The length of a beam, or of a piece of one."""
-    return quantity.value(beam.length) / cut_into(beam)
 
 
 def shape_texts(shapes: tuple[SectionShape, ...]) -> str:

@@ -16,7 +16,7 @@ row of alpha_i is what the rows of the beta_p add to it, since the virtual displ
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -27,11 +27,20 @@ from derive.roles import Source
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion
+    from derive.mechanics.typed_symbol import Symbol
 
 
 def field_weight(p: int, i: int, j: int) -> sp.Symbol:
     """The symbol of the field weight z_pij = z_pji."""
     return quantity(Family.FIELD_WEIGHT, shapes=(p, *sorted((i, j))))
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Terms in the amplitudes of the shapes, and what vanishes in them by the row and the acceleration there."""
+
+    terms: tuple[Term, ...]
+    absent: Mapping[tuple[str, sp.Expr], list[Symbol]]
 
 
 @dataclass(frozen=True)
@@ -62,42 +71,79 @@ class DependentAmplitudes:
             weights = [[field_weight(p, i, j) for j in self._shapes] for i in self._shapes]
             for i, row in zip(self._shapes, weights, strict=True):
                 define(self._tangent(p, i), _dot(row, alpha), f"derivative of beta_{p} by alpha_{i}")
-            tangents = [self._tangent(p, i) for i in self._shapes]
+            tangents = self._tangents(p)
             define(self._beta(p), _dot(tangents, alpha) / 2, f"amplitude of theta_{p}")
             define(self._beta(p, 1), _dot(tangents, rates), f"rate of beta_{p}")
             bias = sp.Add(*(_dot(row, rates) * rate for row, rate in zip(weights, rates, strict=True)))
             define(self._beta(p, 2), sp.expand(bias), f"second derivative of beta_{p} without accelerations")
         return tuple(result)
 
-    def put_in(self, expr: sp.Expr) -> sp.Expr:
-        """Substitute the amplitudes of the shapes into an expression of the larger family."""
+    def put_in(self, expr: sp.Expr, vanishing: Container[sp.Basic] = ()) -> sp.Expr:
+        """Substitute the amplitudes of the shapes into an expression of the larger family.
+
+        vanishing: symbols that are zero, by which nothing is multiplied.
+        """
         if not self.numbers:
             return expr
         n, result = len(self.motion.alpha), {}
         for p, row in zip(self.numbers, self.of_fields.rows[-len(self.numbers) :], strict=True):
-            tangents = [self._tangent(p, i) for i in self._shapes]
+            tangents = [sp.S.Zero if t in vanishing else t for t in self._tangents(p)]
             result[self.of_fields.alpha[n + p - 1]] = self._beta(p)
             result[row.v] = self._beta(p, 1)
             result[row.a] = _dot(tangents, self.motion.alphaddot) + self._beta(p, 2)
-        return sp.expand(expr.xreplace(result))
+        return sp.expand(_without(expr, vanishing).xreplace(result))
 
-    def projected(self, terms: Iterable[Term]) -> tuple[Term, ...]:
-        """The terms of the larger family, where the rows of its fields are projected on the rows of the shapes."""
+    def projected(self, terms: Iterable[Term], vanishing: Container[sp.Basic]) -> Projection:
+        """The terms of the larger family, where the rows of its fields are projected on the rows of the shapes.
+
+        vanishing: the symbols that are zero. Products with them are left out before they are multiplied out, unless a
+        term vanishes altogether; the factors of accelerations that they are parts of have them in `absent`.
+        """
+        if not self.numbers:
+            return Projection(tuple(terms), {})
         rows = {str(a): p for p, a in zip(self.numbers, self.of_fields.alpha[len(self.motion.alpha) :], strict=True)}
         kept: list[Term] = []
-        moved: dict[tuple[str, str], list[sp.Expr]] = {}
+        absent: dict[tuple[str, sp.Expr], list[Symbol]] = {}
+        moved: dict[tuple[str, str], list[tuple[sp.Symbol, Term, sp.Expr]]] = {}
         for term in terms:
-            expr = self.put_in(term.expr)
-            if term.row not in rows:
-                kept.append(replace(term, expr=expr))
-                continue
-            for i, alpha in zip(self._shapes, self.motion.alpha, strict=True):
-                moved.setdefault((str(alpha), term.name), []).append(self._tangent(rows[term.row], i) * expr)
-        added = (
-            Term(row, f"{name}, second order", Source.SECOND_ORDER, sp.expand(sp.Add(*exprs)))
-            for (row, name), exprs in moved.items()
-        )
-        return (*kept, *added)
+            expr, factors = self.put_in(term.expr, vanishing), self._absent_factors(term.expr, vanishing)
+            targets: list[tuple[str, sp.Expr]] = [(term.row, sp.S.One)]
+            if term.row in rows:
+                tangents = self._tangents(rows[term.row])
+                targets = [(str(alpha), tangent) for alpha, tangent in zip(self.motion.alpha, tangents, strict=True)]
+                for row, tangent in targets:
+                    moved.setdefault((row, term.name), []).append((tangent, term, expr))
+            else:
+                kept.append(replace(term, expr=expr if expr != 0 else self.put_in(term.expr)))
+            for row, tangent in targets:
+                own = [tangent] if tangent in vanishing else []
+                for factor, symbols in factors:
+                    absent.setdefault((row, factor), []).extend([*symbols, *own])
+        for (row, name), parts in moved.items():
+            total = sp.Add(
+                *(t * summand for t, _, expr in parts if t not in vanishing for summand in sp.Add.make_args(expr))
+            )
+            if total == 0:  # the reasons are in the products that vanish
+                total = sp.expand(sp.Add(*(tangent * self.put_in(term.expr) for tangent, term, _ in parts)))
+            kept.append(Term(row, f"{name}, second order", Source.SECOND_ORDER, total))
+        return Projection(tuple(kept), absent)
+
+    def _absent_factors(self, expr: sp.Expr, vanishing: Container[sp.Basic]) -> list[tuple[sp.Expr, list[Symbol]]]:
+        """The accelerations in the summands of an expression of the larger family, and what vanishes beside them."""
+        result: list[tuple[sp.Expr, list[Symbol]]] = []
+        accelerations = {row.a: 0 for row in self.of_fields.rows}
+        accelerations |= {
+            row.a: p for p, row in zip(self.numbers, self.of_fields.rows[-len(self.numbers) :], strict=True)
+        }
+        for summand in sp.Add.make_args(expr):
+            gone = [symbol for symbol in summand.free_symbols if symbol in vanishing]
+            for symbol in summand.free_symbols & accelerations.keys():
+                if not (p := accelerations[symbol]):
+                    result.append((symbol, gone))
+                    continue
+                for tangent, of_shape in zip(self._tangents(p), self.motion.alphaddot, strict=True):
+                    result.append((of_shape, [*gone, tangent] if tangent in vanishing else gone))
+        return result
 
     @property
     def _shapes(self) -> range:
@@ -106,8 +152,17 @@ class DependentAmplitudes:
     def _tangent(self, p: int, i: int) -> sp.Symbol:
         return quantity(Family.FIELD_TANGENT, shapes=(p, i))
 
+    def _tangents(self, p: int) -> list[sp.Symbol]:
+        return [self._tangent(p, i) for i in self._shapes]
+
     def _beta(self, p: int, derivative: int = 0) -> sp.Symbol:
         return quantity(Family.FIELD_AMPLITUDE, derivative=derivative, shapes=(p,))
+
+
+def _without(expr: sp.Expr, vanishing: Container[sp.Basic]) -> sp.Expr:
+    """A sum without the summands in which a symbol vanishes."""
+    summands = sp.Add.make_args(expr)
+    return sp.Add(*(s for s in summands if not any(symbol in vanishing for symbol in s.free_symbols)))
 
 
 def _dot(a: Iterable[sp.Expr], b: Iterable[sp.Expr]) -> sp.Expr:

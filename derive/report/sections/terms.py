@@ -5,6 +5,7 @@ Every term keeps its name and its number, and leads to the lines of the generate
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -35,6 +36,8 @@ from derive.report.sections.term_lines import LocatedTerm, group, line_anchor, r
 
 MOST_ROWS, MOST_SUMMANDS = 16, 240
 """Rows that are shown, others are folded; summands of all rows up to which they are written out in coordinates."""
+HOPELESS = 10 * MOST_SUMMANDS
+"""Summands of a definition before it is expanded from which on too many of them remain."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,8 @@ def _short(equations: Equations) -> Substitution | None:
         return None
     values: dict[sp.Symbol, sp.Expr] = {c.symbol: c.value for c in equations.coefficients}
     for definition in _needed(equations):
+        if _summands(definition.expr, values) > HOPELESS:
+            return None
         values[definition.symbol] = sp.expand(definition.expr.xreplace(values))
         if len(sp.Add.make_args(values[definition.symbol])) > MOST_SUMMANDS:
             return None
@@ -85,6 +90,18 @@ def _short(equations: Equations) -> Substitution | None:
         if count > MOST_SUMMANDS:
             return None
     return written
+
+
+def _summands(expr: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> int:
+    """The number of summands of an expression with these values in place of symbols, if none of them cancel."""
+    if expr.is_Add:
+        return sum(_summands(arg, values) for arg in expr.args)
+    if expr.is_Mul:
+        return math.prod(_summands(arg, values) for arg in expr.args)
+    if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
+        own = _summands(expr.base, values)
+        return math.comb(own + int(expr.exp) - 1, int(expr.exp))
+    return len(sp.Add.make_args(values[expr])) if expr in values else 1
 
 
 def _needed(equations: Equations) -> list[Intermediate]:

@@ -238,8 +238,18 @@ class SpatialBeam:
             KeyType.ORDER,
             "The order of the displacements in the amplitudes: 1 as in the paper, where a fast-spinning beam softens "
             "and no beam buckles; 2 with the shortening of a beam that bends and the coupling of torsion with the two "
-            "bendings, in kinetic and potential energy through second order.",
+            "bendings.",
             default=1,
+        ),
+        key(
+            KeyType.CHOICE,
+            "What a beam of order 2 keeps: truncated (kinetic and potential energy through second order in the "
+            "amplitudes, the default), full (all that the displacements yield, also of a beam that bends far; the "
+            "equations are several times as long).",
+            name="terms",
+            choices=("truncated", "full"),
+            choice_of="terms",
+            optional=True,
         ),
     ] = DisplacementOrder.FIRST_ORDER
     markers: Annotated[

@@ -55,11 +55,12 @@ def _section_frame(name: str, at: Any) -> SectionFrame:
 VALUE_TYPES[KeyType.SECTION_FRAMES] = markers_type(SECTION_FRAME.value, "positions", _section_frame)
 
 
-def _beam(name: str, order: int, **given: Any) -> SpatialBeam:
+def _beam(name: str, order: int, terms: str | None = None, **given: Any) -> SpatialBeam:
     """The beam, whose deflection and order are completed. Raises WrongValueError."""
     shapes = assumed_deflection(**{field: given.pop(field, None) for field in DEFLECTION_FIELDS})
     own = {field: getattr(shapes, field) for field in DEFLECTION_FIELDS}
-    kept = DisplacementOrder.FIRST_ORDER if order == 1 else DisplacementOrder.TRUNCATED
+    second = DisplacementOrder.FULL if terms == "full" else DisplacementOrder.TRUNCATED
+    kept = DisplacementOrder.FIRST_ORDER if order == 1 else second
     beam = SpatialBeam(name=name, order=kept, **own, **given)
     if beam.ends is not None and any(isinstance(of.ansatz, ShapeFamily) for of in beam.deflections):
         raise WrongValueError("`ends` is for polynomials; families of shapes fulfil conditions of their own")
@@ -79,6 +80,8 @@ def _beam(name: str, order: int, **given: Any) -> SpatialBeam:
         raise WrongValueError(
             "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
         )
+    if order == 1 and terms is not None:
+        raise WrongValueError(f'terms = "{terms}" is for beams of order 2; write order = 2 beside it, or leave it out')
     return beam
 
 

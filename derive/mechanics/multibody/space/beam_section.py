@@ -17,7 +17,8 @@ from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.bodies.section_fields import Direction, section_shapes, shortening_of
-from derive.mechanics.bodies.spatial_beam import damping_along, length_of
+from derive.mechanics.bodies.section_inertia import length_of
+from derive.mechanics.bodies.spatial_beam import damping_along
 from derive.mechanics.bodies.spatial_beam_part import spatial_part
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.motion.vectors import cross, dot

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.section_fields import SectionShape, second_rotation, section_shapes, shortening_of
-from derive.mechanics.bodies.spatial_beam import length_of
+from derive.mechanics.bodies.section_inertia import length_of
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import CrossSection
