@@ -8,7 +8,9 @@ couples the twist with the bending in the other plane, and a twisting moment T t
 in the potential; the square root is due to the curvature of the beam in its stiffer plane. Divided by the strain energy
 of the deformations that the joints admit, the largest value mu of this form is 1 where the beam buckles. What is
 coupled loses the fraction mu^2 of its stiffness. As far as the shapes can represent the buckled beam, mu is 1 under an
-end load 4.013 sqrt(EI_2 GJ)/l^2 on a cantilever, and under Greenhill's torque 2 pi EI/l on a shaft between hinges.
+end load 4.013 sqrt(EI_2 GJ)/l^2 on a cantilever, and under a torque 8.99 EI/l on a shaft between clamps. Between hinges
+it is 1 at pi^2/2 EI/l, where a torque buckles the shaft that turns with its ends by half; one about a fixed axis does
+that at Greenhill's 2 pi EI/l.
 """
 
 from __future__ import annotations
