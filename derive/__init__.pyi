@@ -108,6 +108,12 @@ from derive.spec.model.spatial_beam import (
 from derive.spec.model.spatial_beam import (
     TorsionalDeformation as TorsionalDeformation,
 )
+from derive.spec.model.spatial_beam_parts import (
+    SpatialAttachedMass as SpatialAttachedMass,
+)
+from derive.spec.model.spatial_beam_parts import (
+    SpatialDistributedLoad as SpatialDistributedLoad,
+)
 from derive.spec.model.spatial_bodies import (
     FlexibleBody as FlexibleBody,
     FrameMarker as FrameMarker,
@@ -131,7 +137,7 @@ from derive.spec.model.spatial_scene import (
 from derive.spec.model.time_function import TimeFunction as TimeFunction
 from derive.spec.parsing.time_expression import time_function as time_function
 from derive.spec.toml.read import read as read
-from derive.study.accuracy.chart import LadderChart as LadderChart
+from derive.study.accuracy.ladder_chart import LadderChart as LadderChart
 from derive.study.accuracy.study import study_accuracy as study_accuracy
 from derive.study.choice.choose import choose as choose
 from derive.study.choice.search import Choice as Choice

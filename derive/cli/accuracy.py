@@ -9,8 +9,10 @@ from typing import Any
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
+from derive.cli.specifications import read_scene
 from derive.spec.model.specification import AnyScene
-from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.chart import accuracy_svg
+from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.study import study_accuracy
 from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, run_table
 
@@ -25,6 +27,7 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, page, table and data; Ctrl-C leaves those of the finished part."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
+    given = {**keywords(study_accuracy, options), "also": [read_scene(path) for path in options.also]}
     parts: list[LadderChart] = []
 
     def record(part: LadderChart) -> None:
@@ -33,7 +36,7 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
 
     interrupted = False
     try:
-        chart = study_accuracy(scene, **keywords(study_accuracy, options), progress=True, record=record)
+        chart = study_accuracy(scene, **given, progress=True, record=record)
     except KeyboardInterrupt:
         if not parts:
             raise

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from derive.artifacts import File, check_folder
 from derive.cli.arguments.keywords import keywords
-from derive.cli.specifications import read_planar_scene
+from derive.cli.specifications import read_scene
 from derive.errors import SpecError, TisserandError
 from derive.spec.toml.read import parse, with_lines
 from derive.study.choice.choice_text import choice_data, choice_text
@@ -27,7 +27,7 @@ class ExistingFile(TisserandError):
 
 def run(options: argparse.Namespace) -> int:
     """Search, print the result, and write the specification. The exit code is 1 if no model is accurate enough."""
-    scene = read_planar_scene(options.spec)
+    scene = read_scene(options.spec)
     target = options.out or options.spec.with_name(f"{options.spec.stem}_chosen.toml")
     if os.path.lexists(target):
         raise ExistingFile(f"{target} exists, and is not overwritten; move it, or give another file with --out")
@@ -56,7 +56,7 @@ def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:
     assert choice.chosen is not None
     line, point = choice.chosen
     source = spec.read_text(encoding="utf-8-sig")
-    written = chosen_specification(source, spec, target, read_planar_scene(spec), line.model, point.tolerance)
+    written = chosen_specification(source, spec, target, read_scene(spec), line.model, point.tolerance)
     target.parent.mkdir(parents=True, exist_ok=True)  # paths of files beside the specification are relative to it
     parse(written.text, str(target))
     with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile

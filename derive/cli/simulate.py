@@ -169,7 +169,8 @@ def _divided(spec: AnyScene | NodalBody, cut: str | None, pieces: int) -> AnySce
     assert not isinstance(spec, NodalBody), "a body alone has no plots of pieces"
     changed: Any = spec
     bodies: Any = (replace(b, pieces=pieces) if b.name == cut else b for b in changed.bodies)
-    return replace(changed, bodies=tuple(bodies))
+    result: AnyScene = replace(changed, bodies=tuple(bodies))
+    return result
 
 
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:

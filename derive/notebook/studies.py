@@ -7,7 +7,8 @@ import numpy as np
 from derive.notebook.parts import Writers, folded, head, joined, lines, number, picture, table
 from derive.percentages import percent
 from derive.short_text import counted, listed
-from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.chart import accuracy_svg
+from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.table import ON_PAGE, model_table
 from derive.study.choice.choice_text import tried_table, verdict_lines
 from derive.study.choice.search import Choice

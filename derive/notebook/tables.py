@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from derive.simulation.conversions import pandas_module
-from derive.study.accuracy.chart import LadderChart
+from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.table import run_table
 from derive.study.choice.choice_text import tried_table
 from derive.study.choice.search import Choice

@@ -22,10 +22,11 @@ from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import RigidBody, Scene
 from derive.spec.toml.read import read
-from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.chart import accuracy_svg
 from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import candidates, front, headline, headline_texts, recommended
+from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, compiled, motion, plot_errors
 from derive.study.accuracy.models import ladder, model_scene

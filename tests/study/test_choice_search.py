@@ -10,6 +10,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
+from derive.study.choice.beam_candidates import beam_candidates, cannot_do, suits
 
 from derive.runtime.compiler import RUN_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
@@ -25,7 +26,6 @@ from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, 
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, rms_difference
 from derive.study.choice import trials, trusted_reference
-from derive.study.choice.beam_candidates import beam_candidates, cannot_do, suits
 from derive.study.choice.beam_shares import BeamShare, BeamShares
 from derive.study.choice.combinations import combinations
 from derive.study.choice.model_runs import ModelRuns

@@ -21,10 +21,12 @@ from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody, SpatialInitialValues, SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import model_scene
 from derive.study.accuracy.spatial_models import interface, mode_count
 
-RIGID, TRUNCATED = LadderModel(Shapes.RIGID), DisplacementOrder.TRUNCATED
+RIGID, FLEXIBLE = LadderModel(Shapes.RIGID), LadderModel(Shapes.POLYNOMIALS, 2)
+TRUNCATED = DisplacementOrder.TRUNCATED
 
 
 def example(name: str) -> SpatialScene:
@@ -119,3 +121,37 @@ def test_amplitudes_of_other_shapes_are_refused() -> None:
     scene = derive.validated(replace(scene, bodies=(scene.bodies[0], rod, scene.bodies[2])))
     with pytest.raises(SpecError, match=r"bodies\.rod\.start: models have other shapes"):
         model_scene(scene, RIGID)
+
+
+def loaded() -> SpatialScene:
+    """A free beam with loads of each kind, and a rigid body on its section beside the axis."""
+    return derive.spatial_scene(
+        "loaded",
+        bodies={
+            "rod": {
+                **{"length": 2, "mass": 3, "bending_stiffness": 2000, "rotary_inertia": "0.02", "order": 1},
+                "torsion": {"ansatz": ["xi"], "stiffness": 1000},
+                "markers": {"right": 1},
+                "start": {"rotation": {"axis": [1, 2, 2], "angle": 0.5}},
+                "loads": {
+                    "wind": {"force": ["1", "2*xi", "3 - xi"], "time": "cos(t)"},
+                    "twist": {"force": [0, "1 + xi", 0], "torque": [1, 0, "xi^2"], "frame": "body"},
+                },
+                "masses": {
+                    "knob": {"at": "1/2", "mass": 1, "centre": [0, "0.1", "0.2"], "inertia": [1, 1, 1, 0, 0, 0]}
+                },
+            }
+        },
+        outputs={"end": {"kind": "position", "marker": "rod.right"}},
+        plots={"place": {"y": ["end_2", "end_3"]}},
+        simulation={"duration": 0.4, "output": 0.1},
+    )
+
+
+def test_a_rigid_beam_with_loads_and_masses_moves_as_a_stiff_one() -> None:
+    scene = loaded()
+    stiff, rigid = (motion(compiled(scene, model, monitored=False), 1e-9) for model in (FLEXIBLE, RIGID))
+    for name in ("end_2", "end_3"):
+        moved = rigid[name] - rigid[name][0]
+        assert np.abs(moved).max() > 0.05
+        np.testing.assert_allclose(stiff[name] - stiff[name][0], moved, atol=0.01)

@@ -168,6 +168,14 @@ def _add_accuracy(studies: Any) -> None:
         "longest stable step, and of the longest period (default: none)",
     )
     accuracy.add_argument(
+        "--also",
+        type=spec_file,
+        action="append",
+        default=[],
+        metavar="SPEC",
+        help="scene with other bodies in place of these, whose models are compared as well (default: none)",
+    )
+    accuracy.add_argument(
         "--peers",
         type=Path,
         metavar="FILE",

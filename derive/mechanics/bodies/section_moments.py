@@ -25,6 +25,7 @@ from derive.mechanics.bodies.section_fields import (
     second_field,
     shape_field,
 )
+from derive.mechanics.bodies.section_masses import CANCEL, ZERO_THERE, SectionMass
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.symbols import Family
 from derive.mechanics.symbols import quantity as quantity_symbol
@@ -42,22 +43,31 @@ ON_AXIS = "the specification (the centres of mass of the sections are on the axi
 
 @dataclass(frozen=True)
 class Integral:
-    """An integral over the beam: its value, whether any integrand is there, and whether all of them are odd in xi."""
+    """An integral over the beam: its value, whether any integrand is there, and whether all of them are odd in xi.
+
+    of_masses: why the part of attached masses vanishes if the whole does; empty if no masses see the integrand.
+    """
 
     value: sp.Expr
     there: bool = False
     odd: bool = True
+    of_masses: str = ""
 
     def __add__(self, other: Integral) -> Integral:
-        return Integral(self.value + other.value, self.there or other.there, self.odd and other.odd)
+        of_masses = CANCEL if CANCEL in (self.of_masses, other.of_masses) else self.of_masses or other.of_masses
+        return Integral(self.value + other.value, self.there or other.there, self.odd and other.odd, of_masses)
 
     def scaled(self, factor: sp.Expr) -> Integral:
         """The integral times a number."""
-        return Integral(factor * self.value, self.there, self.odd)
+        return Integral(factor * self.value, self.there, self.odd, self.of_masses)
 
     def reason(self, otherwise: str) -> str:
         """The reason why the integral vanishes."""
         return GEOMETRY if not self.there else PARITY if self.odd else otherwise
+
+    def zero(self, reason: str) -> str:
+        """The reason why the integral vanishes, with that of the attached masses."""
+        return f"{reason} and {self.of_masses}" if self.of_masses else reason
 
 
 Tensor = dict[tuple[int, int], Integral]
@@ -66,13 +76,17 @@ Tensor = dict[tuple[int, int], Integral]
 
 @dataclass(frozen=True)
 class SectionMoments:
-    """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2)."""
+    """The moments of the fields of a beam in space with these shapes, mass (kg), length (m) and inertia J (kg m^2).
+
+    The masses are attached to its sections.
+    """
 
     beam: SpatialBeam
     shapes: tuple[SectionShape, ...]
     mass: sp.Expr
     length: sp.Expr
     inertia: sp.Expr
+    masses: tuple[SectionMass, ...] = ()
 
     def constants(self) -> Iterator[ModelConstant]:
         """The entries of the tables of shape integrals, each with its value, or the reason why it vanishes."""
@@ -148,6 +162,11 @@ class SectionMoments:
                     product = of * other
                     unit = f.unit(left) * g.unit(right) * weight * self.mass / 2
                     total += Integral(unit * rational(product.integral()), True, product.is_odd)
+                for m in self.masses:
+                    if weight := m.moments[left[1], right[1]]:
+                        there = rational((of * other).at(m.at))
+                        unit = f.unit(left) * g.unit(right) * weight
+                        total += Integral(unit * there, True, True, CANCEL if there else ZERO_THERE)
         return total
 
 
@@ -185,6 +204,6 @@ def _constant(
     of_second = second_order or family not in DOCS
     doc, unit = (SECOND_ORDER_DOCS if of_second else DOCS)[family]
     value = sp.expand(integral.value)
-    reason = None if value else zero or integral.reason(ORTHOGONAL)
+    reason = None if value else integral.zero(zero or integral.reason(ORTHOGONAL))
     source = Source.SECOND_ORDER if of_second else Source.APPENDIX
     return ModelConstant(quantity_symbol(family, *components, shapes=shapes), value, source, doc, unit, reason)

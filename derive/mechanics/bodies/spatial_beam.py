@@ -23,6 +23,7 @@ from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY
 from derive.mechanics.bodies.beam_stiffness import NO_STRETCH, UNCOUPLED
 from derive.mechanics.bodies.rod_deformation import deformation_mass
 from derive.mechanics.bodies.section_fields import Direction, SectionShape, section_shapes
+from derive.mechanics.bodies.section_masses import section_masses
 from derive.mechanics.bodies.section_moments import SectionMoments
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.body import Body, ExactValues
@@ -61,22 +62,24 @@ def spatial_beam_body(beam: SpatialBeam, gravity: tuple[ModelConstant, ...] = ()
     shapes = section_shapes(beam)
     n, length = cut_into(beam), length_of(beam)
     mass, inertia = quantity.value(beam.mass) / n, quantity.value(beam.rotary_inertia) / n
+    masses = tuple(section_masses(beam.masses))
     second_order = beam.order is not DisplacementOrder.FIRST_ORDER
     constants = (
-        *SectionMoments(beam, shapes, mass, length, inertia).constants(),
+        *SectionMoments(beam, shapes, mass, length, inertia, masses).constants(),
         *stiffness_constants(beam, shapes),
         *(cubic_stiffness(beam, shapes) if second_order else ()),
         *preload_constants(beam, shapes),
         *(damping_constants(beam, shapes) if n == 1 else ()),
     )
+    carried = f", with the attached masses {', '.join(m.name for m in beam.masses)}" if masses else ""
     docs = (SECOND_ORDER_DOCS if second_order else DOCS) | OTHER_DOCS
     return Body(
         name=beam.name,
-        doc=f"beam in space, {beam.frame.kind} frame, {shape_texts(shapes)}",
+        doc=f"beam in space, {beam.frame.kind} frame, {shape_texts(shapes)}{carried}",
         frame_doc="c is where the centre of the undeformed beam lies in the floating frame, whose e1 is its axis.",
         dimension=3,
         modes=len(shapes),
-        mass=mass,
+        mass=sp.Add(mass, *(m.mass for m in masses)),
         tables=exact_tables(constants, docs, 3),
         values=ExactValues(constants),
         gravity=gravity,

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from derive.roles import Role
-from derive.runtime.native_call import ModelError, Vector
+from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import Mask, constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.piece_shapes import PieceShapes
 
@@ -47,12 +47,18 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
     for columns in pieces:
         K[np.ix_(columns, columns)] = shapes.stiffness
     M = mass_matrix(native, straight, k)
+    G = constraint_matrix(native, t, straight, k) if native.nlambda else np.zeros((0, native.nq))
+    return admitted_modes(K, M, G, free)
+
+
+def admitted_modes(K: Matrix, M: Matrix, G: Matrix, free: Mask) -> tuple[HeldMode, ...]:
+    """The vibrations of M xddot + K x = 0 (n, n) in the motions of the `free` x with G x = 0 (m, n), slowest first."""
     size = np.sqrt(np.diag(M)[free])
     scale = np.where(size > 0, size, 1.0)
     admitted = np.eye(len(scale))
-    if native.nlambda:
-        G = constraint_matrix(native, t, straight, k)[:, free] / scale
-        admitted = null_space(G / np.maximum(np.linalg.norm(G, axis=1, keepdims=True), np.finfo(float).tiny))
+    if len(G):
+        rows = G[:, free] / scale
+        admitted = null_space(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), np.finfo(float).tiny))
     if not admitted.size:
         return ()
     reduced = [admitted.T @ (x[np.ix_(free, free)] / np.outer(scale, scale)) @ admitted for x in (K, M)]
@@ -60,7 +66,7 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
         squares, modes = eigh(*reduced)
     except np.linalg.LinAlgError:  # a velocity without inertia
         return ()
-    motions = np.zeros((len(squares), native.nq))
+    motions = np.zeros((len(squares), len(free)))
     motions[:, free] = (admitted @ modes / scale[:, None]).T
     elastic = squares > RIGID * squares[-1]
     return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic]))

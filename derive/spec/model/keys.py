@@ -59,6 +59,7 @@ class KeyType(Enum):
     SHAPES = "polynomials in xi"
     SHAPE_COUNT = "a number of shape functions"
     LOAD_PAIR = "two components that are polynomials in xi"
+    LOAD_TRIPLE = "three components that are polynomials in xi"
     ORDER = "1 or 2"
     COUNT = "a whole number"
     INSTANCE_COUNT = "a number of instances"

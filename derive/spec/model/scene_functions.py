@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import Spline, TimeFunction, break_times, parts
@@ -17,7 +18,7 @@ S = TypeVar("S", bound=AnyScene)
 SECTIONS = ("joints", "drives", "forces", "torques", "springs")
 """The tables of a scene whose elements may have functions of time."""
 
-LOADED = (BeamBody, FlexibleBody)
+LOADED = (BeamBody, FlexibleBody, SpatialBeam)
 """The bodies that may have loads of their own."""
 
 FunctionPath = tuple[str, str, str]

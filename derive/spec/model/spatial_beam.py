@@ -23,6 +23,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import Key, KeyType, declared_keys, key
 from derive.spec.model.quantity import Quantity
+from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
 from derive.spec.model.spatial_bodies import (
     NO_ROTATION,
     NOT_GIVEN_IN_SPACE,
@@ -251,6 +252,19 @@ class SpatialBeam:
         ),
     ] = ()
     start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    masses: Annotated[
+        tuple[SpatialAttachedMass, ...],
+        key(
+            SpatialAttachedMass,
+            "Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions of the frame "
+            "and the damping are those of the beam without them.",
+            example="[bodies.rod.masses.tip]",
+        ),
+    ] = ()
+    loads: Annotated[
+        tuple[SpatialDistributedLoad, ...],
+        key(SpatialDistributedLoad, "Distributed loads by name.", example="[bodies.rod.loads.wind]"),
+    ] = ()
     pieces: Annotated[
         int, key(KeyType.PIECE_COUNT, "Number of beams of equal length into which the beam is divided.")
     ] = 1

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
+from derive.mechanics.multibody.space.beam_loads import section_names
 from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import COUNT
@@ -17,13 +18,28 @@ from derive.spec.model.spatial_beam import (
     SpatialBeam,
     TorsionalDeformation,
 )
+from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.beam import assumed_deflection
 from derive.spec.tables.declared_tables import DeclaredTable, declare
+from derive.spec.tables.inertia_tensor import check_tensor
 from derive.spec.tables.value_types import VALUE_TYPES, markers_type
+
+
+def _check_mass(of: SpatialAttachedMass) -> None:
+    if of.inertia is not None and any(of.inertia):
+        check_tensor(of.inertia)
+
+
+def _check_load(load: SpatialDistributedLoad) -> None:
+    if not any((*load.force, *load.torque)):
+        raise WrongValueError("the load is zero; give it a force or a torque, or leave it out")
+
 
 declare(LateralDeflection, "LateralTable")
 declare(TorsionalDeformation, "TorsionTable")
+declare(SpatialAttachedMass, "SpatialAttachedMassTable", check=_check_mass)
+declare(SpatialDistributedLoad, "SpatialLoadTable", check=_check_load)
 SECTION_FRAME = declare(
     SectionFrame,
     "SectionFrameTable",
@@ -55,6 +71,9 @@ def _beam(name: str, order: int, **given: Any) -> SpatialBeam:
         raise WrongValueError(
             "amplitudes belong to the shapes of a beam in one piece; leave them out of `start`, or leave `pieces` out"
         )
+    taken = section_names(beam) & {marker.name for marker in beam.markers}
+    if taken:
+        raise WrongValueError(f"a point of a load is called like the marker {min(taken)}; rename one of them")
     if order == 1 and beam.axial is not None and beam.axial.preload != 0:
         raise WrongValueError(
             "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"

@@ -11,7 +11,6 @@ from pydantic import Field
 from derive.spec.model.body import NodalBody, NodeData
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
-from derive.spec.model.quantity import Parameter
 from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
 from derive.spec.model.spatial_bodies import (
@@ -25,6 +24,7 @@ from derive.spec.model.spatial_bodies import (
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
+from derive.spec.tables.inertia_tensor import check_tensor
 from derive.spec.tables.shared import ElementName, by_name, one_of
 from derive.spec.tables.spatial_beam import beam_in_space
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
@@ -43,29 +43,8 @@ VALUE_TYPES[KeyType.FRAMES] = markers_type(FRAME.value, "coordinates", _frame)
 
 
 def _check_inertia(body: SpatialRigidBody) -> None:
-    """Refuse a tensor of inertia that no distribution of mass has, if its entries are numbers."""
-    if body.inertia is None or any(isinstance(entry, Parameter) for entry in body.inertia):
-        return
-    xx, yy, zz, xy, xz, yz = (float(entry) for entry in body.inertia if not isinstance(entry, Parameter))
-    a, b, c = principal_moments(xx, yy, zz, xy, xz, yz)
-    text = f"no body has this tensor of inertia: its principal moments are {a:.6g}, {b:.6g}, {c:.6g} kg m^2"
-    size = max(abs(a), abs(b), abs(c))
-    if a < -ROUNDING * size or size == 0.0:
-        raise WrongValueError(f"{text}, and they are positive")
-    if c > (a + b) * (1 + ROUNDING):
-        raise WrongValueError(f"{text}, and the largest is at most the sum of the other two")
-
-
-ROUNDING = 1e-9
-"""The part of the principal moments by which they may violate an inequality, since entries are rounded."""
-
-
-def principal_moments(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> tuple[float, float, float]:
-    """The eigenvalues of a symmetric tensor, from the least to the largest, by Jacobi rotations."""
-    import numpy as np  # not for specifications that have no tensors
-
-    moments = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-    return float(moments[0]), float(moments[1]), float(moments[2])
+    if body.inertia is not None:
+        check_tensor(body.inertia)
 
 
 def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:

@@ -217,6 +217,10 @@ VALUE_TYPES: dict[KeyType, Any] = {
     ],
     KeyType.SHAPE_COUNT: _read(int, _family_count, {"type": "integer", "minimum": 1, "maximum": MAX_SHAPES}),
     KeyType.LOAD_PAIR: _pair(_load, ("0", '"-10*(1 - xi^2)"'), "components"),
+    KeyType.LOAD_TRIPLE: Annotated[
+        tuple[_load, _load, _load],  # type: ignore[valid-type]  # a type that is made
+        components(("0", "0", '"-10*(1 - xi^2)"'), "components"),
+    ],
     KeyType.ORDER: _read(int, values.order, {"enum": [1, 2]}),
     KeyType.COUNT: _count,
     KeyType.INSTANCE_COUNT: _read(

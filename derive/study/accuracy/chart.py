@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from derive.display import data_frame, html
 from derive.percentages import percent
-from derive.short_text import counted, summary
-from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, duration, group_label, label_groups, spread
+from derive.study.accuracy.chart_labels import colour, colour_names, duration, group_label, label_groups, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
-from derive.study.accuracy.headline import Headline, candidates, front, headline, headline_texts
-from derive.study.accuracy.ladder_model import FAMILIES, LadderModel, Shapes
+from derive.study.accuracy.headline import candidates, front, headline_texts
+from derive.study.accuracy.ladder_chart import LadderChart
+from derive.study.accuracy.ladder_model import COMPONENT_MODES, FAMILIES, LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.peers import Peer
-from derive.study.accuracy.reference import Reference
 from derive.visual import chart_style as style
 from derive.visual.text_metrics import wrapped
 
@@ -40,78 +36,17 @@ DASHES: dict[str, tuple[float | None, ...]] = {
     "generalised-alpha": (6, 1.5, 1, 1.5),
 }
 """The dashes of lines by their integrators."""
+FAR = 10.0
+"""The largest error on the axis: of a motion that grows without bounds it would be 1e12."""
+SIGNS = {
+    "x": "x rigid",
+    "o": "● natural modes",
+    "s": "■ one beam",
+    "^": "▲ several beams",
+    "v": "▼ finite elements",
+}
+"""The texts of markers."""
 DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
-
-
-@dataclass(frozen=True, repr=False)
-class LadderChart:
-    """The result of a study of accuracy: the error of each model of a ladder against what it costs.
-
-    Attributes:
-        name: that of the scene.
-        lines: the models, each with its runs from coarse to fine.
-        reference: the curves that models are compared with, and their own error.
-        error: the largest error (rms) that is allowed, relative to the peak.
-        machine: the processor, the compiler and its flags.
-        peers: the runs of other programs.
-        shown: the names of the beams that the plot shows, if it shows some alone.
-        notes: lines on models that were left out, on approximate starts, and on an interruption.
-
-    Examples:
-        >>> import derive
-        >>> arm = derive.scene(
-        ...     "arm",
-        ...     gravity=(0, -9.81),
-        ...     ground={"hub": [0, 0]},
-        ...     bodies={"arm": {"mass": 1, "length": 1, "bending_stiffness": 20, "markers": {"root": -1, "tip": 1}}},
-        ...     joints={"hub": {"kind": "revolute", "between": ["ground.hub", "arm.root"]}},
-        ...     outputs={"tip": {"kind": "position", "marker": "arm.tip"}},
-        ...     plots={"height": {"y": "tip_2"}},
-        ...     simulation={"duration": 0.3, "output": 0.01},
-        ... )
-        >>> study = derive.study_accuracy(arm, orders=["first"], shapes=[2], pieces=[], sines=[1], runs=1)
-        >>> study.lines[0].model.label, len(study.lines)
-        ('rigid', 3)
-    """
-
-    name: str
-    lines: tuple[Line, ...]
-    reference: Reference
-    error: float
-    machine: str
-    peers: tuple[Peer, ...] = ()
-    shown: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-
-    @property
-    def drawn(self) -> tuple[Line, ...]:
-        """The models that have runs."""
-        return tuple(line for line in self.lines if line.points)
-
-    @property
-    def headline(self) -> Headline:
-        """The result: the recommended run, a cheaper one in doubt, and the next better one."""
-        return headline(self.lines, self.error, self.reference.error)
-
-    def __repr__(self) -> str:
-        runs = sum(len(line.points) for line in self.lines)
-        models = f"{counted(len(self.lines), 'model')} in {counted(runs, 'run')}"
-        result = dict(headline_texts(self.headline, self.shown)) if self.drawn else {}
-        return summary(f"LadderChart of {self.name}: {models}", {**result, "notes": "; ".join(self.notes)})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each run of each model: its errors, its times and its operations.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> study.to_pandas()["model"].unique().tolist()
-            ['rigid', '1 sine, first', '1 beam, P2, P3, first']
-        """
-        return data_frame(self)
 
 
 def accuracy_svg(chart: LadderChart, alone: bool = True) -> str:
@@ -164,7 +99,7 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
     low, high = _range(chart)
 
     def errors(points: Iterable[Point]) -> list[float]:
-        return [max(point.rms, low) for point in points]
+        return [min(max(point.rms, low), high) for point in points]
 
     for n, line in enumerate(chart.drawn):
         shown = [p for p in line.points if cost(p) > 0]
@@ -236,11 +171,11 @@ def _power(value: float) -> str:
 
 
 def _range(chart: LadderChart) -> tuple[float, float]:
-    """The ends of the logarithmic axis of errors; those that vanish are drawn at its lower end."""
+    """The ends of the logarithmic axis of errors; those that vanish, or exceed `FAR`, are drawn at its ends."""
     errors = [p.rms for line in chart.drawn for p in line.points if p.rms > 0]
     errors += [rms for peer in chart.peers for _, rms, _ in peer.runs]
     known = [*errors, chart.error, *([chart.reference.error] if chart.reference.error else [])]
-    return min(known) / 1.6, max(known) * 1.6
+    return min(known) / 1.6, min(max(known), FAR) * 1.6
 
 
 def _marker(model: LadderModel) -> str:
@@ -248,6 +183,8 @@ def _marker(model: LadderModel) -> str:
         return "x"
     if model.shapes in FAMILIES:
         return "o"
+    if model.shapes in COMPONENT_MODES:
+        return "v"
     return "s" if model.pieces == 1 else "^"
 
 
@@ -258,7 +195,8 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
     low, high = (math.log(x) for x in _range(chart))
     labels = [(group[0].best, group_label(group), colour(group[0].model)) for group in label_groups(chart.drawn)]
     labels = sorted([*labels, *((peer.best, peer.name, style.INK) for peer in chart.peers)])
-    wanted = [HEIGHT * (math.log(best) - low) / (high - low) if best else 0.0 for best, _, _ in labels]
+    logarithms = [min(math.log(best), high) if best else low for best, _, _ in labels]
+    wanted = [HEIGHT * (logarithm - low) / (high - low) for logarithm in logarithms]
     places = spread(wanted, LABEL)
     edge = LEFT + 2 * PANEL + GAP
     for (best, text, tint), want, at in zip(labels, wanted, places, strict=True):
@@ -289,12 +227,13 @@ def _head(figure: Figure, chart: LadderChart, above: Sequence[tuple[str, bool]],
         write(text, color=style.FAINT)
         y += ROW
     x = LEFT
-    for order, name in ORDER_NAMES.items():
-        if any(line.model.order is order and line.model.shapes is not Shapes.RIGID for line in chart.drawn):
-            write(f"■ {name}", x, color=COLOURS[order])
-            x += 0.3 + 0.072 * len(name)
+    for name, tint in colour_names([line.model for line in chart.drawn]).items():
+        write(f"■ {name}", x, color=tint)
+        x += 0.3 + 0.072 * len(name)
     y += ROW
-    signs = "● natural modes  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
+    drawn = {_marker(line.model) for line in chart.drawn}
+    signs = "  ".join(text for marker, text in SIGNS.items() if marker in drawn)
+    signs += "; stairs: no cheaper run is better"
     signs += "  ◆ other programs" if chart.peers else ""
     names = dict.fromkeys(line.integrator for line in chart.drawn if line.integrator != "adaptive")
     signs += "".join(f"; {DASH_NAMES[name]}: {name}" for name in names)

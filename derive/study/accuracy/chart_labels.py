@@ -27,9 +27,26 @@ ORDER_NAMES = {
 }
 
 
+OF_COMPONENTS = {
+    Shapes.FREE: "#7f9f2f",
+    Shapes.CRAIG_BAMPTON: "#2a8a63",
+    Shapes.ATTACHMENT: "#b0913a",
+    Shapes.GIVEN: "#b25f8f",
+}
+"""The colours of models of finite-element bodies, by the kinds of their modes."""
+
+
 def colour(model: LadderModel) -> str:
-    """The colour of a model, by its order."""
-    return RIGID if model.shapes is Shapes.RIGID else COLOURS[model.order]
+    """The colour of a model, by its order, or by the kind of its component modes."""
+    return RIGID if model.shapes is Shapes.RIGID else OF_COMPONENTS.get(model.shapes, COLOURS[model.order])
+
+
+def colour_names(models: Sequence[LadderModel]) -> dict[str, str]:
+    """The colours of models that are not rigid, by what they stand for."""
+    of_beams = {m.order for m in models if m.shapes is not Shapes.RIGID and m.shapes not in OF_COMPONENTS}
+    kinds = {model.shapes for model in models}
+    orders = {name: COLOURS[order] for order, name in ORDER_NAMES.items() if order in of_beams}
+    return orders | {kind.value: tint for kind, tint in OF_COMPONENTS.items() if kind in kinds}
 
 
 def label_groups(lines: Sequence[Line]) -> list[list[Line]]:

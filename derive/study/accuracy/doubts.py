@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.percentages import percent
-from derive.simulation.validity.monitors import Cause
 from derive.study.accuracy.measurement import Line
 
 CAUSES = {
-    Cause.DEFLECTION: "the deflection",
-    Cause.AXIAL_FORCE: "the axial force",
-    Cause.BENDING_MOMENT: "the bending moment",
-    Cause.MASS_MATRIX: "the mass matrix",
+    "deflection": "the deflection",
+    "axial_force": "the axial force",
+    "bending_moment": "the bending moment",
+    "mass_matrix": "the mass matrix",
+    "lateral_buckling": "the lateral stiffness",
 }
+"""The texts of the causes of monitors by their values."""
 SMALLER = 2
 """A measured error that is smaller than the implied one by this factor needs a reason."""
 
@@ -33,7 +34,7 @@ def doubt_reason(line: Line, shown: Sequence[str]) -> str:
     warning = line.warning
     if warning is None:
         return line.failure
-    text = f"{CAUSES[warning.cause]} of {warning.beam} is in doubt"
+    text = f"{CAUSES[warning.cause.value]} of {warning.beam} is in doubt"
     if shown and warning.beam not in shown:
         return f"{text}, and the plot shows {' and '.join(shown)}"
     if line.points and not line.best > warning.error / SMALLER:

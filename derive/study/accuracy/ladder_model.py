@@ -77,6 +77,7 @@ class LadderModel:
     of the shapes, in space in each plane of bending, or of the modes of a finite-element body, beside the static ones
     if there are such. torsion: the number of the shapes of torsion of beams in space; None leaves these as they are.
     beams: models of the bodies by their names, where they differ; the other fields are then those of the finest.
+    of_scene: the name of the scene, where one with another name has the same model.
     """
 
     shapes: Shapes
@@ -86,6 +87,7 @@ class LadderModel:
     pieces: int = 1
     beams: tuple[tuple[str, LadderModel], ...] = ()
     torsion: int | None = None
+    of_scene: str = ""
 
     def of(self, beam: str) -> LadderModel:
         """The model of a beam."""
@@ -104,6 +106,10 @@ class LadderModel:
     @property
     def label(self) -> str:
         """The text of the model: 2 beams, P2 to P4, full; crank: rigid; rod: 1 sine, first."""
+        return f"{self.of_scene}: {self._label}" if self.of_scene else self._label
+
+    @property
+    def _label(self) -> str:
         if self.beams:
             groups: dict[str, list[str]] = {}
             for name, model in self.beams:
@@ -123,11 +129,14 @@ class LadderModel:
                 noun = self.shapes.value if self.count > 1 else self.shapes.value.replace("modes", "mode")
                 text = f"{self.count} {noun}"
             case Shapes.CRAIG_BAMPTON | Shapes.ATTACHMENT:
-                text = self.shapes.value + (f" + {self.count}" if self.count else "")
+                static = self.shapes.value.removesuffix(" modes")
+                text = f"{static} + {self.count or 'no'} vibration{'s' * (self.count > 1)}"
             case _ as never:
                 assert_never(never)
         if self.torsion is not None:
             text += f", {self.torsion or 'no'} twist{'s' * (self.torsion > 1)}"
+        if self.shapes in COMPONENT_MODES and self.order is DisplacementOrder.FIRST_ORDER:
+            return text
         return f"{text}, {next(name for name, order in ORDERS.items() if order is self.order)}"
 
     @property

@@ -17,12 +17,15 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, RigidBody
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import FAMILIES, MODES, ORDERS, LadderModel, Shapes, deflection_of
 from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
 from derive.study.accuracy.spatial_ladder import spatial_ladder, spatial_refinements
-from derive.study.accuracy.spatial_models import modelled_in_space
+from derive.study.accuracy.spatial_models import flexible_bodies, modelled_in_space
+from derive.study.accuracy.spatial_rigid import rigid_actions
 from derive.study.study_options import LadderRange
 
 S = TypeVar("S", bound=AnyScene)
@@ -55,11 +58,15 @@ def model_scene(scene: S, model: LadderModel) -> S:
     whole: Any = replace(scene, plots=plots, outputs=plotted_outputs(scene))
     if isinstance(scene, SpatialScene):
         bodies = tuple(modelled_in_space(scene, body, model.of(body.name)) for body in scene.bodies)
-        return _checked(scene, replace(whole, bodies=bodies))
+        rigid = (b for b in flexible_bodies(scene) if model.of(b.name).shapes is Shapes.RIGID)
+        actions = [action for b in rigid if isinstance(b, SpatialBeam) for action in rigid_actions(b)]
+        forces = (*scene.forces, *(action for action in actions if isinstance(action, SpatialForce)))
+        torques = (*scene.torques, *(action for action in actions if isinstance(action, SpatialTorque)))
+        return _checked(scene, replace(whole, bodies=bodies, forces=forces, torques=torques))
     planar = tuple(modelled(body, model.of(body.name)) if isinstance(body, BeamBody) else body for body in scene.bodies)
-    rigid = (body for body in beam_bodies(scene) if model.of(body.name).shapes is Shapes.RIGID)
-    forces = (*scene.forces, *(force for body in rigid for force in rigid_loads(body)))
-    return _checked(scene, replace(whole, bodies=planar, forces=forces))
+    beams = (body for body in beam_bodies(scene) if model.of(body.name).shapes is Shapes.RIGID)
+    loads = (force for body in beams for force in rigid_loads(body))
+    return _checked(scene, replace(whole, bodies=planar, forces=(*scene.forces, *loads)))
 
 
 def _checked(_: S, changed: Any) -> S:

@@ -11,20 +11,23 @@ from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
 from derive.percentages import percent
 from derive.runtime.compiler import QUICK_FLAGS
-from derive.simulation.observables.beams import beam_bodies, fields_of, piece_names
+from derive.simulation.observables.beams import fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.simulation.trajectory import Trajectory
+from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.faults import did_you_mean
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import ModelVariant, Preparation, Progress, motion, opened, preparation
+from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
 from derive.study.accuracy.models import refinements
-from derive.study.accuracy.spatial_models import flexible_bodies
 
 Curves = tuple[PlotCurve, ...]
 
@@ -175,25 +178,36 @@ def plotted_beams(plot: Plot, scene: AnyScene) -> tuple[str, ...]:
     shown = (
         {plot.quantity.marker.body} if isinstance(plot.quantity, Deflection) else _of_columns(plot.quantity.y, scene)
     )
-    bodies = flexible_bodies(scene) if isinstance(scene, SpatialScene) else beam_bodies(scene)
-    return tuple(body.name for body in bodies if body.name in shown)
+    return tuple(body.name for body in flexible_members(scene) if body.name in shown)
 
 
 def _of_columns(columns: tuple[str, ...], scene: AnyScene) -> set[str]:
     """The bodies to whose coordinates or outputs the columns belong."""
-    bodies = {column: {beam.name} for beam in beam_bodies(scene) for column in _coordinates(beam)}
+    members = flexible_members(scene)
+    bodies = {column: {body.name} for body in members for column in _coordinates(body)}
     for output in scene.outputs:
         own = set(_bodies(list(output.values.values()), scene))
         bodies |= dict.fromkeys(output_columns(output, isinstance(scene, SpatialScene)), own)
     return {body for column in columns for body in bodies.get(column, ())}
 
 
-def _coordinates(beam: BeamBody) -> Iterator[str]:
-    """The names of the coordinates of a beam and of their rates."""
+def _coordinates(body: Flexible) -> Iterator[str]:
+    """The names of the coordinates of a flexible body and of their rates; in space, of its positions and velocities."""
+    pieces = piece_names(body) if isinstance(body, BeamBody) else _pieces(body)
     for order in (0, 1):
-        symbols = [*vector(Family.TRANSLATION, 2, order), quantity(Family.ANGLE, derivative=order)]
-        symbols += [amplitude(i + 1, order) for i in range(len(fields_of(beam)))]
-        yield from (owned(symbol, piece).identity.shown for piece in piece_names(beam) for symbol in symbols)
+        if isinstance(body, BeamBody):
+            symbols = [*vector(Family.TRANSLATION, 2, order), quantity(Family.ANGLE, derivative=order)]
+            symbols += [amplitude(i + 1, order) for i in range(len(fields_of(body)))]
+        else:
+            symbols = [*vector(Family.TRANSLATION, 3, order)]
+        yield from (owned(symbol, piece).identity.shown for piece in pieces for symbol in symbols)
+
+
+def _pieces(body: SpatialBeam | FlexibleBody) -> tuple[str, ...]:
+    """The names of the pieces of a flexible body in space."""
+    if isinstance(body, FlexibleBody):
+        return (body.name,)
+    return tuple(piece_name(body.name, body.pieces, k) for k in range(body.pieces))
 
 
 def _bodies(values: list[object], scene: AnyScene) -> Iterator[str]:

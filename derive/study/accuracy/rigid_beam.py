@@ -50,7 +50,7 @@ def rigid_loads(body: BeamBody) -> tuple[Force, ...]:
 
 
 def _whole(body: BeamBody) -> Iterator[LoadResultant]:
-    return resultants(replace(body, pieces=1), 0)
+    return resultants(body.loads, 1, 0)
 
 
 def _start(start: InitialValues, half: float) -> InitialValues:

@@ -23,9 +23,11 @@ from derive.study.accuracy.ladder_model import (
     Shapes,
     mixed,
 )
-from derive.study.accuracy.spatial_models import can_have, coordinates, flexible_bodies, most_modes
+from derive.study.accuracy.spatial_models import can_have, coordinates, flexible_bodies, modelled_in_space, most_modes
 from derive.study.study_options import LadderRange
 
+OF_PIECES = (2, 4)
+"""The numbers of polynomials of each piece of a beam, in each of its planes."""
 TWISTS = 2
 """The number of shapes of torsion of each piece of a beam in a reference."""
 PIECES = ((1, 4), (2, 4), (3, 4), (4, 4), (6, 3), (8, 3))
@@ -42,7 +44,11 @@ def spatial_ladder(scene: SpatialScene, limits: LadderRange) -> tuple[LadderMode
         models += _beams(limits)
     finite = [body for body in bodies if isinstance(body, FlexibleBody)]
     models += [model for model in _component_modes(finite, limits) if any(can_have(scene, b, model) for b in finite)]
-    return tuple(sorted(dict.fromkeys(models), key=lambda model: (coordinates(scene, model), model.label)))
+
+    def size(model: LadderModel) -> int:
+        return sum(coordinates(modelled_in_space(scene, body, model)) for body in bodies)
+
+    return tuple(sorted(dict.fromkeys(models), key=lambda model: (size(model), model.label)))
 
 
 def _beams(limits: LadderRange) -> Iterator[LadderModel]:
@@ -51,8 +57,8 @@ def _beams(limits: LadderRange) -> Iterator[LadderModel]:
             yield LadderModel(modes, count, order, FAMILIES[modes][1].kind, torsion=torsion)
         for frame, count in product(limits.frames, limits.shapes):
             yield LadderModel(Shapes.POLYNOMIALS, count, order, frame, torsion=torsion)
-        for frame, pieces in product(limits.frames, limits.pieces):
-            yield LadderModel(Shapes.POLYNOMIALS, 2, order, frame, pieces, torsion=torsion)
+        for frame, pieces, count in product(limits.frames, limits.pieces, OF_PIECES):
+            yield LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces, torsion=torsion)
 
 
 def _component_modes(bodies: Iterable[FlexibleBody], limits: LadderRange) -> Iterator[LadderModel]:
@@ -62,8 +68,10 @@ def _component_modes(bodies: Iterable[FlexibleBody], limits: LadderRange) -> Ite
             yield LadderModel(shapes, count, order)
             if shapes in STATIC:
                 yield LadderModel(shapes, 0, order)
-        all_given = {len(b.body.data.modes) for b in bodies if b.body.data.modes is not None}
-        yield from (LadderModel(Shapes.GIVEN, count, order) for count in (*limits.component_counts, *all_given))
+        for data in (body.body.data for body in bodies):
+            if data.modes is not None:
+                fewer = limits.component_counts if data.stiffness is None or data.has_geometric_stiffness else ()
+                yield from (LadderModel(Shapes.GIVEN, count, order) for count in (*fewer, len(data.modes)))
 
 
 def spatial_refinements(scene: SpatialScene) -> tuple[LadderModel, ...]:

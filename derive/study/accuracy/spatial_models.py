@@ -73,7 +73,9 @@ def _component_modes(scene: SpatialScene, body: FlexibleBody, model: LadderModel
     """A finite-element body with modes of the kind of a model."""
     kind, held = COMPONENT_MODES[model.shapes], interface(scene, body) if model.shapes in STATIC else ()
     count = mode_count(scene, body, model)
-    own = replace(body.body, component_modes=kind, interface=held, modes=count, order=model.order)
+    markers = interface_markers(held, body.markers)
+    own = replace(body.body, component_modes=kind, interface=held, interface_markers=markers, modes=count)
+    own = replace(own, order=model.order)
     return replace(body, body=own)
 
 
@@ -118,17 +120,11 @@ def most_modes(scene: SpatialScene, body: FlexibleBody, shapes: Shapes) -> int:
     return elastic - mode_count(scene, body, LadderModel(shapes))
 
 
-def coordinates(scene: SpatialScene, model: LadderModel) -> int:
-    """The number of coordinates of all bodies with a model, without joints; a quaternion counts as three."""
-    models = {body.name: model.of(body.name) for body in flexible_bodies(scene)}
-    rigid = [body for body in scene.bodies if body.name not in models or models[body.name].shapes is Shapes.RIGID]
-    flexible = (modelled_in_space(scene, body, models[body.name]) for body in scene.bodies if body not in rigid)
-    return RIGID_MOTIONS * len(rigid) + sum(map(_coordinates, flexible))
-
-
-def _coordinates(body: SpatialBody) -> int:
+def coordinates(body: SpatialBody) -> int:
+    """The number of coordinates of a body without joints; a quaternion counts as three."""
     if isinstance(body, SpatialBeam):
         return body.pieces * (RIGID_MOTIONS + len(section_shapes(body)))
-    assert isinstance(body, FlexibleBody)
+    if not isinstance(body, FlexibleBody):
+        return RIGID_MOTIONS
     own, given = body.body.modes, body.body.data.modes
     return RIGID_MOTIONS + (own if own is not None else 0 if given is None else len(given))

@@ -16,19 +16,14 @@ from derive.simulation.observables.beams import function_values
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
-from derive.spec.model.spatial_scene import SpatialScene
 
 POINTS = 24
 """The number of points of the quadrature of products of shape functions."""
 
 
-def fastest_spatial_rate(scene: SpatialScene) -> float:
-    """The fastest vibration, or decay, of the flexible bodies of a scene, rad/s; 0 if all are rigid."""
-    return max(map(_rate, scene.bodies))
-
-
 @lru_cache(64)
-def _rate(body: SpatialBody) -> float:
+def spatial_rate(body: SpatialBody) -> float:
+    """The fastest vibration, or decay, of a free body, or piece of a beam, rad/s; 0 of a rigid one."""
     if isinstance(body, SpatialBeam):
         damping = si_value(body.damping.stiffness) if body.damping else 0.0
         return _with_decay(_of_beam(body), damping)

@@ -1,16 +1,21 @@
 """A flexible body in space as a rigid body: its mass, its centre of mass, its inertia, its markers and where it starts.
 
-Loads on nodes act on the rigid motion as they stand: a body that has such is one of finite elements without modes.
+Distributed loads of a beam become forces and torques at markers. Loads on nodes act on the rigid motion as they stand:
+a body that has such is one of finite elements without modes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 
+from derive.errors import Problem, SpecError
+from derive.mechanics.bodies.beam_functions import XI
+from derive.mechanics.multibody.bodies.beam_loads import resultants
+from derive.mechanics.multibody.space.beam_loads import load_actions
 from derive.reduction.body import reduce
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.marker_frames import modal_frames_of
@@ -18,6 +23,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, SpatialRigidBody
+from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 
 
 def rigid_in_space(body: SpatialBeam | FlexibleBody) -> SpatialRigidBody | FlexibleBody:
@@ -39,14 +45,41 @@ def rigid_in_space(body: SpatialBeam | FlexibleBody) -> SpatialRigidBody | Flexi
 
 
 def _beam(body: SpatialBeam) -> SpatialRigidBody:
-    """A beam as a slender rigid body."""
-    mass, length, about_axis = (_value(x) for x in (body.mass, body.length, body.rotary_inertia))
-    across = mass * length**2 / 12
-    centre = (Fraction(0), *(_value(x) for x in body.centre))
-    none = Fraction(0)
-    markers = tuple(FrameMarker(m.name, (m.at * length / 2, none, none), m.rotation) for m in body.markers)
-    inertia = (about_axis, across, across, none, none, none)
-    return SpatialRigidBody(body.name, mass, inertia, _triple(centre), markers, body.start)
+    """A beam as a slender rigid body with its attached masses, and with markers for `rigid_actions`.
+
+    Raises SpecError where these do not describe the whole beam.
+    """
+    for load in body.loads:
+        if load.time.kind == "input":
+            text = f"the factor of the load {load.name} is an input, and no force at a marker is a multiple of one"
+            raise SpecError((Problem(f"bodies.{body.name}", f"as a rigid body it cannot have its loads: {text}"),))
+    mass, length, about_axis, *beside = map(_value, (body.mass, body.length, body.rotary_inertia, *body.centre))
+    half, across, none = length / 2, mass * length**2 / 12, Fraction(0)
+    own: tuple[Fraction, ...] = (about_axis, across, across, none, none, none)
+    parts = [(mass, np.array([none, *beside]), own)]
+    for part in body.masses:
+        place = np.array([part.at * half, none, none]) + [_value(x) for x in part.centre]
+        parts.append((_value(part.mass), place, tuple(map(_value, part.inertia or (none,) * 6))))
+    total = sum((m for m, _, _ in parts), none)
+    centre = sum((m * x for m, x, _ in parts), np.array([none] * 3)) / total
+    inertia = np.array([none] * 6)
+    for m, x, own in parts:
+        a, b, c = x - centre
+        inertia = inertia + own + m * np.array([b * b + c * c, a * a + c * c, a * a + b * b, -a * b, -a * c, -b * c])
+    markers = tuple(FrameMarker(m.name, (m.at * half, none, none), m.rotation) for m in body.markers)
+    markers += tuple(FrameMarker(name, (at * half, none, none)) for name, at in _places(body).items())
+    return SpatialRigidBody(body.name, total, tuple(inertia), _triple(tuple(centre)), markers, body.start)
+
+
+def rigid_actions(body: SpatialBeam) -> tuple[SpatialForce | SpatialTorque, ...]:
+    """The forces and torques on the rigid body in place of the loads on a beam."""
+    return tuple(load_actions(replace(body, pieces=1)))
+
+
+def _places(body: SpatialBeam) -> dict[str, Fraction]:
+    """The places xi at which `rigid_actions` act by the names of their markers; torques act anywhere."""
+    means = {r.point: Fraction(str(r.mean(XI))) for r in resultants(body.loads, 1, 0)}
+    return {at.marker: means.get(at.marker, Fraction(0)) for action in rigid_actions(body) for at in action.markers}
 
 
 def _value(quantity: Quantity) -> Fraction:
@@ -58,6 +91,6 @@ def _exact(values: Iterable[float]) -> tuple[Fraction, ...]:
     return tuple(Fraction(repr(float(x))) for x in values)
 
 
-def _triple(values: tuple[Fraction, ...]) -> tuple[Fraction, Fraction, Fraction]:
+def _triple(values: Sequence[Fraction]) -> tuple[Fraction, Fraction, Fraction]:
     x, y, z = values
     return x, y, z

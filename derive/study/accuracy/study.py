@@ -9,11 +9,11 @@ from pathlib import Path
 
 from derive.simulation.inputs import with_functions
 from derive.spec.model.specification import AnyScene
-from derive.study.accuracy.chart import LadderChart
+from derive.study.accuracy.beside import beside, ladders
 from derive.study.accuracy.fixed_steps import fixed_step_lines
+from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.ladder_run import LadderRun
-from derive.study.accuracy.measurement import LADDER_FLAGS, preparation, retimed
-from derive.study.accuracy.models import ladder
+from derive.study.accuracy.measurement import LADDER_FLAGS, Line, preparation, retimed
 from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
 from derive.study.computed_ahead import available_workers
@@ -60,6 +60,7 @@ def study_accuracy(
     component_counts: Sequence[int] = ACCURACY.component_counts,
     tolerances: Sequence[float] = TOLERANCES,
     integrators: Sequence[str] = (),
+    also: Sequence[AnyScene] = (),
     peers: str | Path | None = None,
     runs: int = RUNS,
     progress: Report | bool | None = None,
@@ -87,6 +88,8 @@ def study_accuracy(
         component_counts: the numbers of these modes, beside the static ones of the interface.
         tolerances: those of the adaptive integrator, with each of which every model is run.
         integrators: integrators with fixed steps beside it, among "rk4" and "generalised-alpha".
+        also: scenes with other bodies in place of these, such as a beam in place of a finite-element body, whose models
+            are compared with the same reference in the same plot.
         peers: a CSV file of runs of other programs, with the columns model, cpu_s, rms_error and largest_error.
         runs: the number of measurements of the time of each run.
         progress: called with a line of text on each step; True shows a line with the remaining time, False shows none;
@@ -126,35 +129,52 @@ def study_accuracy(
     if reference_error is not None:
         fraction("reference_error", reference_error)
     given = with_functions(flexible_scene(scene, COMPARED.format("accuracy")), {})
-    models = ladder(limits, given)
     compared = replace(given, plots=(compared_plot(given, plot),))
-    others = read_peers(Path(peers)) if peers else ()
+    others = tuple(beside(other, compared) for other in several("also", also))
+    models = ladders((compared, *others), limits)
+    foreign = read_peers(Path(peers)) if peers else ()
+    sorted_tolerances = sorted(fractions, reverse=True)
     with reports_of(progress) as (task, result), preparation(compared, available_workers()) as ahead:
         known = reference(
             compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error
         )
         shown = plotted_beams(compared.plots[0], compared)
-        empty = LadderChart(compared.name, (), known, error, _machine(), others, shown)
-        ladder_run = LadderRun(compared, known, sorted(fractions, reverse=True), not integrators, ahead)
-        finished = _Finished(empty, ladder_run, record)
+        empty = LadderChart(compared.name, (), known, error, _machine(), foreign, shown)
+        ladder_runs = [LadderRun(compared, known, sorted_tolerances, not integrators, ahead)]
+        finished = _Finished(empty, ladder_runs, record)
         try:
-            ladder_run.run(models, task, result, finished.record_now_and_then)
+            ladder_runs[0].run(models[0], task, result, finished.record_now_and_then)
             ahead.close()
-            lines = retimed(ladder_run.lines, ladder_run.ready, runs, task)
-            fixed = fixed_step_lines(list(ladder_run.ready.values()), integrators, known.plots, runs, task)
+            for other, own in zip(others, models[1:], strict=True):
+                with preparation(other, available_workers()) as ahead_of_other:
+                    ladder_runs.append(LadderRun(other, known, sorted_tolerances, not integrators, ahead_of_other))
+                    ladder_runs[-1].run(own, task, result, finished.record_now_and_then)
+            ready = {model: of for ladder_run in ladder_runs for model, of in ladder_run.ready.items()}
+            lines = retimed(finished.lines, ready, runs, task)
+            fixed = fixed_step_lines(list(ready.values()), integrators, known.plots, runs, task)
         except KeyboardInterrupt:
-            finished.record_interruption(len(models))
+            finished.record_interruption(sum(map(len, models)))
             raise
     warnings = {line.model: line.warning for line in lines}
     every = (*lines, *(replace(line, warning=warnings[line.model]) for line in fixed))
-    return replace(empty, lines=every, notes=tuple(ladder_run.notes))
+    return replace(empty, lines=every, notes=finished.notes)
 
 
 class _Finished:
-    """The part of a ladder that is finished, for those who want a record of it."""
+    """The part of ladders that is finished, for those who want a record of it."""
 
-    def __init__(self, empty: LadderChart, ladder_run: LadderRun, record: Record | None) -> None:
-        self._empty, self._ladder, self._record, self._last = empty, ladder_run, record, time.monotonic()
+    def __init__(self, empty: LadderChart, ladder_runs: Sequence[LadderRun], record: Record | None) -> None:
+        self._empty, self._ladders, self._record, self._last = empty, ladder_runs, record, time.monotonic()
+
+    @property
+    def lines(self) -> list[Line]:
+        """The models that have run."""
+        return [line for ladder_run in self._ladders for line in ladder_run.lines]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The notes of all ladders."""
+        return tuple(note for ladder_run in self._ladders for note in ladder_run.notes)
 
     def record_now_and_then(self) -> None:
         """Record the part after a while."""
@@ -163,15 +183,14 @@ class _Finished:
             self._last = time.monotonic()
 
     def record_interruption(self, models: int) -> None:
-        """Record the part of a ladder of `models` models before its study ends, if there are runs."""
-        missing = models - self._ladder.count
-        if any(line.points for line in self._ladder.lines):
+        """Record the part of ladders of `models` models before their study ends, if there are runs."""
+        missing = models - sum(ladder_run.count for ladder_run in self._ladders)
+        if any(line.points for line in self.lines):
             self._note(f"interrupted: {missing} models were not run" if missing > 0 else "interrupted")
 
     def _note(self, note: str) -> None:
         if self._record is not None:
-            notes = (*self._ladder.notes, note)
-            self._record(replace(self._empty, lines=tuple(self._ladder.lines), notes=notes))
+            self._record(replace(self._empty, lines=tuple(self.lines), notes=(*self.notes, note)))
 
 
 def _machine() -> str:

@@ -7,10 +7,11 @@ from typing import Any
 
 from derive.percentages import percent
 from derive.rendering import render
-from derive.study.accuracy.chart import LadderChart, accuracy_svg, peer_text
+from derive.study.accuracy.chart import accuracy_svg, peer_text
 from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.doubts import doubt_lines, doubt_reason
 from derive.study.accuracy.headline import Candidate, headline_texts
+from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.ladder_model import MODEL_COLUMNS, model_row
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.table import StudyColumn, StudyTable, columns, named
@@ -23,8 +24,9 @@ COST = columns("cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations"
 RUN_COLUMNS = (*columns("tolerance", "step_s", "rms_error", "largest_error"), *COST)
 """The columns of a run."""
 MODEL_DOC = (
-    "rigid beams, or the number of beams in the rod and their shapes: half sine waves or Legendre polynomials P2, P3, "
-    "...; first, truncated, full: the order of the displacements"
+    "rigid bodies, or the number of beams in the rod and their shapes: half sine waves or Legendre polynomials P2, P3, "
+    "..., in space in both planes; of finite-element bodies free modes, or Craig-Bampton modes, which are the static "
+    "ones of the interface and vibrations; first, truncated, full: the order of the displacements"
 )
 MODELS = (
     StudyColumn("model", doc=MODEL_DOC),

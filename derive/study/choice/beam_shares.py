@@ -13,12 +13,12 @@ import numpy as np
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
-from derive.simulation.observables.beams import beam_bodies
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import rms_difference
-from derive.study.choice.beam_candidates import beam_candidates, cannot_do
+from derive.study.choice.body_candidates import candidates, cannot_do
 from derive.study.choice.model_runs import ModelRuns
 
 TOLERANCE = 1e-6
@@ -57,11 +57,14 @@ class BeamShares:
         self.base, self.known = base, list(rigid)
         self._runs, self._report = runs, report
         self._fine = runs.curves(base, TOLERANCE)
-        beams = beam_bodies(runs.scene)
+        beams = flexible_members(runs.scene)
         flexible = [beam for beam in beams if base.of(beam.name).shapes is not Shapes.RIGID]
         self._alone = len(flexible) == 1  # a model whose share is measured is a candidate as it is
         known = {of.beam for of in rigid}
-        self._left = {beam.name: list(beam_candidates(runs.scene, beam, cost))[beam.name in known :] for beam in beams}
+        self._left = {
+            beam.name: list(candidates(runs.scene, beam, cost, runs.models.modes))[beam.name in known :]
+            for beam in beams
+        }
 
     @property
     def beams(self) -> tuple[str, ...]:
@@ -123,6 +126,6 @@ class BeamShares:
         return [self._changed(beam, option) for option in smaller[: self._runs.spare]]
 
 
-def replaced(scene: Scene, base: LadderModel, models: dict[str, LadderModel]) -> LadderModel:
+def replaced(scene: AnyScene, base: LadderModel, models: dict[str, LadderModel]) -> LadderModel:
     """The model `base` of a scene with other models of some beams."""
-    return mixed({beam.name: models.get(beam.name) or base.of(beam.name) for beam in beam_bodies(scene)})
+    return mixed({beam.name: models.get(beam.name) or base.of(beam.name) for beam in flexible_members(scene)})

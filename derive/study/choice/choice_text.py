@@ -8,8 +8,9 @@ from typing import Any
 from derive.percentages import percent
 from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
+from derive.study.accuracy.modelled_bodies import flexible_nouns
 from derive.study.accuracy.table import MODEL_DOC, cheapest
-from derive.study.choice.model_runs import FLEXIBLE
+from derive.study.choice.reference_models import ReferenceModels
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
 from derive.study.table import Row, StudyColumn, StudyTable, general
@@ -56,12 +57,11 @@ def _shares(choice: Choice) -> list[str]:
         return []
     width = max(len(of.model.label) for of in choice.shares)
     names = max(len(of.beam) for of in choice.shares)
-    others = (
-        choice.base.label
-        if choice.base == FLEXIBLE
-        else f"{choice.base.label} (rigid beams are compared with {FLEXIBLE.label})"
-    )
-    head = ["", f"Share of each beam in the error, while the other beams are {others}"]
+    flexible, (one, several) = ReferenceModels(choice.scene).flexible, flexible_nouns(choice.scene)
+    others = choice.base.label
+    if choice.base != flexible:
+        others += f" (rigid {several} are compared with {flexible.label})"
+    head = ["", f"Share of each {one} in the error, while the other {several} are {others}"]
     return head + [
         f"  {of.beam:{names}}  {of.model.label:{width}}  "
         + (f"fails: {of.failure}" if of.share is None else f"{percent(of.share):>8}")

@@ -4,41 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from derive.errors import Problem, SpecError
 from derive.remaining_time import ElapsedTime
 from derive.simulation.inputs import with_functions
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.modelled_bodies import flexible_members, flexible_nouns
 from derive.study.accuracy.reference import compared_plot
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, cheapest_model
 from derive.study.computed_ahead import available_workers
-from derive.study.studied_scene import planar_scene
+from derive.study.studied_scene import studied_scene
 from derive.study.study_options import ERROR, fraction
 from derive.terminal import Report, reports_of
 
 
 def choose(
-    scene: Scene,
+    scene: AnyScene,
     *,
     error: float = ERROR,
     plot: str | Sequence[str] | None = None,
     progress: Report | bool | None = None,
 ) -> Choice:
-    """Choose the cheapest model of the beams of a scene that is accurate enough, and measure it.
+    """Choose the cheapest model of the flexible bodies of a scene that is accurate enough, and measure it.
 
     The command `tisserand choose` calls this function, and writes a specification of the chosen model.
 
     Arguments:
-        scene: a planar scene with a beam, a simulation and a plot.
+        scene: a scene with a beam, or in space a finite-element body, with a simulation and a plot.
         error: the largest error (rms) that is allowed, relative to the peak of a curve.
         plot: the name of a plot whose curves have to be accurate, or several; by default the first one.
         progress: called with a line of text on each step; True shows a line with the time so far, False shows none; by
             default notebooks show one.
 
     Raises:
-        SpecError: if the scene has no beam, no plot or no simulation, or there is no such plot.
+        SpecError: if the scene has no flexible body, no plot or no simulation, or there is no such plot.
         ValueError: for an error that is not between 0 and 1.
-        TypeError: for what is no planar scene.
+        TypeError: for what is no scene.
         NotConverged: if no reference can be trusted.
         SimulationError: if a model of the reference cannot be simulated.
         CompilerError: if there is no compiler.
@@ -60,7 +62,10 @@ def choose(
         True
     """
     error = fraction("error", error)
-    given = planar_scene(scene, "nothing to choose")
+    given = studied_scene(scene)
+    if not flexible_members(given):
+        text = f"there is no {flexible_nouns(given)[0]} here, and nothing to choose"
+        raise SpecError((Problem("bodies", text),))
     names = [plot] if plot is None or isinstance(plot, str) else plot
     plots = [compared_plot(given, name) for name in dict.fromkeys(names)]
     elapsed = ElapsedTime()

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.simulation.observables.beams import beam_bodies
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.free_rates import body_coordinates, body_rate, rigid_coordinates
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
-from derive.study.accuracy.predicted_cost import RIGID, PredictedCost, beam_coordinates, beam_rate
+from derive.study.accuracy.modelled_bodies import flexible_members
+from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import BeamShare
 
 
@@ -41,23 +42,28 @@ class _Option(NamedTuple):
 
 
 def combinations(
-    scene: Scene, shares: Mapping[str, Sequence[BeamShare]], budget: float, cost: PredictedCost
+    scene: AnyScene, shares: Mapping[str, Sequence[BeamShare]], budget: float, cost: PredictedCost
 ) -> tuple[BeamCombination, ...]:
     """The combinations whose error should be within a budget, from cheap to dear, each with less error than all before.
 
     shares: those of the models that each beam may have, by the name of the beam.
     """
-    beams = {beam.name: beam for beam in beam_bodies(scene)}
+    beams = {beam.name: beam for beam in flexible_members(scene)}
     options = {
         name: [
-            _Option(of.model, beam_rate(beams[name], of.model), beam_coordinates(of.model), of.share**2)
+            _Option(
+                of.model,
+                body_rate(scene, beams[name], of.model),
+                body_coordinates(scene, beams[name], of.model),
+                of.share**2,
+            )
             for of in known
             if of.share is not None and of.share <= budget
         ]
         for name, known in shares.items()
     }
     rigid = mixed({name: LadderModel(Shapes.RIGID) for name in beams})
-    others = cost.coordinates(rigid) - RIGID * len(beams)
+    others = cost.coordinates(rigid) - rigid_coordinates(scene) * len(beams)
     candidates: list[tuple[float, float, _Table, int]] = []
     for limit in sorted({option.rate for known in options.values() for option in known}):
         table = _table([[option for option in known if option.rate <= limit] for known in options.values()])

@@ -6,17 +6,15 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.runtime.compiler import QUICK_FLAGS, UNOPTIMISED
-from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import CompiledLadderModel, ModelVariant, motion, opened, preparation
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, bare_plots, curves_of
-
-FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
-"""The flexible model that is examined first, and that references need as well."""
+from derive.study.choice.reference_models import ReferenceModels
 
 SHORT = 1e9
 """Predicted operations of a run below which the code of a model that is not timed is compiled without optimisation."""
@@ -28,13 +26,15 @@ class ModelRuns:
     """The models of a scene, compiled, and the curves of its plots in their runs.
 
     scene: with the plots that are compared; bare: a plot for each curve of them. ready: the models with monitors.
-    progress: takes a line on each task. workers: the number of processes that prepare models ahead, until `close`.
+    models: those of references. progress: takes a line on each task. workers: the number of processes that prepare
+    models ahead, until `close`.
     """
 
-    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress, workers: int = 0) -> None:
+    def __init__(self, scene: AnyScene, plots: Sequence[Plot], progress: Progress, workers: int = 0) -> None:
         self.bare = tuple(bare for plot in plots for bare in bare_plots(plot))
         self.scene, self.progress = replace(scene, plots=tuple(plots)), progress
-        self.lone = len(beam_bodies(scene)) == 1
+        self.models = ReferenceModels(scene)
+        self.lone = len(flexible_members(scene)) == 1
         self._cost = PredictedCost(scene)
         self._ahead = preparation(self.scene, workers)
         self.ready: dict[LadderModel, CompiledLadderModel] = {}

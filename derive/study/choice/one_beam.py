@@ -1,14 +1,14 @@
-"""The models of a scene with one beam, which are tried from cheap to dear."""
+"""The models of a scene with one flexible body, which are tried from cheap to dear."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 
-from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import LadderModel
-from derive.study.choice.beam_candidates import Errors, beam_candidates, candidate_order, cannot_do
+from derive.study.accuracy.modelled_bodies import flexible_members
+from derive.study.choice.body_candidates import Errors, candidate_order, candidates, cannot_do, has_more
 from derive.study.choice.trials import Trials, usable
 
 NEAR = 1.5
@@ -24,10 +24,10 @@ def try_one_beam(trials: Trials) -> None:
 
     Models that the runs for the reference have shown to be too far from it are left out.
     """
-    (beam,) = beam_bodies(trials.runs.scene)
+    (body,) = flexible_members(trials.runs.scene)
     errors = dict(trials.known.errors)
-    order = candidate_order(trials.runs.scene, beam, trials.cost)
-    models = beam_candidates(trials.runs.scene, beam, trials.cost)
+    order = candidate_order(trials.runs.scene, body, trials.cost)
+    models = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes)
     while left := [m for m in (*models, *_with_all_terms(errors, trials)) if _is_worth_it(m, errors, trials)]:
         model, *others = sorted(left, key=order)
         trials.runs.expect([model, *others[: trials.runs.spare]], monitored=True)
@@ -37,7 +37,7 @@ def try_one_beam(trials: Trials) -> None:
         line = trials.run(model)
         if line.points:
             errors[model] = line.best
-    _try_first_order(trials, beam.name)
+    _try_first_order(trials, body.name)
 
 
 def try_more_accurate(trials: Trials) -> None:
@@ -53,9 +53,10 @@ def try_more_accurate(trials: Trials) -> None:
 
 
 def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
-    """Whether a model is untried, and no run shows that it is not accurate enough."""
+    """Whether a model is untried, no run shows that it is not accurate enough, and it costs no more than a good one."""
     too_far = model in errors and errors[model] > trials.budget
-    return not (model in trials or too_far or cannot_do(model, errors, trials.budget))
+    dearer = any(has_more(model, line.model) for line in trials.good)
+    return not (model in trials or too_far or dearer or cannot_do(model, errors, trials.budget))
 
 
 def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:
@@ -64,9 +65,9 @@ def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:
     return [replace(m, order=DisplacementOrder.FULL) for m in limited if m.order is DisplacementOrder.TRUNCATED]
 
 
-def _try_first_order(trials: Trials, beam: str) -> None:
+def _try_first_order(trials: Trials, body: str) -> None:
     for line in trials.good:
         if trials.operations(line) * SIMPLER > trials.operations(trials.good[0]):
             return
         if line.model.order is DisplacementOrder.TRUNCATED:
-            trials.run(trials.with_order(line.model, DisplacementOrder.FIRST_ORDER, [beam]))
+            trials.run(trials.with_order(line.model, DisplacementOrder.FIRST_ORDER, [body]))

@@ -11,11 +11,11 @@ import numpy as np
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
-from derive.simulation.observables.beams import beam_bodies
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice.beam_shares import TOLERANCE, BeamShare, replaced
-from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
+from derive.study.choice.model_runs import ModelRuns
 
 MATTERS = 15.0
 """The least ratio of the requested error to the shares of all beams together that are rigid in references."""
@@ -31,13 +31,14 @@ def rigid_shares(runs: ModelRuns, error: float, report: Progress) -> tuple[BeamS
 
     The result is empty for a lone beam, and where the model with few shapes cannot be run.
     """
-    names = tuple(beam.name for beam in beam_bodies(runs.scene))
+    names = tuple(beam.name for beam in flexible_members(runs.scene))
     if runs.lone:
         return ()
+    flexible = runs.models.flexible
     groups = [names] if len(names) >= GROUPED else [(name,) for name in names]
-    runs.expect(replaced(runs.scene, FLEXIBLE, dict.fromkeys(group, RIGID)) for group in groups)
+    runs.expect(replaced(runs.scene, flexible, dict.fromkeys(group, RIGID)) for group in groups)
     try:
-        fine = runs.curves(FLEXIBLE, TOLERANCE)
+        fine = runs.curves(flexible, TOLERANCE)
     except TisserandError:
         return ()
 
@@ -46,7 +47,7 @@ def rigid_shares(runs: ModelRuns, error: float, report: Progress) -> tuple[BeamS
         runs.progress(f"{text} ...")
         share, failure = None, "a curve vanishes all the time"
         try:
-            model = replaced(runs.scene, FLEXIBLE, dict.fromkeys(group, RIGID))
+            model = replaced(runs.scene, flexible, dict.fromkeys(group, RIGID))
             share = rms_difference(fine, runs.curves(model, TOLERANCE))
         except TisserandError as problem:
             failure = first_line(problem)

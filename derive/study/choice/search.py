@@ -17,7 +17,7 @@ from derive.display import data_frame, html
 from derive.percentages import percent
 from derive.short_text import counted, listed, summary
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import model_scene
@@ -64,7 +64,7 @@ class Choice:
         'rigid'
     """
 
-    scene: Scene
+    scene: AnyScene
     error: float
     reference: TrustedReference
     tried: tuple[Line, ...]
@@ -83,7 +83,7 @@ class Choice:
         return tuple(plot.name for plot in self.scene.plots)
 
     @property
-    def chosen_scene(self) -> Scene | None:
+    def chosen_scene(self) -> AnyScene | None:
         """The scene with the chosen model and its tolerance, and of the outputs those that its plots show."""
         if self.chosen is None or self.scene.simulation is None:
             return None

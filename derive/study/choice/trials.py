@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.errors import TisserandError, first_line
-from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, measured, retimed
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import replaced
 from derive.study.choice.model_runs import ModelRuns
@@ -101,7 +101,7 @@ class Trials:
 
     def flexible(self, model: LadderModel) -> list[str]:
         """The names of the beams that a model does not take as rigid."""
-        beams = beam_bodies(self.runs.scene)
+        beams = flexible_members(self.runs.scene)
         return [beam.name for beam in beams if model.of(beam.name).shapes is not Shapes.RIGID]
 
     def with_order(self, model: LadderModel, order: DisplacementOrder, names: Sequence[str]) -> LadderModel:

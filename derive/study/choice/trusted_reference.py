@@ -1,8 +1,8 @@
 """The reference of a search: a model of second order, refined until it agrees with others in each direction.
 
-The directions are fewer beams, fewer shapes, nothing truncated, and larger steps: agreement within one family would
-prove nothing. The direction of refinement depends on the differences alone, and not on the requested error, so that a
-search for a larger error goes through the same models and ends with one of them.
+The directions are fewer beams, fewer shapes, other modes, nothing truncated, and larger steps: agreement within one
+family would prove nothing. The direction of refinement depends on the differences alone, and not on the requested
+error, so that a search for a larger error goes through the same models and ends with one of them.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ import numpy as np
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
-from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
-from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
+from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.rigid_shares import MATTERS
 from derive.terminal import duration_text
 
@@ -34,14 +35,8 @@ FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
 SHARE = 1 / 3
 """The largest error of a reference relative to the requested error."""
-FIRST = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
-"""The reference that is tried first."""
-MOST_BEAMS, MOST_SHAPES = 5, 5
-"""The largest numbers of pieces of each beam, and of shapes of each piece, of references."""
 CHEAPER = 1.5
 """The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
-FULL_SHAPES = 2
-"""The number of shapes of full models: the terms that truncation drops are largest in the lowest shapes."""
 LONGEST = 120.0
 """The longest time (s) that may be predicted for a run of a finer reference."""
 
@@ -50,17 +45,10 @@ Progress = Callable[[str], None]
 
 def expect_first(runs: ModelRuns) -> None:
     """Prepare the models ahead with which each search begins."""
-    runs.expect([FLEXIBLE], monitored=True)
+    runs.expect([runs.models.flexible], monitored=True)
     if runs.lone:
-        runs.expect(_needed(FIRST))
+        runs.expect(runs.models.needed(runs.models.first))
         runs.expect([LadderModel(Shapes.RIGID)], monitored=True)
-
-
-def _needed(model: LadderModel) -> list[LadderModel]:
-    """The model of a reference, those that it is compared with first, and two that show the error of truncation."""
-    few = replace(model, pieces=1, count=FULL_SHAPES)
-    fewer = replace(model, pieces=model.pieces - 1), replace(model, count=model.count - 1)
-    return [model, *fewer, few, replace(few, order=DisplacementOrder.FULL)]
 
 
 @dataclass(frozen=True)
@@ -104,7 +92,7 @@ def trusted_reference(
     report: takes a line on each comparison. rigid: the shares of beams that hardly matter, and are rigid.
     """
     references = _References(runs, report, rigid)
-    model: LadderModel | None = FIRST
+    model: LadderModel | None = runs.models.first
     further = ""
     while model is not None:
         if references.made and (seconds := references.predicted_seconds(model)) > LONGEST:
@@ -161,17 +149,22 @@ class _References:
 
     def add(self, model: LadderModel) -> TrustedReference:
         """Add a model as the reference, without a comparison with larger steps, which gives no direction to refine."""
-        fewer_beams = replace(model, pieces=model.pieces - 1)
-        fewer_shapes = replace(model, count=model.count - 1)
-        self._runs.expect(map(self._mixture, _needed(model)))
-        agreements = [self._agreement(model, "fewer beams", fewer_beams)]
-        agreements.append(self._agreement(model, "fewer shapes", fewer_shapes))
-        full = self._full(model, max(a.difference for a in agreements))
+        models = self._runs.models
+        self._runs.expect(map(self._mixture, models.needed(model)))
+        compared = [(way, other) for way in models.directions if (other := way.coarser(model)) is not None]
+        agreements = [self._agreement(model, way.label, other) for way, other in compared]
+        by_beams = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if way.beams]
+        by_shapes = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if not way.beams]
+        if full := self._full(model, max(a.difference for a in agreements)):
+            agreements.append(full)
+            by_beams.append(full.difference)
+        self._beams_first = max(by_beams, default=0.0) > CHEAPER * max(by_shapes, default=0.0)
         curves, mixture = self._curves(self._runs, model, FINE), self._mixture(model)
         report = (lambda _: None) if self.made else self._report  # each reference leaves out the same
         plots = reference_plots(self._runs.bare, mixture.label, curves, report)
-        errors, truncation = tuple(self._errors(curves)), self._truncation[1].difference
-        made = TrustedReference(plots, mixture, (*agreements, full, *self._flexible), errors, truncation)
+        truncation = self._truncation[1].difference if full else 0.0
+        errors = tuple(self._errors(curves))
+        made = TrustedReference(plots, mixture, (*agreements, *self._flexible), errors, truncation)
         self.made.append(made)
         return made
 
@@ -202,40 +195,38 @@ class _References:
 
     def finer(self, model: LadderModel) -> LadderModel | None:
         """The model after the last one, refined in the direction that differs most; None where there is none."""
-        beams, shapes, truncation = (a.difference for a in self.made[-1].agreements[:3])
-        more_shapes = replace(model, count=model.count + 1)
-        more_beams = replace(model, pieces=model.pieces + 1)
-        finer = [more_shapes, more_beams]
-        if max(beams, truncation) > CHEAPER * shapes:
-            finer.reverse()
-        return next((m for m in finer if m.pieces <= MOST_BEAMS and m.count <= MOST_SHAPES), None)
+        return self._runs.models.finer(model, self._beams_first)
 
     def predicted_seconds(self, model: LadderModel) -> float:
         """The approximate time (s) of a run of a model, from that of the finest reference so far."""
         known, cost = self.made[-1].model, self._cost
         return self._runs.seconds(known) * cost.operations(self._mixture(model)) / cost.operations(known)
 
-    def _full(self, model: LadderModel, enough: float) -> Agreement:
-        """The error of truncation: it is largest with few beams, which are tried first.
+    def _full(self, model: LadderModel, enough: float) -> Agreement | None:
+        """The error of truncation: it is largest with few beams, which are tried first; None where none is known.
 
         More beams, which take long to derive, are tried where the difference is larger than in other directions.
         """
-        for pieces in range(1, model.pieces):
+        agreement = None
+        for pieces in range(1, self._runs.models.pieces(model)):
+            pair = self._runs.models.truncated(model, pieces)
+            if pair is None:
+                return None
             if pieces not in self._truncation:
-                few = replace(model, pieces=pieces, count=FULL_SHAPES)
-                full = replace(few, order=DisplacementOrder.FULL)
+                few, full = pair
                 curves = (self._curves(self._full_runs, of, FINE) for of in (few, full))
                 label = f"nothing truncated: {full.label}"
                 if self._full_runs is not self._runs:
                     label += ", without the rotary inertia of attached masses"
                 self._truncation[pieces] = self._compared(label, model, *curves)
-            if self._truncation[pieces].difference <= enough:
+            agreement = self._truncation[pieces]
+            if agreement.difference <= enough:
                 break
-        return self._truncation[pieces]
+        return agreement
 
     def _mixture(self, model: LadderModel) -> LadderModel:
         """A model in which the beams that hardly matter are rigid."""
-        return mixed({beam.name: self._rigid.get(beam.name, model) for beam in beam_bodies(self._runs.scene)})
+        return mixed({beam.name: self._rigid.get(beam.name, model) for beam in flexible_members(self._runs.scene)})
 
     def _curves(self, runs: ModelRuns, model: LadderModel, tolerance: float) -> Curves:
         return runs.curves(self._mixture(model), tolerance)
@@ -262,8 +253,10 @@ class _References:
         return difference
 
 
-def _without_rotary_inertia(scene: Scene) -> Scene:
+def _without_rotary_inertia(scene: AnyScene) -> AnyScene:
     """The scene without rotary inertia of masses attached to a beam that stretches, which full models do not have."""
+    if isinstance(scene, SpatialScene):
+        return scene
     return replace(scene, bodies=tuple(_lean(body) if isinstance(body, BeamBody) else body for body in scene.bodies))
 
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, MutableMapping
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from collections.abc import Iterator, MutableMapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +12,28 @@ import tomlkit
 
 from derive.mechanics.multibody.bodies.beam_loads import resultants
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
-from derive.spec.model.scene import BeamBody, RigidBody, Scene
-from derive.spec.model.simulation import OF_BEAMS
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.tables.instance_tables import instance_tables
-from derive.study.accuracy.ladder_model import FAMILIES, LadderModel, Shapes
-from derive.study.accuracy.models import modelled, start_remainders
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.modelled_bodies import flexible_members, modelled_member
+from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
+from derive.study.choice.written_bodies import toml_value, write_body
 
-BEAM_KEYS = ("ansatz", "frame", "orthogonal", "ends", "order", "terms", "pieces")
-"""The keys of a beam that say how it is modelled."""
 SCHEMA = "#:schema"
+NODES = "nodes"
+"""The key of the files of a finite-element body: one, or one for each array."""
+FILES = ("file", NODES)
+"""The keys whose texts are files."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class WrittenSpecification:
 
 
 def chosen_specification(
-    text: str, source: Path, target: Path, scene: Scene, model: LadderModel, tolerance: float
+    text: str, source: Path, target: Path, scene: AnyScene, model: LadderModel, tolerance: float
 ) -> WrittenSpecification:
     """The TOML text with the keys of a model and the tolerance; paths are relative to the folder of `target`."""
     document = tomlkit.parse(text)
@@ -52,7 +55,8 @@ def chosen_specification(
     for beam in beam_bodies(scene):
         if model.of(beam.name).shapes is Shapes.RIGID:
             _carry_loads(document, beam)
-        _model_beam(document["bodies"][beam.name], beam, model.of(beam.name))
+    for body in flexible_members(scene):
+        write_body(document["bodies"][body.name], body, modelled_member(scene, body, model.of(body.name)))
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
     for plot in document.get("plots", {}).values():
@@ -69,31 +73,24 @@ def _write_instances(document: tomlkit.TOMLDocument) -> None:
     for section in dict.fromkeys(str(section) for section, _ in tables.counts):
         written = tomlkit.table(is_super_table=True)
         for name, table in tables.data[section].items():  # type: ignore[attr-defined]  # a specification without faults
-            written[name] = _as_toml(table)
+            written[name] = toml_value(table)
         document[section] = written
 
 
-def _as_toml(value: Any) -> Any:
-    """A value without exact fractions, which TOML knows as texts."""
-    if isinstance(value, Mapping):
-        return {key: _as_toml(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_as_toml(item) for item in value]
-    return str(value) if isinstance(value, Fraction) else value
-
-
-def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: LadderModel) -> Iterator[str]:
+def _without_sections(document: MutableMapping[str, Any], scene: AnyScene, model: LadderModel) -> Iterator[str]:
     """Remove the outputs of sections of beams that are rigid now, and the curves of plots that show them."""
-    rigid = {beam.name for beam in beam_bodies(scene) if model.of(beam.name).shapes is Shapes.RIGID}
+    rigid = {body.name for body in flexible_members(scene) if model.of(body.name).shapes is Shapes.RIGID}
+    in_space = isinstance(scene, SpatialScene)
+    known: Any = SPATIAL_OUTPUTS if in_space else OUTPUTS
     gone: dict[str, str] = {}  # the columns that are removed, and the output of each
     for output in scene.outputs:
-        keys = [key.name for key in OUTPUTS[output.kind].keys if key.type is KeyType.BEAM_MARKER]
+        keys = [key.name for key in known[output.kind].keys if key.type is KeyType.BEAM_MARKER]
         markers = (output.values.get(key) for key in keys)
         bodies = [m.body for m in markers if isinstance(m, MarkerRef) and m.body in rigid]
         if bodies:
             del document["outputs"][output.name]
             yield f"outputs.{output.name}: left out, since {bodies[0]} is rigid"
-            gone.update(dict.fromkeys(output_columns(output), output.name))
+            gone.update(dict.fromkeys(output_columns(output, in_space), output.name))
     for plot in scene.plots:
         if not isinstance(plot.quantity, ColumnCurves):
             continue
@@ -120,34 +117,10 @@ def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
     return f"{SCHEMA} {schema}\n{comment}{rest}"
 
 
-def _model_beam(table: MutableMapping[str, Any], beam: BeamBody, model: LadderModel) -> None:
-    """Give the table of a beam the keys of its model."""
-    body = modelled(beam, model)
-    for key in BEAM_KEYS:
-        table.pop(key, None)
-    if isinstance(body, RigidBody):
-        _make_rigid(table, body)
-        return
-    if body.start.guess and not beam.start.guess:
-        table["start"]["guess"] = True
-    if model.shapes in FAMILIES:
-        family = tomlkit.inline_table()
-        family.update({"kind": FAMILIES[model.shapes][0], "count": model.count})
-        table["ansatz"] = family
-    else:
-        table["ansatz"] = ["1", "xi", *(f"xi^{n}" for n in range(2, model.count + 2))]
-        table["frame"] = model.frame
-    if model.order is not DisplacementOrder.FIRST_ORDER:
-        table["order"] = 2
-        table["terms"] = "full" if model.order is DisplacementOrder.FULL else "truncated"
-    if model.pieces > 1:
-        table["pieces"] = model.pieces
-
-
 def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
     """Write forces on a rigid body in place of the loads on a beam, and keep the texts of their factors."""
     loads = document["bodies"][beam.name].pop("loads", {})
-    for force, of in zip(rigid_loads(beam), resultants(replace(beam, pieces=1), 0), strict=True):
+    for force, of in zip(rigid_loads(beam), resultants(beam.loads, 1, 0), strict=True):
         total = float(of.density.integral() / 2) * si_value(beam.beam.length)
         factor = loads[of.load.name].get("time", 1)
         component = f"{total!r}*({factor})" if isinstance(factor, str) else total * factor
@@ -156,30 +129,6 @@ def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
         if of.load.frame != "inertial":
             table["frame"] = of.load.frame
         document.setdefault("forces", tomlkit.table(is_super_table=True))[force.name] = table
-
-
-def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
-    """Write the keys of a rigid body in place of those of a beam."""
-    rigid = {key.name for key in declared_keys(RigidBody)}
-    for key in {key.name for of in (PlanarBeam, BeamBody) for key in declared_keys(of)} - rigid:
-        table.pop(key, None)
-    assert body.mass is not None and body.inertia is not None
-    table["mass"], table["inertia"] = si_value(body.mass), si_value(body.inertia)
-    if centre := si_value(body.centre[0]):
-        table["centre"] = [centre, 0.0]
-    markers = tomlkit.inline_table()
-    markers.update({m.name: [si_value(m.x), si_value(m.y)] for m in body.markers})
-    table["markers"] = markers
-    start = table.get("start")
-    if start is None:
-        return
-    for name in OF_BEAMS:
-        start.pop(name, None)
-    for name, value in vars(body.start).items():
-        if name in start and name != "guess" and value is not None:
-            start[name] = list(value) if isinstance(value, tuple) else value
-    if body.start.guess:
-        start["guess"] = True
 
 
 def relative_path(path: Path, folder: Path) -> str:
@@ -194,8 +143,11 @@ def _relocate(table: Any, source: Path, target: Path) -> None:
     """Rewrite the relative paths of files, from the folder of the source to the folder of the target."""
     if isinstance(table, MutableMapping):
         for key, value in table.items():
-            if key == "file" and isinstance(value, str) and not Path(value).is_absolute():
+            if key in FILES and isinstance(value, str) and not Path(value).is_absolute():
                 table[key] = relative_path(source / value, target)
+            elif key == NODES and isinstance(value, MutableMapping):
+                for array, file in value.items():
+                    value[array] = relative_path(source / file, target)
             else:
                 _relocate(value, source, target)
     elif isinstance(table, list):

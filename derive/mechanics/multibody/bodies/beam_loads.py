@@ -7,44 +7,52 @@ over int p dx, and likewise int p psi_ij dx. A load without resultant is the sum
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from derive.mechanics.bodies.beam_functions import ONE, BeamFunction, rational
+from derive.mechanics.bodies.beam_functions import ONE, BeamFunction, fraction, rational
 from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, DistributedLoad
+from derive.spec.model.spatial_beam_parts import SpatialDistributedLoad
 from derive.spec.model.time_function import TimeFunction
 
 if TYPE_CHECKING:
     from derive.algebra import sp
 
+AnyLoad = DistributedLoad | SpatialDistributedLoad
+"""A distributed load in the plane or in space."""
+
 
 @dataclass(frozen=True)
 class LoadResultant:
-    """A load with a resultant on a piece: the name of its point, the component (0 or 1), and p(xi) of the piece."""
+    """A load with a resultant on a piece: the name of its point, the component (from 0), and p(xi) of the piece."""
 
     point: str
     component: int
-    load: DistributedLoad
+    load: AnyLoad
     density: BeamFunction
+
+    @property
+    def total(self) -> Fraction:
+        """The resultant on a piece of half the length 1, N/m."""
+        return fraction(self.density.integral()) / 2
 
     def mean(self, of: BeamFunction) -> sp.Rational:
         """The mean of a function of xi over the load."""
         return rational((self.density * of).integral() / self.density.integral())
 
 
-def resultants(body: BeamBody, piece: int) -> Iterator[LoadResultant]:
+def resultants(loads: Iterable[AnyLoad], pieces: int, piece: int) -> Iterator[LoadResultant]:
     """The loads on a piece of a rod, counted from 0: one or two with a resultant for each component."""
-    n = body.pieces
-    for load in body.loads:
+    for load in loads:
         for component, of_rod in enumerate(load.force):
-            density = on_piece(of_rod, n, piece)
+            density = on_piece(of_rod, pieces, piece)
             if density.is_zero:
                 continue
             parts = [density] if density.integral() else [density + ONE, -ONE]
@@ -59,7 +67,7 @@ def point_name(load: str, component: int, part: int, piece: int) -> str:
 
 def point_names(load: str, pieces: int) -> set[str]:
     """All names that the points of the resultants of a load may have."""
-    return {point_name(load, c, part, piece) for c in (0, 1) for part in (0, 1) for piece in range(pieces)}
+    return {point_name(load, c, part, piece) for c in (0, 1, 2) for part in (0, 1) for piece in range(pieces)}
 
 
 def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
@@ -67,7 +75,7 @@ def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
     from derive.mechanics.bodies.beam import point_that_sees
 
     result = {}
-    for r in resultants(body, piece):
+    for r in resultants(body.loads, body.pieces, piece):
         docs = (f"point of load {r.load.name}", f"mean position of load {r.load.name}")
         point = point_that_sees(r.point, docs, body.beam, body.pieces, r.mean, "the load is symmetric")
         result[r.point] = CrossSection(point)
@@ -76,17 +84,22 @@ def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
 
 def load_forces(body: BeamBody, piece: int, name: str) -> Iterator[Force]:
     """The resultants of the loads on a piece, which is called `name`."""
-    for r in resultants(body, piece):
-        total = r.density.integral() / (2 * body.pieces)
-        force = TimeFunction("mul", (TimeFunction("mul", (_number(total), _quantity(body.beam.length))), r.load.time))
-        zero = _number(Fraction(0))
+    zero = number_function(Fraction(0))
+    for r in resultants(body.loads, body.pieces, piece):
+        force = per_length(r.total / body.pieces, body.beam.length, r.load.time)
         components = (zero, force) if r.component else (force, zero)
         yield Force(f"{name}_{r.point}", MarkerRef(name, r.point), components, r.load.frame)
 
 
-def _number(value: Fraction) -> TimeFunction:
+def per_length(value: Fraction, length: Quantity, time: TimeFunction) -> TimeFunction:
+    """A load per length times the length of a beam and a function of time."""
+    return TimeFunction("mul", (TimeFunction("mul", (number_function(value), _quantity(length))), time))
+
+
+def number_function(value: Fraction) -> TimeFunction:
+    """The constant function of time."""
     return TimeFunction("number", value=value)
 
 
 def _quantity(value: Quantity) -> TimeFunction:
-    return TimeFunction("parameter", parameter=value) if isinstance(value, Parameter) else _number(value)
+    return TimeFunction("parameter", parameter=value) if isinstance(value, Parameter) else number_function(value)

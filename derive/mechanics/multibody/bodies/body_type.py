@@ -6,10 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from derive.algebra import sp
-from derive.spec.model.forces import Force
 from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
@@ -127,8 +126,8 @@ class BodyType(ABC, Generic[B]):
         """The damping of the deformation that acts between the components of the body; None if there is none."""
         return None
 
-    def forces(self, body: B) -> tuple[Force, ...]:
-        """The forces that loads of the body exert on points of its components."""
+    def forces(self, body: B) -> tuple[Any, ...]:
+        """The forces, in space torques as well, that loads of the body exert on points of its components."""
         return ()
 
     def located(self, body: B, marker: str) -> MarkerRef:

@@ -20,12 +20,11 @@ from derive.mechanics.multibody.space.gears import GearInstance
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
-from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import element
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_forces import SpatialTorque
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 
 if TYPE_CHECKING:
@@ -88,11 +87,12 @@ class _SpatialAssembly(SceneAssembly):
         return tuple(result)
 
     def _actions(self) -> tuple[SpatialActionInstance, ...]:
-        """The forces, torques and springs, with the loads on nodes, and the values of their keys."""
-        of_bodies = (f for body in self.scene.bodies if isinstance(body, FlexibleBody) for f in nodal_forces(body))
+        """The forces, torques and springs, with the loads of bodies, and the values of their keys."""
         actions = [(section, of) for section in ("forces", "torques", "springs") for of in getattr(self.scene, section)]
+        of_bodies: list[Any] = [load for body in self.scene.bodies for load in self.type_of(body).forces(body)]
+        actions += (("torques" if isinstance(load, SpatialTorque) else "forces", load) for load in of_bodies)
         result = []
-        for section, action in (*actions, *(("forces", force) for force in of_bodies)):
+        for section, action in actions:
             given = specified(action)
             keys = (key for key in keys_of(action) if key.name in given)
             values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}

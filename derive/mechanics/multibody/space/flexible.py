@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.space.frame_motion import fixed_axes
+from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.spec.model.spatial_bodies import FlexibleBody
 
 if TYPE_CHECKING:
@@ -50,6 +51,10 @@ class Flexible(BodyType[FlexibleBody]):
         origin = MaterialPoint(BODY_FRAME, "origin of the floating frame", still, (still,) * self.reduced.body.modes)
         sections[BODY_FRAME] = CrossSection(origin, twists=(still,) * self.reduced.body.modes)
         return (Component(body.name, body.name, of, sections, tuple(axes), body.name),)
+
+    def forces(self, body: FlexibleBody) -> tuple[Any, ...]:
+        """The resultants of the loads on nodes."""
+        return tuple(nodal_forces(body))
 
     def constants(self, body: FlexibleBody) -> Iterator[Constant]:
         """No constants: all numbers are those of the files."""

@@ -1,0 +1,133 @@
+"""The models that a flexible body is tried with, from cheap to dear, and which of them are worth a trial.
+
+Shapes that cannot have the bending moment of a beam at its ends are wrong by a fifth or more where the beam bends: half
+sine waves where joints prevent the rotation of an end, modes of a clamped beam where not just the left end is clamped,
+and polynomials whose curvature is linear at most where the moment vanishes. They come last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.simulation.validity.loaded_sections import held_ends
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
+from derive.study.accuracy.free_rates import body_coordinates, body_rate
+from derive.study.accuracy.ladder_model import FAMILIES, STATIC, LadderModel, Shapes
+from derive.study.accuracy.modelled_bodies import Flexible
+from derive.study.accuracy.predicted_cost import PredictedCost
+from derive.study.choice.modes_of_bodies import ModesOfBodies
+
+MOST = {Shapes.SINES: 5, Shapes.CLAMPED_FREE: 4, Shapes.POLYNOMIALS: 5}
+"""The largest number of shapes of a beam in one piece, by their kind."""
+PIECES = ((2, 2), (2, 3), (3, 2))
+"""The numbers of pieces, and of polynomials of each piece."""
+LINEAR = 2
+"""The number of polynomials, from the second degree on, up to which the curvature is constant or linear."""
+TWISTS = (0, 1, 2)
+"""The numbers of shapes of torsion of a beam that twists."""
+MOST_MODES = 8
+"""The largest number of modes of a finite-element body, beside static ones."""
+ROTATIONS = ("rx", "ry", "rz")
+"""The relative rotations that a joint in space may remove."""
+FULL = 2.0
+"""The approximate operations of a full model relative to those of a truncated one."""
+STAGNANT = 0.7
+"""More shapes of a kind are not tried if two more have not reduced the error below this part of it."""
+HOPELESS = 1.5
+"""Fewer shapes of a kind are not tried if a model has more than this times the requested error."""
+
+Errors = Mapping[LadderModel, float]
+
+
+def candidates(scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies) -> tuple[LadderModel, ...]:
+    """The models of a body from cheap to dear, of second order: first those that suit its ends, then the others.
+
+    The rigid body is the first. The search adds models of first order where second order is good, and full models,
+    in which nothing is truncated, where truncation limits the error.
+    """
+    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body)
+    return tuple(sorted([LadderModel(Shapes.RIGID), *of_kind], key=candidate_order(scene, body, cost)))
+
+
+def _of_beam(body: BeamBody | SpatialBeam) -> Iterator[LadderModel]:
+    """The flexible models of a beam, of second order; of one that twists with few shapes of torsion, and with none."""
+    twists = TWISTS if isinstance(body, SpatialBeam) and body.torsion is not None else (None,)
+    for torsion in twists:
+        for shapes, most in MOST.items():
+            frame = FAMILIES[shapes][1].kind if shapes in FAMILIES else "mean"
+            for n in range(1, most + 1):
+                yield LadderModel(shapes, n, DisplacementOrder.TRUNCATED, frame, torsion=torsion)
+        for pieces, n in PIECES:
+            yield LadderModel(Shapes.POLYNOMIALS, n, DisplacementOrder.TRUNCATED, "mean", pieces, torsion=torsion)
+
+
+def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[LadderModel]:
+    """The flexible models of a finite-element body, of the order that its modes have."""
+    for kind in modes.kinds(body):
+        for n in range(0 if kind in STATIC else 1, min(MOST_MODES, modes.most(body, kind)) + 1):
+            yield LadderModel(kind, n, body.body.order)
+
+
+def candidate_order(scene: AnyScene, body: Flexible, cost: PredictedCost) -> Callable[[LadderModel], tuple[float, ...]]:
+    """The key that sorts the models of a body in the order of `candidates`."""
+    clamped = frozenset() if isinstance(body, FlexibleBody) else clamped_ends(scene, body)
+
+    def key(model: LadderModel) -> tuple[float, ...]:
+        size = body_coordinates(scene, body, model)
+        operations = cost.operations_of(body_rate(scene, body, model), size)
+        terms = FULL if model.order is DisplacementOrder.FULL else 1.0
+        return not suits(model, clamped), terms * operations, size
+
+    return key
+
+
+def clamped_ends(scene: AnyScene, body: BeamBody | SpatialBeam) -> frozenset[int]:
+    """The ends of a beam, -1 and 1, at which a moment bends it: in space those where joints hold two rotations."""
+    if isinstance(body, BeamBody):
+        assert isinstance(scene, Scene)
+        return frozenset(int(marker.at) for marker in held_ends(scene, body))
+    assert isinstance(scene, SpatialScene)
+    ends = {marker.name: int(marker.at) for marker in body.markers if abs(marker.at) == 1}
+    holding = (joint for joint in scene.joints if len({*ROTATIONS} & {*SPATIAL_JOINTS[joint.kind].removed(joint)}) > 1)
+    held = (end for joint in holding for end in (joint.first, joint.second) if end.body == body.name)
+    return frozenset(ends[end.marker] for end in held if end.marker in ends)
+
+
+def suits(model: LadderModel, clamped: frozenset[int]) -> bool:
+    """Whether the shapes of a model can have the bending moments of a beam at its ends `clamped`, of -1 and 1."""
+    match model.shapes:
+        case Shapes.SINES:
+            return not clamped
+        case Shapes.CLAMPED_FREE:
+            return clamped == {-1}
+        case Shapes.POLYNOMIALS:
+            return model.pieces > 1 or model.count > LINEAR or len(clamped) == 2
+        case _:
+            return True
+
+
+def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
+    """Whether models of its kind that have run show that a model is not within an error.
+
+    A model with more shapes, of bending or of torsion, has a far larger error, or two more shapes have not reduced it:
+    a single one may be odd where an even one is missing.
+    """
+    kind = sorted((other.count, of) for other, of in errors.items() if other.kind == model.kind)
+    more = [of for other, of in sorted(errors.items(), key=lambda of: of[0].count) if has_more(other, model)]
+    fewer = [of for count, of in kind if count < model.count]
+    stagnant = len(fewer) > 2 and fewer[-1] > max(error, STAGNANT * fewer[-3])
+    return stagnant or bool(more) and more[0] > HOPELESS * error
+
+
+def has_more(other: LadderModel, model: LadderModel) -> bool:
+    """Whether a model has the shapes of another one and more."""
+    alike = other.kind == replace(model, torsion=other.torsion).kind
+    counts = [((of.count, of.torsion or 0)) for of in (model, other)]
+    return alike and counts[0] != counts[1] and all(a <= b for a, b in zip(*counts, strict=True))
