@@ -51,7 +51,7 @@ def equations() -> Any:
         (lambda: derive.study_accuracy(BEAM), "a scene is needed, .*, not PlanarBeam"),
         (lambda: derive.study_methods(SQUARE), "a planar scene is needed, .*, not NodalBody"),
         (lambda: derive.study_stability(BEAM, ("P", 0, 1, 2)), "a planar scene is needed, .*, not PlanarBeam"),
-        (lambda: derive.choose(BEAM), "a planar scene is needed, .*, not PlanarBeam"),
+        (lambda: derive.choose(BEAM), "a scene is needed, .*, not PlanarBeam"),
         (lambda: derive.study_accuracy(BALL, orders="first"), r"several values are needed, such as \['first'\]"),
         (lambda: derive.study_accuracy(BALL, shapes=2), r"shapes: several values are needed, such as \[2\], not 2"),
         (lambda: derive.study_accuracy(BALL, tolerances=1e-3), "tolerances: several values are needed"),
