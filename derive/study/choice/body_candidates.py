@@ -46,26 +46,33 @@ HOPELESS = 1.5
 Errors = Mapping[LadderModel, float]
 
 
-def candidates(scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies) -> tuple[LadderModel, ...]:
+def candidates(
+    scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies, twists: tuple[int, ...] = TWISTS
+) -> tuple[LadderModel, ...]:
     """The models of a body from cheap to dear, of second order: first those that suit its ends, then the others.
 
-    The rigid body is the first. The search adds models of first order where second order is good, and full models,
-    in which nothing is truncated, where truncation limits the error.
+    twists: the numbers of shapes of torsion of a beam in space that twists. The rigid body is the first. The search
+    adds models of first order where second order is good, and full models, in which nothing is truncated, where
+    truncation limits the error.
     """
-    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body)
+    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body, twists)
     return tuple(sorted([LadderModel(Shapes.RIGID), *of_kind], key=candidate_order(scene, body, cost)))
 
 
-def _of_beam(body: BeamBody | SpatialBeam) -> Iterator[LadderModel]:
-    """The flexible models of a beam, of second order; of one that twists with few shapes of torsion, and with none."""
-    twists = TWISTS if isinstance(body, SpatialBeam) and body.torsion is not None else (None,)
-    for torsion in twists:
+def _of_beam(body: BeamBody | SpatialBeam, twists: tuple[int, ...]) -> Iterator[LadderModel]:
+    """The flexible models of a beam, of second order."""
+    for torsion in twists if can_twist(body) else (None,):
         for shapes, most in MOST.items():
             frame = FAMILIES[shapes][1].kind if shapes in FAMILIES else "mean"
             for n in range(1, most + 1):
                 yield LadderModel(shapes, n, DisplacementOrder.TRUNCATED, frame, torsion=torsion)
         for pieces, n in PIECES:
             yield LadderModel(Shapes.POLYNOMIALS, n, DisplacementOrder.TRUNCATED, "mean", pieces, torsion=torsion)
+
+
+def can_twist(body: Flexible) -> bool:
+    """Whether a body is a beam in space that has a stiffness against torsion."""
+    return isinstance(body, SpatialBeam) and body.torsion is not None
 
 
 def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[LadderModel]:
