@@ -13,7 +13,7 @@ from typing import Any
 
 from derive.algebra import sp
 from derive.errors import TisserandError
-from derive.lowering.instances.classes.body_classes import BodyClass, Member, fixed_values
+from derive.lowering.instances.classes.body_classes import BodyClass, Member, body_key, fixed_values
 from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
@@ -30,6 +30,7 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.point_motion import PointMotion
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Joint
@@ -121,7 +122,10 @@ class Bodies:
         self.mechanism: Any = mechanism  # in the plane or in space, as what groups its elements knows
         self.known = known
         self.members = {m.instance.name: m for of in classes for m in of.members}
-        self.number = {m.instance.name: k for k, of in enumerate(classes) for m in of.members}
+        in_space = isinstance(mechanism, SpatialMechanism)  # where forces are not part of classes
+        self.form: dict[str, Hashable] = {
+            m.instance.name: body_key(m) if in_space else k for k, of in enumerate(classes) for m in of.members
+        }
 
     def equations(self, body: str) -> InstanceEquations:
         """The equations of a body with coordinates."""
@@ -129,8 +133,8 @@ class Bodies:
         return instance_equations(instance, self.mechanism.kinds[instance.kind], False)
 
     def key(self, body: str) -> Hashable:
-        """The class of a body, or its name if its motion is known."""
-        return self.number.get(body, body)
+        """The class of a body, in space without its joints, or its name if its motion is known."""
+        return self.form.get(body, body)
 
     @property
     def idle_joints(self) -> tuple[int, ...]:
