@@ -122,10 +122,7 @@ class Bodies:
         self.mechanism: Any = mechanism  # in the plane or in space, as what groups its elements knows
         self.known = known
         self.members = {m.instance.name: m for of in classes for m in of.members}
-        in_space = isinstance(mechanism, SpatialMechanism)  # where forces are not part of classes
-        self.form: dict[str, Hashable] = {
-            m.instance.name: body_key(m) if in_space else k for k, of in enumerate(classes) for m in of.members
-        }
+        self.number = {m.instance.name: k for k, of in enumerate(classes) for m in of.members}
 
     def equations(self, body: str) -> InstanceEquations:
         """The equations of a body with coordinates."""
@@ -133,8 +130,8 @@ class Bodies:
         return instance_equations(instance, self.mechanism.kinds[instance.kind], False)
 
     def key(self, body: str) -> Hashable:
-        """The class of a body, in space without its joints, or its name if its motion is known."""
-        return self.form.get(body, body)
+        """The class of a body, or its name if its motion is known."""
+        return self.number.get(body, body)
 
     @property
     def idle_joints(self) -> tuple[int, ...]:
@@ -166,6 +163,12 @@ class Bodies:
     def end(self, marker: MarkerRef) -> Hashable:
         """The class of a body and its marker, or a marker whose motion is known."""
         return self.key(marker.body), marker.marker
+
+    def form(self, marker: MarkerRef) -> Hashable:
+        """The same of a marker in space, whatever the joints of its body: these are no part of its motion."""
+        if marker.body not in self.members or not isinstance(self.mechanism, SpatialMechanism):
+            return self.end(marker)
+        return body_key(self.members[marker.body]), marker.marker
 
 
 def force_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:

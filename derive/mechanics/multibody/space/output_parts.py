@@ -131,7 +131,8 @@ class SpatialOutputType:
     """A kind of output in space: a description, the keys of its table, the labels, and the components.
 
     of_motion: whether it shows the motion of a joint, which not all joints have. counts_inertia: whether it depends on
-    the inertia of bodies whose motion is prescribed.
+    the inertia of bodies whose motion is prescribed. adds: whether each component is a sum over the bodies, the actions
+    and the drives, of terms that depend on one of them.
     """
 
     doc: str
@@ -140,3 +141,4 @@ class SpatialOutputType:
     components: Callable[[Mapping[str, Any], SpatialParts], tuple[SpatialComponent, ...]]
     of_motion: bool = False
     counts_inertia: bool = False
+    adds: bool = False
