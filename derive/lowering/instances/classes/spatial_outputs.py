@@ -50,7 +50,9 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
         names = named.bodies
         members = tuple(bodies.members[name] for name in names)
         element = GroupElement(number, members, part.first, part.adds, named.idle_joints)
-        key = number if named.names_all else (part.key, _asked_for(named), element.sharing, fixed_of(bodies, names))
+        key: Hashable = (
+            number if named.names_all else (part.key, _asked_for(named), element.sharing, fixed_of(bodies, names))
+        )
         groups.setdefault(key, []).append(element)
         if key not in made:
             own = {name: bodies.equations(name) for name in names}
