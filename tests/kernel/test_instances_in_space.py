@@ -304,6 +304,21 @@ def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
     assert np.abs(np.diff(np.log(np.array(sizes) + 1.0), axis=0)).max() < 0.2
 
 
+def test_loops_are_chosen_for_chains_of_balls() -> None:
+    """From three bodies on, with the reason and the predicted times; not with other joints, gears or sensitivities."""
+
+    def lowered(kind: str, count: int, **options: bool) -> tuple[str, str]:
+        scene = replace(chain(kind, count), lowering="auto")
+        model = derive.lower(derive.derive(scene), explicit=True, **options)
+        return model.lowering, model.choice
+
+    form, choice = lowered("spherical", 3)
+    assert form == "instances"
+    assert choice.startswith("looped over instances, the faster form; predicted evaluation time")
+    assert lowered("spherical", 2)[0] == lowered("revolute", 3)[0] == "flat"
+    assert lowered("spherical", 3, sensitivities=True)[0] == "flat"
+
+
 def test_default_plots_name_the_columns_of_instances() -> None:
     """The angular velocities are columns under their names for people."""
     model = both(parse(MIXED), explicit=True).instances
