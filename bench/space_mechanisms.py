@@ -1,12 +1,13 @@
 """Mechanisms in space: M and h of a body, accelerations of mechanisms of 3 bodies, beside CasADi and C by hand.
 
-python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...]
+python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...] [--counts N ...] [--lowering NAME]
 
 All implementations of a scene run alternately in one process, with one compiler and the same flags; each time is the
 least of many slices, and values are compared first. CasADi gets our M, h, G and gamma, and our elimination order.
 FOLDER has C by hand for chains: joints2.c (rigid bodies, -DKIND=5, 3 or 6) and flex3.c (bodies with 8 modes, welded),
-with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Exudyn, if it is installed,
-evaluates the mass matrix, the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
+with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Chains are measured at each of
+the counts; CasADi takes part in straight-line code of chains of 3 bodies. Exudyn, if it is installed, evaluates the mass
+matrix, the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import argparse
 import shlex
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -43,11 +44,12 @@ FLAGS = "-O3 -march=x86-64-v3"
 STATES = 8
 REPEATS = 41
 TOLERANCE = 1e-9
-"""The largest difference relative to the largest value: multipliers of badly placed joints lose some digits."""
+"""The largest difference relative to the largest value, or to gravity where it is larger: bodies that are welded to the
+ground stay at rest. Multipliers of badly placed joints lose some digits."""
 GOAL = 1.0
 HAND_GOAL = 1.1
 COUNT = 3
-"""The bodies of the chains."""
+"""The bodies of the chains in whose times CasADi takes part."""
 OWN_FILE = "handwritten_body.c"
 EVALUATION = "const int *, const void *, const double *, const double *, double *, void *"
 
@@ -73,22 +75,25 @@ class Case:
 
     title: str
     make: Callable[[Path], SpatialScene]
-    states: Callable[[SpatialScene, Equations], tuple[Array, Array]]
+    states: Callable[[SpatialScene, Equations | None], tuple[Array, Array]]
     functions: Sequence[str] = ("accel",)
     hand: Callable[[SpatialScene], HandCode] | None = None
     casadi: bool = True
     exudyn: Callable[[SpatialScene], float] | None = None
+    bodies: int = 1
 
 
-def _random(scene: SpatialScene, equations: Equations) -> tuple[Array, Array]:
+def _random(scene: SpatialScene, equations: Equations | None) -> tuple[Array, Array]:
+    assert equations is not None
     names = [str(c.q) for c in equations.coordinates]
     quaternions = [i for i, name in enumerate(names) if name.endswith("e0")]
     return scenes.any_states(len(names), len(equations.rows), quaternions, STATES)
 
 
-def _chain(file: str, options: str, tables: Array) -> HandCode:
-    declare = f"int eval(int, {EVALUATION}); static const int classes[] = {{0, 1, 2}};"
-    return HandCode(file, options, tables, declare, f"eval({COUNT}, classes, tables, {{state}}, out, work);")
+def _chain(file: str, options: str, tables: Array, count: int) -> HandCode:
+    classes = ", ".join(map(str, range(count)))
+    declare = f"int eval(int, {EVALUATION}); static const int classes[] = {{{classes}}};"
+    return HandCode(file, options, tables, declare, f"eval({count}, classes, tables, {{state}}, out, work);")
 
 
 def _free(scene: SpatialScene) -> HandCode:
@@ -98,15 +103,37 @@ def _free(scene: SpatialScene) -> HandCode:
     return HandCode(OWN_FILE, options, free_tables(link), declare, call, "hand_setup(tables);")
 
 
-def _rigid_case(kind: str) -> Case:
+def _rigid_case(kind: str, count: int) -> Case:
     return Case(
-        f"chain of {COUNT} rigid bodies, {kind} joints",
-        lambda folder: scenes.chain_of_rigid_bodies(COUNT, kind, folder),
-        lambda scene, equations: scenes.rigid_states(COUNT, kind, STATES),
+        f"chain of {count} rigid bodies, {kind} joints",
+        lambda folder: scenes.chain_of_rigid_bodies(count, kind, folder),
+        lambda scene, equations: scenes.rigid_states(count, kind, STATES),
         hand=lambda scene: _chain(
-            "joints2.c", f"-DKIND={scenes.AXES[kind]}", rigid_tables([scenes.rigid_link(i) for i in range(COUNT)])
+            "joints2.c",
+            f"-DKIND={scenes.AXES[kind]}",
+            rigid_tables([scenes.rigid_link(i) for i in range(count)]),
+            count,
         ),
+        casadi=count == COUNT,
+        bodies=count,
     )
+
+
+def _flexible_case(count: int) -> Case:
+    return Case(
+        f"chain of {count} bodies with {scenes.MODES} modes, welded",
+        lambda folder: scenes.chain_of_flexible_bodies(count, "fixed", folder),
+        lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
+        hand=lambda scene: _chain("flex3.c", "", flexible_tables(scenes.reduced_links(scene)), count),
+        casadi=False,  # its C takes the compiler minutes
+        bodies=count,
+    )
+
+
+def _chains(count: int) -> dict[str, Case]:
+    """The chains of so many bodies."""
+    rigid = {f"rigid_{kind}": _rigid_case(kind, count) for kind in scenes.AXES}
+    return {**rigid, "flexible_fixed": _flexible_case(count)}
 
 
 CASES = {
@@ -130,14 +157,7 @@ CASES = {
         _random,
         exudyn=lambda scene: evaluation(scene, True),
     ),
-    **{f"rigid_{kind}": _rigid_case(kind) for kind in ("spherical", "revolute")},
-    "flexible_fixed": Case(
-        f"chain of {COUNT} bodies with {scenes.MODES} modes, welded",
-        lambda folder: scenes.chain_of_flexible_bodies(COUNT, "fixed", folder),
-        lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
-        hand=lambda scene: _chain("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
-        casadi=False,  # its C takes the compiler minutes
-    ),
+    **_chains(COUNT),
 }
 
 
@@ -160,11 +180,14 @@ class Program:
         self.objects.append(out)
 
 
-def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path | None) -> dict[str, dict[str, float]]:
+def times(
+    case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path | None, lowering: str = "auto"
+) -> dict[str, dict[str, float]]:
     """The least times (ns) of an evaluation by function and maker. Raises ArithmeticError if values differ."""
-    scene = case.make(folder)
+    scene = replace(case.make(folder), lowering=lowering)
     mechanism = derive(scene)
-    equations = mechanism.expanded()
+    with_casadi = case.casadi and lowering != "instances"
+    equations = mechanism.expanded() if with_casadi or not case.hand else None
     model = lower(mechanism, explicit=True)
     program, name = Program(folder, flags), model.name
     header, source = CBackend().files(model, "a benchmark")
@@ -177,13 +200,14 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
     program.arrays |= {"q": q, "v": v, "p": np.append(np.array(model.defaults), 0.0)}
     program.scratch["k"] = sum(constant.size for constant in model.constants) + 1
     state = f"q + s * {q.shape[1]}, v + s * {v.shape[1]}"
-    result = {}
+    result: dict[str, dict[str, float]] = {}
     hand = _add_hand(case, scene, program, yardsticks) if case.hand else None
     for function in case.functions:
         size = model.kernel(function).outputs[0].size
         own = f"q + s * {q.shape[1]}" if function == "mass" else f"0.0, {state}"
         calls = [TimedCall("ours", f"{name}_{function}({own}, k, out);", size)]
-        if case.casadi:
+        if with_casadi:
+            assert equations is not None
             (folder / f"casadi_{function}.c").write_text(_casadi(function, equations).dump())
             program.compile(folder / f"casadi_{function}.c")
             peer = f"casadi_{function}"
@@ -205,7 +229,7 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
             statistic=np.min,
         )
         for call, other in zip(calls, values, strict=True):
-            error = np.max(np.abs(other - values[0])) / np.max(np.abs(values[0]))
+            error = np.max(np.abs(other - values[0])) / np.max([*np.abs(values[0].ravel()), abs(scenes.GRAVITY)])
             if not error < TOLERANCE:
                 raise ArithmeticError(f"{name}: {function} of {call.name} is off by {error:.1e}")
         result[function] = {call.name: t for call, t in zip(calls, found, strict=True)}
@@ -241,7 +265,7 @@ def _add_hand(case: Case, scene: SpatialScene, program: Program, yardsticks: Pat
         return None
     program.compile(folder / code.file, code.options, "hand")
     program.arrays["tables"] = code.tables
-    program.scratch["work"] = 4096
+    program.scratch["work"] = 400 * case.bodies + 64
     program.declare.append(code.declare)
     program.once.append(code.once)
     return code
@@ -253,19 +277,22 @@ def rows(
     yardsticks: Path | None = None,
     only: Sequence[str] = (),
     quick: bool = False,
+    lowering: str = "auto",
+    count: int = COUNT,
 ) -> list[Row]:
     """The rows of mechanisms in space, see `rows.py`: those that need no yardsticks, or `only` some.
 
-    quick: one small scene, once.
+    quick: one small scene, once. lowering: that of our code; count: the bodies of chains.
     """
-    only = only or [name for name, case in CASES.items() if yardsticks or case.casadi]
+    cases = {**CASES, **_chains(count)}
+    only = only or [name for name, case in cases.items() if yardsticks or case.casadi]
     if quick:
         only, flags, repeats = ("slider_crank_rigid",), "-O1", 1
     result = []
     for name in only:
         with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
-            by_function = times(CASES[name], Path(folder), flags, repeats, yardsticks)
-        result += [_row(CASES[name], function, ns) for function, ns in by_function.items()]
+            by_function = times(cases[name], Path(folder), flags, repeats, yardsticks, lowering)
+        result += [_row(cases[name], function, ns) for function, ns in by_function.items()]
     return result
 
 
@@ -283,14 +310,19 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--yardsticks", type=Path, help="the folder of C by hand")
     parser.add_argument("--only", nargs="+", choices=CASES, default=list(CASES), metavar="NAME")
+    parser.add_argument("--counts", nargs="+", type=int, default=[COUNT], help="the bodies of the chains")
+    parser.add_argument("--lowering", choices=("auto", "flat", "instances"), default="auto")
     parser.add_argument("--flags", default=FLAGS)
     parser.add_argument("--repeats", type=int, default=REPEATS)
     options = parser.parse_args(argv)
     print("\n".join(described("casadi", "sympy", "numpy")))
     print(f"flags     {options.flags}; ns of an evaluation\n")
     print("| | ours | CasADi | by hand | ours / CasADi | ours / by hand |\n| --- | ---: | ---: | ---: | ---: | ---: |")
-    for name in options.only:
-        for r in rows(options.flags, options.repeats, options.yardsticks, (name,)):
+    chains = _chains(COUNT)
+    for name, count in ((n, c) for n in options.only for c in (options.counts if n in chains else [COUNT])):
+        for r in rows(
+            options.flags, options.repeats, options.yardsticks, (name,), lowering=options.lowering, count=count
+        ):
             cells = [f"{r[k]:.4g}" if r[k] else "" for k in ("ours_ns", "peer_ns", "hand_ns")]
             ratios = [f"{r['ours_ns'] / r[k]:.2f}" if r[k] else "" for k in ("peer_ns", "hand_ns")]
             print(f"| {r['name']} ({r['note']}) | {' | '.join([*cells, *ratios])} |", flush=True)

@@ -20,7 +20,7 @@ from derive.lowering import cost_model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.mechanism_costs import estimate_mechanism_costs
+from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
@@ -289,15 +289,18 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
 
 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
-    """Straight-line code, or loops over instances where the specification asks for them."""
-    redundant = mechanism.scene.redundant
-    if mechanism.scene.lowering == "instances":
-        if sensitivities:
-            text = 'loops have no derivatives by parameters in space: lowering = "flat"'
-            raise SpecError((Problem("scene.lowering", text),))
+    """Straight-line code, or loops over instances where the specification asks for them or they are faster."""
+    requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
+    if requested == "instances" and sensitivities:
+        text = 'loops have no derivatives by parameters in space: lowering = "flat"'
+        raise SpecError((Problem("scene.lowering", text),))
+    choice = "looped over instances, as the specification asks" if requested == "instances" else ""
+    if requested == "auto" and not sensitivities and is_predicted(mechanism):
+        costs = estimate_mechanism_costs(mechanism)
+        choice = costs.reason(requested) if costs.lowering == "instances" else ""
+    if choice:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
-        choice = "looped over instances, as the specification asks"
         return lower_instances(mechanism, choice, explicit, proximal=redundant == "resolve")
     try:
         return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant)

@@ -15,6 +15,8 @@ non-zeros of M, and with e products in the elimination of the joints, in ns:
 A joint whose constraints depend on both of its bodies at once takes 6 more in straight-line code, and 11 in loops, of
 which many of a kind take the same parts as many bodies of a class do: a rough fit to 15 scenes with 1 to 8 such joints.
 Bodies with fewer joints join the class of others where the loops then take less (`joined_classes.py`).
+In space the same constants serve for rigid bodies with ball joints, whose loops take 0.74 (2 bodies), 0.58 (4) or 0.44
+(8) of the time of straight-line code; the predicted times are up to 1.7 of those measured on an AMD EPYC, family 26.
 The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
 than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
 where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +
@@ -30,10 +32,12 @@ from dataclasses import dataclass
 from derive.algebra import sp
 from derive.ir.indices import LANES
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, plain_joint
+from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
-from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.spec.model.spatial_bodies import SpatialRigidBody
 
 LONG = 30.0
 """The predicted time (s) of the compiler for straight-line code from which on this is too long."""
@@ -87,8 +91,17 @@ class MechanismCosts:
         return f"{form}, {why}; predicted evaluation time of the accelerations: {times}"
 
 
-def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
-    """The predicted costs of both lowerings of a mechanism."""
+def is_predicted(mechanism: SpatialMechanism) -> bool:
+    """Whether the predictions hold for a mechanism in space: of rigid bodies whose joints are balls, without gears.
+
+    Where the axes of one body are in the rows of another, straight-line code has shorter ways of its own.
+    """
+    rigid = all(isinstance(body, SpatialRigidBody) for body in mechanism.scene.bodies)
+    return rigid and bool(mechanism.joints) and not (mechanism.gears or any(map(varies, mechanism.joints)))
+
+
+def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
+    """The predicted costs of both lowerings of a mechanism, in space of one that `is_predicted`."""
     rows = [joint.multipliers for joint in mechanism.joints]
     classes = body_classes(mechanism)
     flat = sum(len(of.members) * _body_times(mechanism, of, rows)[0] for of in classes)
@@ -107,7 +120,7 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
     return MechanismCosts(flat * (1 + _beyond(flat, IN_CACHE, TWICE)), looped, 0.02 * flat + 2.2e-8 * flat**3)
 
 
-def _loops(mechanism: Mechanism, classes: Sequence[BodyClass], rows: Sequence[int]) -> float:
+def _loops(mechanism: AnyMechanism, classes: Sequence[BodyClass], rows: Sequence[int]) -> float:
     """The time of the loops over the bodies of classes."""
     times = [(_passes(len(of.members)), _body_times(mechanism, of, rows)[1]) for of in classes]
     once = sum(time for _, time in times)
@@ -119,7 +132,7 @@ def _beyond(time: float, in_cache: float, twice: float) -> float:
     return min(max((time - in_cache) / (twice - in_cache), 0.0), 1.0)
 
 
-def _varying_joints(mechanism: Mechanism, classes: Sequence[BodyClass]) -> list[int]:
+def _varying_joints(mechanism: AnyMechanism, classes: Sequence[BodyClass]) -> list[int]:
     """The numbers of joints of each kind whose constraints depend on both of their bodies at once."""
     number = {member.instance.name: k for k, of in enumerate(classes) for member in of.members}
     joints = (joint for joint in mechanism.joints if varies(joint))
@@ -128,7 +141,7 @@ def _varying_joints(mechanism: Mechanism, classes: Sequence[BodyClass]) -> list[
     return list(kinds.values())
 
 
-def _body_times(mechanism: Mechanism, of: BodyClass, rows: Sequence[int]) -> tuple[float, float]:
+def _body_times(mechanism: AnyMechanism, of: BodyClass, rows: Sequence[int]) -> tuple[float, float]:
     """The times of a body of a class in straight-line code and in loops."""
     instance = of.first.instance
     equations = mechanism.kinds[instance.kind].equations.expanded()

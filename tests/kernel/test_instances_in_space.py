@@ -5,18 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate, pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from random_graphs import Graph, _state
-from test_instance_graphs import LATER, SOLVED, TOLERANCE, System, among, of_marker, results, terms
+from test_instance_graphs import LATER, OF_LEAST_NORM, SOLVED, TOLERANCE, System, among, of_marker, results, terms
 
 import derive
+from corpus.generator import corpus_scene
 from corpus.summed_terms import worst
 from derive.errors import SpecError
 from derive.ir.kernel import Kernel
 from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.classes.body_classes import body_classes
 from derive.lowering.instances.lower import lower_instances
 from derive.simulation.observables.default_plots import default_plots
 from derive.spec.toml.read import parse
@@ -45,6 +48,8 @@ between = ["ground.hook", "link[0].a"]
 count = {joints}
 kind = "{kind}"
 between = ["link[i].b", "link[i+1].a"]
+[outputs.all]
+kind = "energy"
 """
 MIXED = """
 name = "mixed"
@@ -85,10 +90,134 @@ between = ["ball[1].right", "ground.aside"]
 stiffness = 30
 rest = 0.5
 damping = 0.2
+[torques.brake]
+joint = "shaft"
+value = "2 - t"
 [outputs.place]
 kind = "position"
 marker = "ball[1].right"
 frame = "arm.end"
+[outputs.all]
+kind = "energy"
+[outputs.flow]
+kind = "power"
+[outputs.held]
+kind = "reaction"
+joint = "slide"
+frame = "ball[1].left"
+[outputs.borne]
+kind = "reaction"
+joint = "shaft"
+[outputs.pushed]
+kind = "drive"
+drive = "push"
+[outputs.pulled]
+kind = "spring"
+spring = "rope"
+[outputs.braked]
+kind = "joint_load"
+load = "brake"
+"""
+GEARED = """
+[joints.axle]
+kind = "revolute"
+between = ["ground.pivot", "wheel.hub"]
+[bodies.wheel]
+mass = 1
+inertia = [0.1, 0.1, 0.1, 0, 0, 0]
+markers = { hub = [0, 0, 0] }
+[gears.teeth]
+joints = ["shaft", "axle"]
+ratio = "-1/2"
+"""
+TWICE = """
+[joints.again]
+kind = "{kind}"
+between = ["ground.hook", "link[0].a"]
+"""
+CLOSED = """
+name = "closed"
+[scene]
+gravity = [0, 0.3, -9.81]
+lowering = "instances"
+[ground.markers]
+left = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
+right = { at = [1.1, 0.1, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
+[bodies.link]
+count = 3
+mass = 1
+keep_coordinates = true
+inertia = [0.02, 0.09, 0.1, 0.003, -0.004, 0.005]
+markers = { a = [-0.2, 0, 0], b = { at = [0.3, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } } }
+[joints.crank]
+kind = "revolute"
+between = ["ground.left", "link[0].a"]
+[joints.ball]
+kind = "spherical"
+between = ["link[0].b", "link[1].a"]
+[joints.cross]
+kind = "universal"
+between = ["link[1].b", "link[2].a"]
+[joints.rocker]
+kind = "revolute"
+between = ["link[2].b", "ground.right"]
+"""
+BEAMS = """
+name = "beams"
+[scene]
+gravity = [0.5, 0, -9.81]
+lowering = "instances"
+[ground.markers]
+hook = [0, 0, 0]
+[bodies.rod]
+count = 3
+length = 0.4
+mass = "0.3 + i/10"
+rotary_inertia = 1e-5
+bending_stiffness = 3.5
+lateral = {{ bending_stiffness = 2.1 }}
+torsion = {{ ansatz = ["xi"], stiffness = 1.3 }}
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+order = {order}
+frame = "{frame}"
+damping = {{ ratio = 0.01 }}
+markers = {{ left = -1, right = {{ at = 1, rotation = {{ z = [0, 1, 0], x = [1, 0, 0] }} }} }}
+[joints.hook]
+kind = "{kind}"
+between = ["ground.hook", "rod[0].left"]
+[joints.hinge]
+count = 2
+kind = "{kind}"
+between = ["rod[i].right", "rod[i+1].left"]
+[outputs.all]
+kind = "energy"
+[outputs.held]
+kind = "reaction"
+joint = "hinge[0]"
+"""
+ROD = Path(__file__).parents[2] / "examples" / "spatial_rod.npz"
+RODS = """
+name = "rods"
+[scene]
+gravity = [0.5, 0, -9.81]
+lowering = "instances"
+[ground.markers]
+hook = [0, 0, 0]
+[bodies.rod]
+count = 3
+nodes = "{rod}"
+units = "SI"
+modes = 2
+[bodies.rod.markers]
+left = {{ nodes = [0, 1, 2, 3, 4, 5, 6, 7, 8] }}
+right = {{ nodes = [108, 109, 110, 111, 112, 113, 114, 115, 116], rotation = {{ x = [0, 0, 1], z = [0, 1, 0] }} }}
+[joints.hook]
+kind = "{kind}"
+between = ["ground.hook", "rod[0].left"]
+[joints.hinge]
+count = 2
+kind = "{kind}"
+between = ["rod[i].right", "rod[i+1].left"]
 """
 
 
@@ -98,11 +227,11 @@ def chain(kind: str, count: int) -> derive.SpatialScene:
 
 
 @cache
-def both(scene: derive.SpatialScene, explicit: bool) -> Graph:
+def both(scene: derive.SpatialScene, explicit: bool, proximal: bool = False) -> Graph:
     """A scene lowered both ways, and a random state in which no constraint is met."""
     mechanism = derive.derive(scene)
-    flat = lower_flat(mechanism.expanded(), explicit=explicit)
-    loops = lower_instances(mechanism, explicit=explicit)
+    flat = lower_flat(mechanism.expanded(), explicit=explicit, proximal=proximal)
+    loops = lower_instances(mechanism, explicit=explicit, proximal=proximal)
     return Graph(scene, "", flat, loops, _state(flat, scene, np.random.default_rng(1)))
 
 
@@ -175,6 +304,21 @@ def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
     assert np.abs(np.diff(np.log(np.array(sizes) + 1.0), axis=0)).max() < 0.2
 
 
+def test_loops_are_chosen_for_chains_of_balls() -> None:
+    """From three bodies on, with the reason and the predicted times; not with other joints, gears or sensitivities."""
+
+    def lowered(kind: str, count: int, **options: bool) -> tuple[str, str]:
+        scene = replace(chain(kind, count), lowering="auto")
+        model = derive.lower(derive.derive(scene), explicit=True, **options)
+        return model.lowering, model.choice
+
+    form, choice = lowered("spherical", 3)
+    assert form == "instances"
+    assert choice.startswith("looped over instances, the faster form; predicted evaluation time")
+    assert lowered("spherical", 2)[0] == lowered("revolute", 3)[0] == "flat"
+    assert lowered("spherical", 3, sensitivities=True)[0] == "flat"
+
+
 def test_default_plots_name_the_columns_of_instances() -> None:
     """The angular velocities are columns under their names for people."""
     model = both(parse(MIXED), explicit=True).instances
@@ -182,12 +326,73 @@ def test_default_plots_name_the_columns_of_instances() -> None:
     assert any("ball[1]_omega2" in getattr(curve, "y", ()) for curve in curves)
 
 
-def test_what_loops_in_space_do_not_have_is_refused_at_once() -> None:
-    """Gears, and outputs that depend on more than motions."""
-    more = '[outputs.all]\nkind = "energy"\n[outputs.held]\nkind = "reaction"\njoint = "socket"\n'
+def test_what_loops_in_space_do_not_have_is_refused() -> None:
+    """Gears, which couple the bodies of two joints."""
     with pytest.raises(SpecError) as error:
-        derive.lower(derive.derive(parse(MIXED + more)), explicit=True)
+        derive.lower(derive.derive(parse(MIXED + GEARED)), explicit=True)
     assert [(p.path, p.message) for p in error.value.problems] == [
-        (f"outputs.{name}", f'loops over bodies in space have no output "{kind}"; use lowering = "flat" or "auto"')
-        for name, kind in (("all", "energy"), ("held", "reaction"))
+        ("gears.teeth", 'loops over bodies in space have no gears; use lowering = "flat" or "auto"')
     ]
+
+
+@pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=LATER)])
+def test_closed_loops(explicit: bool) -> None:
+    """A crank and a rocker with a coupler between a ball and a cross: each joint is coupled with the next one."""
+    check(both(parse(CLOSED), explicit))
+
+
+def test_redundant_joints() -> None:
+    """A joint that is there twice has reactions of least norm, which are equal to half of those of one joint."""
+    links = LINKS.format(kind="spherical", count=2, joints=1, turned=TURNED)
+    of = both(parse(links + TWICE.format(kind="spherical")), True, proximal=True)
+    assert of.instances.proximal
+    flat, loops = (results(of, model, "solve") for model in (of.flat, of.instances))
+    system = System(of)
+    motion, joints = system.residuals(loops["vdot"], loops["lam"])
+    assert max(motion, joints) <= OF_LEAST_NORM
+    assert system.norm(loops["vdot"] - flat["vdot"]) <= OF_LEAST_NORM * system.norm(flat["vdot"])
+    assert np.allclose(loops["lam"], flat["lam"], rtol=0, atol=OF_LEAST_NORM * abs(flat["lam"]).max())
+    names = [m.name for m in of.instances.multipliers]
+    once, again = ([loops["lam"][k] for k, n in enumerate(names) if n.startswith(j)] for j in ("hook", "again"))
+    assert np.allclose(once, again, rtol=OF_LEAST_NORM)
+
+
+@pytest.mark.parametrize(
+    ("order", "frame", "kind"),
+    [
+        (1, "mean", "revolute"),
+        pytest.param(1, "tangent", "spherical", marks=LATER),
+        pytest.param(2, "mean", "spherical", marks=LATER),
+    ],
+)
+def test_chains_of_beams(order: int, frame: str, kind: str) -> None:
+    """Three beams, which differ in their masses."""
+    check(both(parse(BEAMS.format(order=order, frame=frame, kind=kind)), True))
+
+
+@pytest.mark.parametrize("kind", ["spherical", pytest.param("fixed", marks=LATER)])
+def test_chains_of_finite_element_bodies(kind: str) -> None:
+    """Three bodies of one file."""
+    check(both(parse(RODS.format(rod=ROD, kind=kind)), True))
+
+
+@pytest.mark.parametrize("seed", [2007, 2010, *(pytest.param(seed, marks=LATER) for seed in (2000, 2004, 2014))])
+def test_scenes_of_the_corpus(seed: int, tmp_path: Path) -> None:
+    """Random scenes in space; that of 2000 has outputs of powers."""
+    scene = derive.read(corpus_scene(seed).write(tmp_path))
+    assert isinstance(scene, derive.SpatialScene)
+    check(both(replace(scene, lowering="instances"), False))
+
+
+def test_bodies_of_different_files_have_one_code(tmp_path: Path) -> None:
+    """Finite-element bodies in space whose numbers differ, also those of their markers, are of one class."""
+    arrays = dict(np.load(ROD))
+    np.savez(tmp_path / "other.npz", **{**arrays, "positions": 1.01 * arrays["positions"]})
+    text = RODS.format(rod=ROD, kind="spherical").replace("count = 3\n", "", 1)
+    bodies = text[text.index("[bodies.rod]") : text.index("[joints.hook]")]
+    other = bodies.replace("bodies.rod", "bodies.more").replace(str(ROD), str(tmp_path / "other.npz"))
+    scene = parse(text[: text.index("[bodies.rod]")] + bodies + other)
+    (of,) = body_classes(derive.derive(scene))
+    assert len(of.members) == 2
+    first, second = ([c.value for c in m.instance.component.point_constants] for m in of.members)
+    assert first != second

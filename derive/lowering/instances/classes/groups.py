@@ -13,7 +13,7 @@ from typing import Any
 
 from derive.algebra import sp
 from derive.errors import TisserandError
-from derive.lowering.instances.classes.body_classes import BodyClass, Member, fixed_values
+from derive.lowering.instances.classes.body_classes import BodyClass, Member, body_key, fixed_values
 from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
@@ -30,6 +30,7 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.point_motion import PointMotion
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Joint
@@ -162,6 +163,12 @@ class Bodies:
     def end(self, marker: MarkerRef) -> Hashable:
         """The class of a body and its marker, or a marker whose motion is known."""
         return self.key(marker.body), marker.marker
+
+    def form(self, marker: MarkerRef) -> Hashable:
+        """The same of a marker in space, whatever the joints of its body: these are no part of its motion."""
+        if marker.body not in self.members or not isinstance(self.mechanism, SpatialMechanism):
+            return self.end(marker)
+        return body_key(self.members[marker.body]), marker.marker
 
 
 def force_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:

@@ -19,7 +19,7 @@ def joint_groups(bodies: Bodies) -> tuple[Group, ...]:
     for number, joint in enumerate(bodies.mechanism.joints):
         names = tuple(marker.body for marker in markers_of(joint) if marker.body in bodies.members)
         if varies(joint) and names:
-            ends = tuple(bodies.end(marker) for marker in markers_of(joint))
+            ends = tuple(map(bodies.form, markers_of(joint)))
             prescribed = drive_of(joint) if joint.drive and drive_of(joint) == joint.drive else None
             key = joint.type, plain_joint(joint), joint.multipliers, prescribed, ends, fixed_of(bodies, names)
             element = GroupElement(number, tuple(bodies.members[name] for name in names))

@@ -26,13 +26,13 @@ def action_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
         names = moving_bodies(bodies.mechanism, force)
         if names:
             element = GroupElement(number, tuple(bodies.members[name] for name in names))
-            groups.setdefault(_key(bodies, force, names), []).append(element)
+            groups.setdefault(action_key(bodies, force, names), []).append(element)
     for members in groups.values():
         group = Group("force", tuple(members))
         yield group, _equations(bodies, group)
 
 
-def _key(bodies: Bodies, force: SpatialActionInstance, names: tuple[str, ...]) -> Hashable:
+def action_key(bodies: Bodies, force: SpatialActionInstance, names: tuple[str, ...]) -> Hashable:
     """All that the code of an action depends on, besides the numbers of its bodies."""
     element, values = force.element, force.values
     own = ((f.name, getattr(element, f.name)) for f in fields(element))

@@ -1,77 +1,77 @@
-"""Outputs in space in groups that have one code: those that depend on the motions of the markers they name."""
+"""Outputs in space in groups that have one code; sums over the bodies, actions and drives are groups of their terms."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
-from typing import Any, NoReturn
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 
 from derive.errors import Problem
 from derive.lowering.instances.classes.body_classes import plain_joint
-from derive.lowering.instances.classes.groups import (
-    Bodies,
-    Group,
-    GroupElement,
-    NotInLoops,
-    fixed_of,
-    group_equations,
-)
+from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
+from derive.lowering.instances.classes.named_parts import NamedParts
+from derive.lowering.instances.classes.spatial_actions import action_key
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
-from derive.mechanics.multibody.space.frame_motion import FrameMotion
-from derive.mechanics.multibody.space.joint_motion import JointMotion, joint_motion
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.multibody.space.output_parts import SpatialParts
-from derive.mechanics.multibody.space.outputs import spatial_output_equations
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS, spatial_output_equations
 from derive.mechanics.terms import OutputEquation
-from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.spatial_scene import SpatialScene
 
 INSTEAD = '; use lowering = "flat" or "auto"'
 """The advice at the end of messages on functions that loops do not have."""
 
 
+@dataclass(frozen=True)
+class _Part:
+    """An output, or a term of one that is a sum: the number of its first component, and what its code depends on.
+
+    key: besides the bodies, the joints and the actions that it asks for.
+    """
+
+    output: SceneOutput
+    first: int
+    key: Hashable
+    make: Callable[[NamedParts], tuple[OutputEquation, ...]]
+    adds: bool = False
+
+
 def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
-    """Yield the groups of the outputs, with the equations of the first of each. Raises NotInLoops for other outputs."""
+    """Yield the groups of the outputs, with the equations of the first of each."""
     groups: dict[Hashable, list[GroupElement]] = {}
     made: dict[Hashable, Equations] = {}
-    first = 0
-    for number, output in enumerate(bodies.mechanism.scene.outputs):
-        named = _Named(bodies)
-        components = named.components(output)
+    for number, part in enumerate(_parts(bodies)):
+        named = NamedParts(bodies)
+        components = part.make(named)
         names = named.bodies
-        order = tuple(names.index(m.body) if m.body in names else -1 for m in named.markers)
+        members = tuple(bodies.members[name] for name in names)
+        element = GroupElement(number, members, part.first, part.adds, named.idle_joints)
         key: Hashable = (
-            output.kind,
-            _plain(output, bodies),
-            order,
-            tuple(map(bodies.end, named.markers)),
-            fixed_of(bodies, names),
+            number if named.names_all else (part.key, _asked_for(named), element.sharing, fixed_of(bodies, names))
         )
-        element = GroupElement(number, tuple(bodies.members[name] for name in names), first)
         groups.setdefault(key, []).append(element)
         if key not in made:
             own = {name: bodies.equations(name) for name in names}
-            made[key] = group_equations(bodies, own, GeneralisedForce(()), outputs=components)
-        first += len(components)
-    for key, members in groups.items():
-        yield Group("output", tuple(members)), made[key]
+            conditions = tuple(c for k in element.joints for c in bodies.known.constraints[k])
+            loads = GeneralisedForce((), tuple(named.definitions.values()))
+            made[key] = group_equations(bodies, own, loads, (), components, conditions)
+    for key, elements in groups.items():
+        yield Group("output", tuple(elements)), made[key]
 
 
 def output_components(bodies: Bodies) -> tuple[OutputEquation, ...]:
     """The components of all outputs, of which the groups have the values."""
-    every = (_Named(bodies).components(output) for output in bodies.mechanism.scene.outputs)
-    return tuple(component for components in every for component in components)
+    outputs = bodies.mechanism.scene.outputs
+    return tuple(c for output in outputs for c in _components(output, NamedParts(bodies)))
 
 
-def missing_outputs(bodies: Bodies) -> Iterator[Problem]:
-    """Yield a problem for each output that depends on more than the motions of markers."""
-    for output in bodies.mechanism.scene.outputs:
-        try:
-            _Named(bodies).components(output)
-        except NotInLoops:
-            yield Problem(
-                f"outputs.{output.name}", f'loops over bodies in space have no output "{output.kind}"{INSTEAD}'
-            )
+def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
+    """The numbers of the first component of each output that is a sum, and of its components."""
+    return [(part.first, len(SPATIAL_OUTPUTS[part.output.kind].labels)) for part in _outputs(bodies) if part.adds]
 
 
 def missing_gears(bodies: Bodies) -> Iterator[Problem]:
@@ -80,14 +80,74 @@ def missing_gears(bodies: Bodies) -> Iterator[Problem]:
         yield Problem(f"gears.{gear.gear.name}", f"loops over bodies in space have no gears{INSTEAD}")
 
 
+def _parts(bodies: Bodies) -> Iterator[_Part]:
+    """Yield the outputs, and the terms of those that are sums."""
+    for part in _outputs(bodies):
+        yield from _terms(bodies, part) if part.adds else (part,)
+
+
+def _outputs(bodies: Bodies) -> Iterator[_Part]:
+    first = 0
+    for output in bodies.mechanism.scene.outputs:
+        make = partial(_components, output)
+        yield _Part(output, first, (output.kind, _plain(output, bodies)), make, SPATIAL_OUTPUTS[output.kind].adds)
+        first += len(make(NamedParts(bodies)))
+
+
+def _components(output: SceneOutput, named: NamedParts) -> tuple[OutputEquation, ...]:
+    return spatial_output_equations((output,), named.of_scene())
+
+
+def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
+    """Yield the terms of an output that is a sum: those of each body, action, damping and drive."""
+    mechanism: SpatialMechanism = bodies.mechanism
+    still = replace(mechanism.scene, drives=())
+
+    def term(key: Hashable, parts: Callable[[NamedParts], SpatialParts]) -> _Part:
+        return replace(of, key=(of.key, key), make=lambda named: spatial_output_equations((of.output,), parts(named)))
+
+    for name in (instance.name for instance in mechanism.instances):
+        yield term(bodies.key(name), lambda named, name=name: named.of_scene(still, (name,), (), ()))  # type: ignore[misc]
+    for action in mechanism.forces:
+        yield term("action", lambda named, action=action: named.of_scene(still, (), (action,), ()))  # type: ignore[misc]
+    for damping in mechanism.dampings:
+        key = damping.components
+        yield term(key, lambda named, damping=damping: named.of_scene(still, (), (), (damping,)))  # type: ignore[misc]
+    for drive in mechanism.scene.drives:
+        alone = replace(mechanism.scene, drives=(drive,))
+        if isinstance(mechanism.joints_by_name[drive.joint], SpatialEliminatedJoint):
+            yield replace(of, key=(of.key, drive.name), make=partial(_of_support, of.output, alone, still))
+        else:
+            yield term(drive.name, lambda named, alone=alone: named.of_scene(alone, (), (), ()))  # type: ignore[misc]
+
+
+def _of_support(
+    output: SceneOutput, alone: SpatialScene, still: SpatialScene, named: NamedParts
+) -> tuple[OutputEquation, ...]:
+    """The term of a drive whose joint has eliminated coordinates: its reaction is what all other loads lack."""
+    with_drive, without = (spatial_output_equations((output,), named.of_scene(scene)) for scene in (alone, still))
+    return tuple(replace(a, expr=a.expr - b.expr) for a, b in zip(with_drive, without, strict=True))
+
+
+def _asked_for(named: NamedParts) -> Hashable:
+    """The bodies, joints and actions that an output asks for, besides numbers of bodies."""
+    names, of = named.bodies, named.of
+    order = tuple(names.index(m.body) if m.body in names else -1 for m in named.markers)
+    actions = tuple(action_key(of, action, names) for action in named.actions)
+    return order, tuple(map(of.key, names)), tuple(map(of.end, named.markers)), actions
+
+
 def _plain(output: SceneOutput, bodies: Bodies) -> Hashable:
-    """The values of the keys of an output without names."""
-    joints = bodies.mechanism.joints_by_name
+    """The values of the keys of an output without the names of markers, joints and actions."""
+    mechanism: SpatialMechanism = bodies.mechanism
+    joints, actions = mechanism.joints_by_name, {f.element.name for f in mechanism.forces}
     result: list[tuple[str, Hashable]] = []
     for key, value in output.values.items():
-        if isinstance(value, str) and value in joints:
+        if isinstance(value, str) and key == "joint" and value in joints:
             joint = joints[value]
             result.append((key, (type(joint), joint.type, plain_joint(joint), joint.drive)))
+        elif isinstance(value, str) and key in ("spring", "load") and value in actions:
+            result.append((key, None))
         elif not isinstance(value, MarkerRef) and not _has_markers(value):
             result.append((key, value))
     return tuple(result)
@@ -95,63 +155,3 @@ def _plain(output: SceneOutput, bodies: Bodies) -> Hashable:
 
 def _has_markers(value: object) -> bool:
     return isinstance(value, tuple) and any(isinstance(part, MarkerRef) for part in value)
-
-
-class _Named:
-    """The markers that an output asks for, in their order."""
-
-    def __init__(self, of: Bodies) -> None:
-        self.of, self.markers = of, list[MarkerRef]()
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """The bodies with coordinates that have these markers."""
-        return tuple(dict.fromkeys(m.body for m in self.markers if m.body in self.of.members))
-
-    def at(self, marker: MarkerRef) -> FrameMotion:
-        """The motion of a marker."""
-        self.markers.append(marker)
-        motion: FrameMotion = (
-            self.of.equations(marker.body).motions[marker.marker]
-            if marker.body in self.of.members
-            else self.of.known.point(marker)
-        )
-        return motion
-
-    def motion(self, joint: str) -> JointMotion:
-        """The motion of a joint."""
-        mechanism: SpatialMechanism = self.of.mechanism
-        of = mechanism.joints_by_name[joint]
-        for marker in (of.joint.first, of.joint.second):
-            self.at(marker)
-        names = [marker.body for marker in (of.joint.first, of.joint.second) if marker.body != GROUND]
-        rows = tuple(row for name in names for row in mechanism.instance(name).coordinates.rows)
-        return joint_motion(of, self.at, mechanism.instances_by_name, rows)
-
-    def components(self, output: SceneOutput) -> tuple[OutputEquation, ...]:
-        """The components of an output. Raises NotInLoops if it asks for more than motions."""
-        mechanism: SpatialMechanism = self.of.mechanism
-        nothing: Any = _Nothing()
-        parts = SpatialParts(
-            scene=mechanism.scene,
-            at=self.at,
-            instances=nothing,
-            actions=nothing,
-            joint_loads=nothing,
-            supports=nothing,
-            joints=mechanism.joints_by_name,
-            drive_multipliers=nothing,
-            motion=self.motion,
-            gear_loads=nothing,
-            dissipations=nothing,
-        )
-        return spatial_output_equations((output,), parts)[0]  # motions have no constants of their own
-
-
-class _Nothing(Mapping[str, Any]):
-    """Parts of a mechanism that outputs of motions do not ask for."""
-
-    def _refuse(self, *_: object) -> NoReturn:
-        raise NotInLoops("an output depends on more than the motions of markers")
-
-    __getitem__ = __iter__ = __len__ = __contains__ = _refuse

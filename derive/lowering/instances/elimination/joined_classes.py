@@ -20,6 +20,7 @@ from derive.lowering.instances.classes.body_classes import (
     Member,
     body_key,
     force_keys,
+    plain_joint,
     with_forces,
 )
 from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
@@ -39,7 +40,7 @@ def joined_classes(
 ) -> tuple[BodyClass, ...]:
     """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
     result = tuple(classes)
-    if system is None or system.adds or any(map(varies, mechanism.joints)):
+    if system is None or system.adds or any(map(_needs_class, mechanism.joints)):
         return result
     if any(len(elements) > FEW for elements in system.left().values()):
         return result  # arrays begin as zeros, which bodies must not overwrite
@@ -47,6 +48,11 @@ def joined_classes(
         if any(of is larger for of in result):
             result = _with_smaller(mechanism, result, larger, system)
     return result
+
+
+def _needs_class(joint: AnyJoint) -> bool:
+    """Whether the bodies of a joint that varies join no others: in the plane, or where a drive turns it."""
+    return varies(joint) and not (isinstance(joint, SpatialJointInstance) and joint.drive is None)
 
 
 def _with_smaller(
@@ -95,10 +101,11 @@ def _as_members(mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass) 
 
 
 def _fits(mechanism: AnyMechanism, handle: Handle, larger: Handle) -> bool:
-    """Whether the rows of a joint are the first ones of another, at the same marker of a body."""
+    """Whether the rows of a joint are the first ones of another, at the same marker of a body; all of varying ones."""
     here, there = mechanism.joints[handle.joint], mechanism.joints[larger.joint]
     return (
         (handle.is_first, handle.marker) == (larger.is_first, larger.marker)
+        and (not (varies(here) or varies(there)) or plain_joint(here) == plain_joint(there))
         and _axes(here) is _axes(there)
         and _rows(here) == _rows(there)[: here.multipliers]
     )

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import casadi as ca
-
 from derive.ir.expressions import Element, Ends
 from derive.ir.indices import constant, variable
 from derive.ir.statements import ForEach, InstanceItem, InstanceStatement, Work
@@ -17,6 +15,7 @@ from derive.lowering.instances.elimination.block_body import (
     Adjugate,
     Block,
     BlockBody,
+    Factors,
     Target,
     diagonal,
     has_adjugate,
@@ -30,6 +29,8 @@ from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONA
 
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
+LARGEST_SOLVED = 3
+"""The largest blocks of joints for which elimination solves for all columns; larger ones are half as much work."""
 STEP, END = "step", "end"
 """The variables of the loops over the joints, counted from an end of the path, and over the two ends."""
 
@@ -48,6 +49,7 @@ class _Path:
         self.left = of.joints - 1 - 2 * self.pairs
         self.middle = self.pairs + self.left
         self.has_factor = has_adjugate(of.size, of.closes_loops)
+        self.is_half = of.size > LARGEST_SOLVED
         self.kept = self.size**2 + self.size + self.has_factor
 
     def statements(self) -> tuple[InstanceStatement, ...]:
@@ -97,6 +99,8 @@ class _Path:
         d, r = minus(whole, update), minus(r, right_update)
         inverse = body.inverse(d, diagonal(whole), self.of.closes_loops)
         s = body.matrix("s", ends.coupling)
+        if isinstance(inverse, Factors) and self.is_half:
+            return self._half_solved(body, ends, inverse, s, r)
         if isinstance(inverse, Adjugate):  # the division takes long: its result is a factor of sums
             y, w = inverse.part(s), inverse.part(r)
             body.store(ends.factor(self.kept - 1), inverse.inverse)
@@ -107,6 +111,19 @@ class _Path:
         body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
         body.store_symmetric(lambda c: ends.carried(UPDATE, c), product(transposed(s), y))
         body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), product(transposed(s), w))
+        return body.statements()
+
+    def _half_solved(
+        self, body: BlockBody, ends: _Ends, inverse: Factors, s: Block, r: Block
+    ) -> tuple[InstanceItem, ...]:
+        """The end of the elimination of a joint with forward substitution alone; back substitution has the rest."""
+        z, w = inverse.forward(s), inverse.forward(r)
+        body.store_rows(ends.factor, z)
+        body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
+        body.store_symmetric(lambda c: ends.factor(self.kept + c), inverse.block)
+        scaled_z = transposed(inverse.middle(z))
+        body.store_symmetric(lambda c: ends.carried(UPDATE, c), product(scaled_z, z))
+        body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), product(scaled_z, w))
         return body.statements()
 
     def meet(self) -> tuple[InstanceItem, ...]:
@@ -130,8 +147,13 @@ class _Path:
         y = body.matrix("y", ends.factor)
         w = body.vector("w", lambda c: ends.factor(self.size**2 + c))
         known = body.vector("f", lambda c: ends.carried(LAST, c))
-        factor = body.element("inverse", ends.factor(self.kept - 1)) if self.has_factor else ca.SX(1)
-        for c, (value,) in enumerate(scaled(factor, minus(w, product(y, known)))):
+        left = minus(w, product(y, known))
+        if self.is_half:
+            inverse = Factors.of_block(body.symmetric("a", lambda c: ends.factor(self.kept + c)))
+            left = inverse.backward(inverse.middle(left))
+        elif self.has_factor:
+            left = scaled(body.element("inverse", ends.factor(self.kept - 1)), left)
+        for c, (value,) in enumerate(left):
             body.store(ends.carried(LAST, c), value)
             body.store(ends.own(FORCE, c, self.of.spacing), value)
         return body.statements()
@@ -171,7 +193,7 @@ class _Ends:
             return self.coupling(component)
         if component < square + self.size:
             return self.own(RIGHT[0], component - square, self.of.of.spacing)
-        return self.own(DIAGONAL[0], 0, self.of.of.spacing)
+        return self.own(DIAGONAL[0], max(component - self.of.kept, 0), self.of.of.spacing)
 
 
 class _BothEnds(_Ends):

@@ -30,9 +30,7 @@ from derive.lowering.model_functions import ModelFunction
 def outputs(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the outputs."""
     body: list[Statement] = [
-        StoreElement(Element("out", constant(first + k)), ZERO)
-        for first, output in context.sums
-        for k in range(len(output.labels))
+        StoreElement(Element("out", constant(first + k)), ZERO) for first, count in context.sums for k in range(count)
     ]
     for group in context.outputs:
         code, ctx = group.code, group.code.context

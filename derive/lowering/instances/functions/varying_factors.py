@@ -6,13 +6,15 @@ from collections.abc import Iterator
 
 import casadi as ca
 
-from derive.ir.expressions import Operator
-from derive.ir.statements import ForEach, Work
+from derive.ir.expressions import Element, Operator
+from derive.ir.indices import constant
+from derive.ir.statements import ForEach, Statement, StoreElement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.elimination.block_system import KNOWN, Blocks, spaced
+from derive.lowering.instances.classes.body_classes import NO_JOINT
+from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.lowering.instances.loop_code.group_code import JointCode
@@ -27,15 +29,18 @@ class VaryingFactors:
     def __init__(self, context: InstanceContext) -> None:
         self.context = context
         joints = [joint for group in context.joints for joint in group.joints]
-        self.number = {joint: n for n, joint in enumerate(joints)}
-        self.spacing = spaced(len(joints))
+        self.has_spare = bool(joints) and any(of.of.is_joined for of in context.classes_in_lanes)
+        self.number = {joint: n for n, joint in enumerate([*joints, *([NO_JOINT] if self.has_spare else [])])}
+        self.spacing = spaced(len(self.number))
 
-    def works(self) -> Iterator[Work]:
-        """The declarations of the arrays of factors, one for each side of the joints that has any."""
+    def works(self) -> Iterator[Statement]:
+        """The arrays of factors, one for each side of the joints that has any, with zeros where there is no joint."""
         for side, array in enumerate(FACTORS):
             count = max((len(group.factors.get(side, ())) for group in self.context.joints), default=0)
             if count:
                 yield Work(array, count * self.spacing, spacing=self.spacing)
+            for k in range(count if self.has_spare else 0):
+                yield StoreElement(Element(array, constant(k * self.spacing + self.number[NO_JOINT])), ZERO)
 
     def loops(self, system: Blocks, names: tuple[str, ...], has_bias: bool, in_lanes: bool) -> Iterator[ForEach]:
         """A loop over the joints of each group; has_bias: whether it writes gamma as well, to what is known."""

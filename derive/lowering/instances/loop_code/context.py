@@ -31,9 +31,9 @@ from derive.lowering.instances.classes.output_groups import output_groups
 from derive.lowering.instances.classes.spatial_actions import action_groups
 from derive.lowering.instances.classes.spatial_outputs import (
     missing_gears,
-    missing_outputs,
     output_components,
     spatial_output_groups,
+    spatial_sums,
 )
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
@@ -73,7 +73,7 @@ class InstanceContext:
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         in_space = isinstance(mechanism, SpatialMechanism)
         self.bodies = bodies
-        if in_space and (missing := (*missing_gears(bodies), *missing_outputs(bodies))):
+        if in_space and (missing := (*missing_gears(bodies),)):
             raise SpecError(missing)
         forces = action_groups(bodies) if in_space else force_groups(bodies)
         self.forces = [self._group(group, equations) for group, equations in forces]
@@ -150,12 +150,14 @@ class InstanceContext:
         return tuple(result)
 
     @property
-    def sums(self) -> list[tuple[int, SumOutput]]:
-        """The outputs that are sums, with the number of the first component of each."""
-        outputs = () if isinstance(self.mechanism, SpatialMechanism) else self.mechanism.outputs
+    def sums(self) -> list[tuple[int, int]]:
+        """The outputs that are sums: the number of the first component of each, and how many components it has."""
+        if isinstance(self.mechanism, SpatialMechanism):
+            return spatial_sums(self.bodies)
+        outputs = self.mechanism.outputs
         firsts = accumulate((len(output.type.labels) for output in outputs), initial=0)
         every = zip(firsts, (output.type for output in outputs), strict=False)
-        return [(first, of) for first, of in every if isinstance(of, SumOutput)]
+        return [(first, len(of.labels)) for first, of in every if isinstance(of, SumOutput)]
 
     @property
     def conditions(self) -> tuple[Constraint, ...]:

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from derive.algebra import sp
-from derive.mechanics.bodies.spatial_body import NumberValues, exact_vector, modal_body
+from derive.mechanics.bodies.spatial_body import NumberValues, modal_body
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.multibody.space.frame_motion import fixed_axes
+from derive.mechanics.multibody.space.frame_motion import AXES, fixed_axes
 from derive.mechanics.multibody.space.nodal_loads import nodal_forces
+from derive.mechanics.symbols import Family, Identity
+from derive.mechanics.terms import ModelConstant
+from derive.roles import Source
 from derive.spec.model.spatial_bodies import FlexibleBody
 
 if TYPE_CHECKING:
     from derive.mechanics.bodies.modal_body import Array, ModalBody, ModalFrame
-    from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +72,51 @@ def _with_exact_values(given: ModalBody, gravity: tuple[ModelConstant, ...]) -> 
 
 
 def _section(frame: ModalFrame, axes: sp.ImmutableMatrix) -> CrossSection:
-    point = frame.point
-    second = () if point.second is None else tuple(tuple(map(exact_vector, row)) for row in point.second)
-    (position,), shapes, twists = _exact(point.position[None]), _exact(point.shapes), _exact(frame.twists)
-    material = MaterialPoint(point.name, point.doc, position, shapes, second=second)
+    """The frame at a marker; its numbers are constants, so that bodies that differ in them have one code."""
+    point, constants = frame.point, _PointConstants(frame.point.name)
+    modes = range(1, len(point.shapes) + 1)
+    ones = [(i,) for i in modes]
+    (position,) = constants(Family.POINT_POSITION, [()], point.position[None], "X", "m", "(1)")
+    shapes = constants(Family.POINT_SHAPE, ones, point.shapes, "displacement", "", "(1)")
+    twists = constants(Family.SECTION_ROTATION, ones, frame.twists, "rotation", "1/m", "(1)")
+    second: tuple[tuple[sp.ImmutableMatrix, ...], ...] = ()
+    if point.second is not None:
+        pairs = [(i, j) for i in modes for j in modes if i <= j]
+        values = np.array([point.second[i - 1, j - 1] for i, j in pairs])
+        of = dict(zip(pairs, constants(Family.POINT_SECOND, pairs, values, "displacement", "1/m"), strict=True))
+        second = tuple(tuple(of[min(i, j), max(i, j)] for j in modes) for i in modes)
+    material = MaterialPoint(point.name, point.doc, position, shapes, tuple(constants.made), second)
     return CrossSection(material, axes=axes, twists=twists)
 
 
-def _exact(vectors: Array) -> tuple[sp.ImmutableMatrix, ...]:
-    """The rows of an array as exact numbers, without rounding errors of zero, which means over nodes have."""
-    size = float(np.abs(vectors).max(initial=0.0))
-    return tuple(exact_vector(np.where(np.abs(x) > ROUNDING * size, x, 0.0)) for x in vectors)
+class _PointConstants:
+    """The numbers of a marker as constants, without rounding errors of zero, which means over nodes have."""
+
+    def __init__(self, point: str) -> None:
+        self.point, self.made = point, list[ModelConstant]()
+
+    def __call__(
+        self,
+        family: Family,
+        modes: Sequence[tuple[int, ...]],
+        vectors: Array,
+        doc: str,
+        unit: str,
+        equation: str = Source.SECOND_ORDER,
+    ) -> tuple[sp.ImmutableMatrix, ...]:
+        """The vectors of some modes, whose components are the names of constants, or zeros."""
+        size = float(np.abs(vectors).max(initial=0.0))
+        result = []
+        for of, vector in zip(modes, vectors, strict=True):
+            entries = [sp.S.Zero] * len(AXES)
+            for k, value in zip(AXES, vector, strict=True):
+                if abs(value) > ROUNDING * size:
+                    symbol = entries[k - 1] = Identity(family, of, (k,), point=self.point).symbol
+                    by = f" by mode{'s' * (len(of) - 1)} {' and '.join(map(str, of))}" if of else ""
+                    text = f"{doc} . e{k} of {self.point}{by}"
+                    self.made.append(ModelConstant(symbol, sp.Rational(float(value)), equation, text, unit))
+            result.append(sp.ImmutableMatrix(entries))
+        return tuple(result)
 
 
 ROUNDING = 1e-13

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -138,7 +138,10 @@ class SpatialMechanism(InstancesOfKinds):
             at=at,
             instances=instances,
             actions=actions,
-            joint_loads=_joint_loads(self, conditions, at),
+            joint_loads={
+                j.joint.name: joint_loads(j, (c.multiplier for c in conditions if _is_of(c, j)), at)
+                for j in self.joints
+            },
             supports={j.joint.name: j.own for j in self.eliminated_joints},
             joints=joints,
             drive_multipliers={c.shown: c.multiplier for c in conditions if c.shown in {d.name for d in scene.drives}},
@@ -171,19 +174,19 @@ class SpatialMechanism(InstancesOfKinds):
         return equations_of_mechanism(self, instances, contributions)
 
 
-def _joint_loads(
-    mechanism: SpatialMechanism, conditions: tuple[Constraint, ...], at: Callable[[MarkerRef], FrameMotion]
-) -> dict[str, tuple[MarkerLoad, ...]]:
-    """The loads of each joint that is a constraint, with its drive, on both bodies, in terms of its multipliers."""
-    result: dict[str, tuple[MarkerLoad, ...]] = {}
-    for j in mechanism.joints:
-        own = [c for c in conditions if c.section == "joints" and c.of == j.joint.name]
-        values = row_values(j.joint, at(j.joint.first), at(j.joint.second), j.drive)
-        totals = [sp.zeros(3, 1) for _ in range(4)]
-        for row, condition in zip(j.rows, own, strict=True):
-            of = derived(row)
-            factors = (of.f1, of.m1, of.f2, of.m2)
-            totals = [t + f.xreplace(values) * condition.multiplier for t, f in zip(totals, factors, strict=True)]
-        f1, m1, f2, m2 = totals
-        result[j.joint.name] = (MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2))
-    return result
+def _is_of(condition: Constraint, j: SpatialJointInstance) -> bool:
+    return condition.section == "joints" and condition.of == j.joint.name
+
+
+def joint_loads(
+    j: SpatialJointInstance, multipliers: Iterable[sp.Expr], at: Callable[[MarkerRef], FrameMotion]
+) -> tuple[MarkerLoad, MarkerLoad]:
+    """The loads of a joint that is a constraint, with its drive, on both bodies, in terms of its multipliers."""
+    values = row_values(j.joint, at(j.joint.first), at(j.joint.second), j.drive)
+    totals = [sp.zeros(3, 1) for _ in range(4)]
+    for row, multiplier in zip(j.rows, multipliers, strict=True):
+        of = derived(row)
+        factors = (of.f1, of.m1, of.f2, of.m2)
+        totals = [t + f.xreplace(values) * multiplier for t, f in zip(totals, factors, strict=True)]
+    f1, m1, f2, m2 = totals
+    return MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -43,7 +43,7 @@ class SpatialParts:
     drive_multipliers: Mapping[str, sp.Expr]
     motion: Callable[[str], JointMotion]
     gear_loads: tuple[MarkerLoad, ...]
-    dissipations: tuple[sp.Expr, ...]
+    dissipations: Iterable[sp.Expr]
 
     def joint(self, name: str) -> SpatialJoint:
         """A joint by its name, with its constants as expressions."""
@@ -139,7 +139,8 @@ class SpatialOutputType:
     """A kind of output in space: a description, the keys of its table, the labels, and the components.
 
     of_motion: whether it shows the motion of a joint, which not all joints have. counts_inertia: whether it depends on
-    the inertia of bodies whose motion is prescribed.
+    the inertia of bodies whose motion is prescribed. adds: whether each component is a sum over the bodies, the actions
+    and the drives, of terms that depend on one of them.
     """
 
     doc: str
@@ -148,3 +149,4 @@ class SpatialOutputType:
     components: Callable[[Mapping[str, Any], SpatialParts], tuple[SpatialComponent, ...]]
     of_motion: bool = False
     counts_inertia: bool = False
+    adds: bool = False

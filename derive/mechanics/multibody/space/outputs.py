@@ -127,6 +127,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
             ("kinetic", "strain", "gravity", "total"),
             _energy,
             counts_inertia=True,
+            adds=True,
         ),
         "reaction": SpatialOutputType(
             "what a joint exerts on body 2, with its drive, the torque about the second marker",
@@ -151,6 +152,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
             ("loads", "drives", "dissipated"),
             _power,
             counts_inertia=True,
+            adds=True,
         ),
     },
     doc="""The kinds of outputs in space by their names, which are the values of `kind` in [outputs.NAME].
