@@ -31,7 +31,7 @@ REFUSALS: dict[str, str] = {
     r"no model has a steady motion": "likewise",
     r"no motion is steady, since these functions of time never come to rest": "stability is that of a steady motion",
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
-    r"loops over bodies in space have no gears": "the message names the lowering that has them",
+    r"loops over bodies in space have no (gears|outputs of the kind)": "the message names the lowering that has them",
     r"an export for arrays or symbols has straight-line code": "likewise",
     r"the steady motion that Newton's method finds is far from the initial state": "the message says what to write",
     r"the mass matrix is no longer positive definite": "truncated beams bend too far; the message says what to write",

@@ -16,7 +16,7 @@ from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.joint_motion import JointMotion, joint_motion
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism, joint_loads
 from derive.mechanics.multibody.space.output_parts import SpatialParts
-from derive.mechanics.terms import Intermediate
+from derive.mechanics.terms import Intermediate, ModelConstant
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialScene
 
@@ -26,6 +26,7 @@ T = TypeVar("T")
 class NamedParts:
     """The markers, actions and joints that an output asks for, in their order, and the definitions in their loads.
 
+    constants: those of the dampings that it asks for.
     names_all: whether it asks for all loads of joints, so that nothing else is like it.
     """
 
@@ -34,6 +35,7 @@ class NamedParts:
         self.mechanism: SpatialMechanism = of.mechanism
         self.markers, self.actions, self.joints = list[MarkerRef](), list[SpatialActionInstance](), list[str]()
         self.definitions: dict[sp.Symbol, Intermediate] = {}
+        self.constants: list[ModelConstant] = []
         self.own: dict[str, None] = {}
         self.names_all = False
 
@@ -44,7 +46,7 @@ class NamedParts:
         actions: Iterable[SpatialActionInstance] | None = None,
         dampings: Iterable[ComponentDamping] | None = None,
     ) -> SpatialParts:
-        """The parts of the mechanism, of which some bodies, actions, dampings and the drives of a scene are added up."""
+        """The parts of the mechanism, with some bodies, actions, dampings and the drives of a scene in sums."""
         mechanism, known = self.mechanism, self.of.known
         every = [i.name for i in mechanism.instances] if bodies is None else bodies
         multipliers = {j.joint.name: c for j, c in zip(mechanism.joints, known.constraints, strict=True)}
@@ -99,6 +101,7 @@ class NamedParts:
 
     def dissipation(self, damping: ComponentDamping) -> sp.Expr:
         """The power (W) of a damping between components."""
+        self.constants += damping.constants
         return damping_force(damping, {name: self.instance(name) for name in damping.components}).dissipation
 
     def joint_load(self, name: str) -> tuple[MarkerLoad, MarkerLoad]:

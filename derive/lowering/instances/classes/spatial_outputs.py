@@ -58,7 +58,7 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
             own = {name: bodies.equations(name) for name in names}
             conditions = tuple(c for k in element.joints for c in bodies.known.constraints[k])
             loads = GeneralisedForce((), tuple(named.definitions.values()))
-            made[key] = group_equations(bodies, own, loads, (), components, conditions)
+            made[key] = group_equations(bodies, own, loads, tuple(named.constants), components, conditions)
     for key, elements in groups.items():
         yield Group("output", tuple(elements)), made[key]
 
@@ -74,10 +74,14 @@ def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
     return [(part.first, len(SPATIAL_OUTPUTS[part.output.kind].labels)) for part in _outputs(bodies) if part.adds]
 
 
-def missing_gears(bodies: Bodies) -> Iterator[Problem]:
-    """Yield a problem for each gear, which couples bodies of two joints."""
+def missing_in_space(bodies: Bodies) -> Iterator[Problem]:
+    """Yield a problem for each gear, which couples bodies of two joints, and each output with its own constants."""
     for gear in bodies.mechanism.gears:
         yield Problem(f"gears.{gear.gear.name}", f"loops over bodies in space have no gears{INSTEAD}")
+    for output in bodies.mechanism.scene.outputs:
+        if spatial_output_equations((output,), NamedParts(bodies).of_scene())[1]:
+            text = f"loops over bodies in space have no outputs of the kind {output.kind}{INSTEAD}"
+            yield Problem(f"outputs.{output.name}", text)
 
 
 def _parts(bodies: Bodies) -> Iterator[_Part]:
@@ -95,7 +99,7 @@ def _outputs(bodies: Bodies) -> Iterator[_Part]:
 
 
 def _components(output: SceneOutput, named: NamedParts) -> tuple[OutputEquation, ...]:
-    return spatial_output_equations((output,), named.of_scene())
+    return spatial_output_equations((output,), named.of_scene())[0]
 
 
 def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
@@ -104,7 +108,9 @@ def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
     still = replace(mechanism.scene, drives=())
 
     def term(key: Hashable, parts: Callable[[NamedParts], SpatialParts]) -> _Part:
-        return replace(of, key=(of.key, key), make=lambda named: spatial_output_equations((of.output,), parts(named)))
+        return replace(
+            of, key=(of.key, key), make=lambda named: spatial_output_equations((of.output,), parts(named))[0]
+        )
 
     for name in (instance.name for instance in mechanism.instances):
         yield term(bodies.key(name), lambda named, name=name: named.of_scene(still, (name,), (), ()))  # type: ignore[misc]
@@ -125,7 +131,7 @@ def _of_support(
     output: SceneOutput, alone: SpatialScene, still: SpatialScene, named: NamedParts
 ) -> tuple[OutputEquation, ...]:
     """The term of a drive whose joint has eliminated coordinates: its reaction is what all other loads lack."""
-    with_drive, without = (spatial_output_equations((output,), named.of_scene(scene)) for scene in (alone, still))
+    with_drive, without = (spatial_output_equations((output,), named.of_scene(scene))[0] for scene in (alone, still))
     return tuple(replace(a, expr=a.expr - b.expr) for a, b in zip(with_drive, without, strict=True))
 
 

@@ -30,7 +30,7 @@ from derive.lowering.instances.classes.known_motion import KnownMotion, known_sy
 from derive.lowering.instances.classes.output_groups import output_groups
 from derive.lowering.instances.classes.spatial_actions import action_groups
 from derive.lowering.instances.classes.spatial_outputs import (
-    missing_gears,
+    missing_in_space,
     output_components,
     spatial_output_groups,
     spatial_sums,
@@ -73,7 +73,7 @@ class InstanceContext:
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         in_space = isinstance(mechanism, SpatialMechanism)
         self.bodies = bodies
-        if in_space and (missing := (*missing_gears(bodies),)):
+        if in_space and (missing := (*missing_in_space(bodies),)):
             raise SpecError(missing)
         forces = action_groups(bodies) if in_space else force_groups(bodies)
         self.forces = [self._group(group, equations) for group, equations in forces]
