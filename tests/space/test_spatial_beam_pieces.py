@@ -134,9 +134,14 @@ def test_markers_are_on_their_pieces() -> None:
     }
 
 
+@pytest.mark.long
 def test_start_of_pieces_is_that_of_the_beam() -> None:
     """The initial pose and velocities of a beam in pieces are the means over its pieces."""
-    start = {"position": (1, 2, 3), "rotation": {"axis": (0, 0, 1), "angle": np.pi / 2}, "velocity": (4, 0, 0)}
+    start: dict[str, object] = {
+        "position": (1, 2, 3),
+        "rotation": {"axis": (0, 0, 1), "angle": np.pi / 2},
+        "velocity": (4, 0, 0),
+    }
     rod = ROD | {
         "rotary_inertia": "1/50",
         "frame": "mean",
