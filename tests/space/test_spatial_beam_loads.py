@@ -60,6 +60,7 @@ def test_loads_and_masses_in_a_plane_are_those_of_the_planar_beam(order: int) ->
     assert np.abs(both[[2, 3, 4, 8, 9, 10]]).max() < 1e-13 * scale
 
 
+@pytest.mark.long
 def test_uniform_loads_deflect_and_twist_a_cantilever() -> None:
     """Uniform loads deflect the tip of a cantilever by w l^4/(8 EI), stretch it by w l^2/(2 EA) and twist it."""
     quartic = {"ansatz": [f"xi^{k}" for k in range(5)], "axial": {"ansatz": ["xi", "xi^2"], "stiffness": 1000}}

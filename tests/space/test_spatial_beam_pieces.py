@@ -82,6 +82,7 @@ def test_pieces_in_a_plane_are_those_of_the_planar_beam(order: int) -> None:
     assert np.abs(np.delete(result, [0, 1, *range(5, 6 + q.shape[1] - 3)], axis=1)).max() < 1e-12 * scale
 
 
+@pytest.mark.long
 def test_frequencies_converge_with_the_pieces() -> None:
     """The frequencies of a cantilever in pieces of order 1 converge to those of both bendings, and of the torsion."""
     errors = []
@@ -94,6 +95,7 @@ def test_frequencies_converge_with_the_pieces() -> None:
     assert errors[1] == pytest.approx([4.83e-4] * 2 + [2.59e-2], rel=1e-2)
 
 
+@pytest.mark.long
 def test_damping_of_pieces_is_that_of_the_whole_beam() -> None:
     """Every free mode of a beam in two pieces has the damping ratio that is given, and rigid motions have none."""
     rod = ROD | IN_SPACE | {"frame": "mean", "damping": {"ratio": "1/50"}, "pieces": 2}
@@ -132,14 +134,24 @@ def test_markers_are_on_their_pieces() -> None:
     }
 
 
+@pytest.mark.long
 def test_start_of_pieces_is_that_of_the_beam() -> None:
     """The initial pose and velocities of a beam in pieces are the means over its pieces."""
-    start = {"position": (1, 2, 3), "rotation": {"axis": (0, 0, 1), "angle": np.pi / 2}, "velocity": (4, 0, 0)}
-    rod = ROD | IN_SPACE | {"frame": "mean", "pieces": 3, "start": start | {"angular_velocity": (0.5, 0, 0)}}
+    start: dict[str, object] = {
+        "position": (1, 2, 3),
+        "rotation": {"axis": (0, 0, 1), "angle": np.pi / 2},
+        "velocity": (4, 0, 0),
+    }
+    rod = ROD | {
+        "rotary_inertia": "1/50",
+        "frame": "mean",
+        "pieces": 3,
+        "start": start | {"angular_velocity": (0.5, 0, 0)},
+    }
     model, _, _ = started(derive.spatial_scene("free", bodies={"rod": rod}))
     q, v = np.array(model.start.q).reshape(3, -1), np.array(model.start.v).reshape(3, -1)
     assert q[:, :3] == pytest.approx(np.array([[1, 2 - 2 / 3, 3], [1, 2, 3], [1, 2 + 2 / 3, 3]]), abs=1e-12)
-    assert q[:, 7:] == pytest.approx(np.zeros((3, 5)), abs=1e-12)
+    assert q[:, 7:] == pytest.approx(np.zeros((3, 4)), abs=1e-12)
     assert v[:, :6] == pytest.approx(np.tile([4, 0, 0, 0.5, 0, 0], (3, 1)), abs=1e-9)
 
 
@@ -154,3 +166,14 @@ def test_pieces_are_refused(changes: dict[str, Any], text: str) -> None:
     """Families of shapes, and amplitudes, are for beams in one piece."""
     with pytest.raises(derive.SpecError, match=text):
         cantilever(2, **changes)
+
+
+def test_names_of_pieces_are_taken() -> None:
+    """A body, and a joint, are not called like a piece of a beam or a weld between pieces."""
+    other = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}
+    rod = ROD | IN_SPACE | {"pieces": 2, "markers": {"left": -1}}
+    with pytest.raises(derive.SpecError, match="rod_1"):
+        derive.spatial_scene("taken", bodies={"rod": rod, "rod_1": other})
+    clamp = {"rod_cut_1": {"kind": "fixed", "between": ["ground.o", "rod.left"]}}
+    with pytest.raises(derive.SpecError, match="rod_cut_1"):
+        derive.spatial_scene("taken", ground={"o": (0, 0, 0)}, bodies={"rod": rod}, joints=clamp)
