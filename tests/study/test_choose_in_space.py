@@ -179,6 +179,8 @@ def test_the_model_chosen_in_space_keeps_its_promise(
     """The written specification runs, and differs from a finer model in two pieces by no more than was asked for."""
     monkeypatch.setattr(reference_models, "FIRST", reference_models.FLEXIBLE)  # in one piece, which is enough here
     monkeypatch.setattr(one_beam, "BEYOND", 0)
+    polynomials = [LadderModel(Shapes.POLYNOMIALS, count, TRUNCATED) for count in (1, 2)]
+    monkeypatch.setattr(one_beam, "candidates", lambda *_: (RIGID, *polynomials))
     spec, target = tmp_path / "arm.toml", tmp_path / "chosen.toml"
     spec.write_text(ARM)
     assert main(["choose", str(spec), "--error", "0.03", "--out", str(target)]) == 0
