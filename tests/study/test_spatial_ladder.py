@@ -124,7 +124,7 @@ def test_a_study_in_space_has_errors_costs_and_a_chart() -> None:
     (plot,) = scene.plots
     known = replace(scene, plots=(replace(plot, reference=ReferenceCurve("made.csv", "t", "y", rows)),))
     few: dict[str, Any] = {"orders": ["first"], "shapes": [1], "pieces": [], "sines": [], "runs": 1}
-    study = derive.study_accuracy(known, **few, tolerances=[1e-4], error=0.1)
+    study = derive.study_accuracy(known, **few, tolerances=[1e-4], error=0.01)
     rigid, beam = study.lines
     assert (rigid.label, beam.label) == ("rigid", "1 beam, P2, first")
     assert rigid.best < 0.01 < beam.best < 1

@@ -50,7 +50,7 @@ def spatial_ladder(scene: SpatialScene, limits: LadderRange) -> tuple[LadderMode
     def size(model: LadderModel) -> int:
         return sum(coordinates(modelled_in_space(scene, body, model)) for body in bodies)
 
-    return tuple(sorted(dict.fromkeys(models), key=lambda model: (size(model), model.label)))
+    return tuple(sorted(dict.fromkeys(models), key=lambda m: (m.shapes is not Shapes.RIGID, size(m), m.label)))
 
 
 def _beams(limits: LadderRange) -> Iterator[LadderModel]:
