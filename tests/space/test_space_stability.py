@@ -232,6 +232,26 @@ def polynomials(count: int, order: DisplacementOrder, frame: str = "tangent", pi
     return LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces)
 
 
+def test_the_parameter_may_be_an_element_of_an_initial_velocity() -> None:
+    """A shaft that spins freely is lost where a driven one is."""
+    scene = derive.spatial_scene(
+        "free_spin",
+        ground=GROUND,
+        bodies={
+            "rod": rod(
+                ansatz={"kind": "pinned", "count": 1},
+                damping={"stiffness": "1/500"},
+                start={"angular_velocity": [1, 0, 0]},
+            )
+        },
+        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
+        simulation={"duration": 1, "output": 1},
+    )
+    sine = LadderModel(Shapes.SINES, 1, SECOND, "chord")
+    made = path(scene, "bodies.rod.start.angular_velocity[0]", 0, 15, sine, 3)
+    assert made.unit == "rad/s" and made.loss == pytest.approx(CRITICAL / np.sqrt(1 - INERTIA), rel=1e-6)
+
+
 LATERAL = 4.0126 / np.sqrt(1 - 1 / 1000)
 """sqrt(EI GJ)/l^2: the load of lateral buckling, with the first effect of a bending stiffness of 1000 EI in its plane,
 which the torsional stiffness adds to that of EI: 1/((1 - EI/EI_3)(1 - GJ/EI_3)) is the square of the factor."""
