@@ -44,7 +44,7 @@ def rod(**changes: Any) -> dict[str, Any]:
     return {**own, "markers": markers, **changes}
 
 
-GROUND = {"left": {"at": (0, 0, 0), "rotation": ALONG}, "right": {"at": (1, 0, 0), "rotation": ALONG}}
+GROUND: dict[str, Any] = {"left": {"at": (0, 0, 0), "rotation": ALONG}, "right": {"at": (1, 0, 0), "rotation": ALONG}}
 RIGHT = {"kind": "point_on_line", "between": ["ground.right", "rod.right"]}
 
 
