@@ -44,7 +44,7 @@ def rod(**changes: Any) -> dict[str, Any]:
     return {**own, "markers": markers, **changes}
 
 
-GROUND = {"left": {"at": (0, 0, 0), "rotation": ALONG}, "right": {"at": (1, 0, 0), "rotation": ALONG}}
+GROUND: dict[str, Any] = {"left": {"at": (0, 0, 0), "rotation": ALONG}, "right": {"at": (1, 0, 0), "rotation": ALONG}}
 RIGHT = {"kind": "point_on_line", "between": ["ground.right", "rod.right"]}
 
 
@@ -230,6 +230,26 @@ def path(scene: SpatialScene, name: str, low: float, high: float, model: LadderM
 
 def polynomials(count: int, order: DisplacementOrder, frame: str = "tangent", pieces: int = 1) -> LadderModel:
     return LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces)
+
+
+def test_the_parameter_may_be_an_element_of_an_initial_velocity() -> None:
+    """A shaft that spins freely is lost where a driven one is."""
+    scene = derive.spatial_scene(
+        "free_spin",
+        ground=GROUND,
+        bodies={
+            "rod": rod(
+                ansatz={"kind": "pinned", "count": 1},
+                damping={"stiffness": "1/500"},
+                start={"angular_velocity": [1, 0, 0]},
+            )
+        },
+        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
+        simulation={"duration": 1, "output": 1},
+    )
+    sine = LadderModel(Shapes.SINES, 1, SECOND, "chord")
+    made = path(scene, "bodies.rod.start.angular_velocity[0]", 0, 15, sine, 3)
+    assert made.unit == "rad/s" and made.loss == pytest.approx(CRITICAL / np.sqrt(1 - INERTIA), rel=1e-6)
 
 
 LATERAL = 4.0126 / np.sqrt(1 - 1 / 1000)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -37,9 +38,10 @@ def test_the_methods_of_a_rigid_mechanism_in_space(tmp_path: Path, capsys: pytes
 def test_explicit_steps_of_a_beam_in_space_are_stable_up_to_their_limit_alone() -> None:
     """A shaft that spins freely between a ball joint and a line, without damping: its energy is conserved."""
     along = {"x": [0, 0, -1], "y": [0, 1, 0]}
+    ground: dict[str, Any] = {"left": (0, 0, 0), "right": {"at": (1, 0, 0), "rotation": along}}
     scene = derive.spatial_scene(
         "spun",
-        ground={"left": (0, 0, 0), "right": {"at": (1, 0, 0), "rotation": along}},
+        ground=ground,
         bodies={
             "rod": {
                 "length": 1,

@@ -237,6 +237,20 @@ def counted(changes: Sequence[float]) -> tuple[list[float], list[int | None], tu
     return values, counts, thresholds(count, values, counts)
 
 
+def test_frequencies_in_rotating_axes_are_those_of_modes_that_vibrate() -> None:
+    """A mode that decays at once turns there at about the spin; a whirl near the critical speed is slow."""
+    values = np.array([-500 + 9j, -0.3 + 0.2j, 20j, 3, -3], dtype=complex)
+    made = Eigenvalues(values, np.full(len(values), 1e-9), spin=10.0)
+    assert made.frequencies == pytest.approx([0.2, 20]) and made.diverging == 1
+
+
+def test_two_equal_real_eigenvalues_are_two_growing_modes() -> None:
+    """Of a symmetric shaft, which rounding makes a conjugate pair."""
+    A = state_space([-4, -4])
+    A[2, 1], A[3, 0] = 1e-13, -1e-13
+    assert eigenvalues(A).growing == 2
+
+
 def test_all_thresholds_between_two_values_are_bracketed() -> None:
     values, counts, found = counted([0.3, 0.4, 2.5])
     assert [c.value for c in found] == pytest.approx([0.3, 0.4, 2.5], rel=1e-6)

@@ -99,7 +99,7 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
     low, high = _range(chart)
 
     def errors(points: Iterable[Point]) -> list[float]:
-        return [min(max(point.rms, low), high) for point in points]
+        return [min(max(point.rms, low), FAR) for point in points]
 
     for n, line in enumerate(chart.drawn):
         shown = [p for p in line.points if cost(p) > 0]
@@ -195,7 +195,7 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
     low, high = (math.log(x) for x in _range(chart))
     labels = [(group[0].best, group_label(group), colour(group[0].model)) for group in label_groups(chart.drawn)]
     labels = sorted([*labels, *((peer.best, peer.name, style.INK) for peer in chart.peers)])
-    logarithms = [min(math.log(best), high) if best else low for best, _, _ in labels]
+    logarithms = [math.log(min(best, FAR)) if best else low for best, _, _ in labels]
     wanted = [HEIGHT * (logarithm - low) / (high - low) for logarithm in logarithms]
     places = spread(wanted, LABEL)
     edge = LEFT + 2 * PANEL + GAP
