@@ -39,7 +39,7 @@ REFUSALS: dict[str, str] = {
     r"needs a reference whose own error is at most a third of it": "no model that is tried is accurate enough",
     r"With rk4 a step shorter than \S+ s may pass, such as --step": "its steps are those of the initial state",
     r"vanishes all the time, so that no error of it is known": "a plot of a beam that nothing bends",
-    r"there is no beam (and no finite-element body )?here": "there is no flexible body whose models could differ",
+    r"there is no beam( and no finite-element body)? here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
     r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",
     r"export the scene with --to exudyn, or leave this out": "the message names the interface for all scenes",

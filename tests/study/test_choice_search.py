@@ -10,7 +10,6 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from derive.study.choice.beam_candidates import beam_candidates, cannot_do, suits
 
 from derive.runtime.compiler import RUN_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
@@ -27,8 +26,10 @@ from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, rms_difference
 from derive.study.choice import trials, trusted_reference
 from derive.study.choice.beam_shares import BeamShare, BeamShares
+from derive.study.choice.body_candidates import candidates, cannot_do, suits
 from derive.study.choice.combinations import combinations
 from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.modes_of_bodies import ModesOfBodies
 from derive.study.choice.one_beam import try_one_beam
 from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
 from derive.study.choice.search import cheapest_model
@@ -233,7 +234,7 @@ def test_shapes_that_suit_the_ends_come_first() -> None:
     assert not suits(polynomials(2), frozenset({-1})) and suits(polynomials(2), frozenset({-1, 1}))
     assert suits(polynomials(3), frozenset()) and suits(polynomials(2, 2), frozenset()) and suits(RIGID, frozenset())
     scene = chain(1)
-    models = beam_candidates(scene, beam_bodies(scene)[0], PredictedCost(scene))
+    models = candidates(scene, beam_bodies(scene)[0], PredictedCost(scene), ModesOfBodies(scene))
     assert models[:3] == (RIGID, sines(1), sines(2)) and models[-1].shapes is not Shapes.SINES
     assert models.index(polynomials(3)) < models.index(polynomials(1)) < models.index(clamped(4))
 

@@ -22,7 +22,7 @@ from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.predicted_cost import fastest_rate
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import one_beam, search
-from derive.study.choice import trusted_reference as references
+from derive.study.choice import reference_models as references
 from derive.study.choice.choice_text import choice_text, neighbours
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
@@ -176,7 +176,7 @@ def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.Monkey
     (one,) = screening(runs)
     assert one.axial == pytest.approx(0.227, abs=1e-3)  # what a run with P2 to P5 sees
     assert "axial force up to 23 % of its buckling load" in one.text
-    monkeypatch.setattr(one_beam, "beam_candidates", lambda *_: (RIGID, SINE, FINE))
+    monkeypatch.setattr(one_beam, "candidates", lambda *_: (RIGID, SINE, FINE))
     monkeypatch.setattr(search, "trusted_reference", lambda *_: known)
     found = {error: cheapest_model(runs, error) for error in (0.01, 0.05, 0.15, 1e-4)}
     assert [label(found[error]) for error in (0.01, 0.05, 0.15)] == ["1 sine, truncated"] * 2 + ["1 sine, first"]
@@ -258,7 +258,7 @@ def test_the_command(
 ) -> None:  # fmt: skip
     """It writes what `build` accepts, and never overwrites anything."""
     monkeypatch.setattr(search, "trusted_reference", lambda *_: set_a[1])
-    monkeypatch.setattr(one_beam, "beam_candidates", lambda *_: (RIGID, PARABOLA, SINE))
+    monkeypatch.setattr(one_beam, "candidates", lambda *_: (RIGID, PARABOLA, SINE))
     monkeypatch.setattr(one_beam, "_try_first_order", lambda *_: None)
     out = tmp_path / "new" / "chosen.toml"  # the scene refers to a file
     assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0

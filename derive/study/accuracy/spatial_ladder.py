@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import product
 
+from derive.enumerations import enumeration
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import (
     COMPONENT_KINDS,
     FAMILIES,
@@ -48,7 +50,7 @@ def spatial_ladder(scene: SpatialScene, limits: LadderRange) -> tuple[LadderMode
     def size(model: LadderModel) -> int:
         return sum(coordinates(modelled_in_space(scene, body, model)) for body in bodies)
 
-    return tuple(sorted(dict.fromkeys(models), key=lambda model: (size(model), model.label)))
+    return tuple(sorted(dict.fromkeys(models), key=lambda m: (m.shapes is not Shapes.RIGID, size(m), m.label)))
 
 
 def _beams(limits: LadderRange) -> Iterator[LadderModel]:
@@ -86,6 +88,20 @@ def spatial_refinements(scene: SpatialScene) -> tuple[LadderModel, ...]:
     }
     numbers = range(max(map(len, steps.values())))
     return tuple(dict.fromkeys(mixed({name: of[min(n, len(of) - 1)] for name, of in steps.items()}) for n in numbers))
+
+
+def linear_reference(scene: AnyScene) -> tuple[str, ...]:
+    """A line on the bodies of which a reference from models is of first order, if there are any."""
+    if not isinstance(scene, SpatialScene):
+        return ()
+    (finest, *_) = reversed(spatial_refinements(scene))
+    first = DisplacementOrder.FIRST_ORDER
+    names = [body.name for body in flexible_bodies(scene) if finest.of(body.name).order is first]
+    if not names:
+        return ()
+    return (
+        f"the reference of {enumeration(names)} is of first order: it does not know what axial forces and spin add",
+    )
 
 
 def _pieces(body: SpatialBeam) -> tuple[LadderModel, ...]:

@@ -16,6 +16,7 @@ from derive.study.accuracy.ladder_run import LadderRun
 from derive.study.accuracy.measurement import LADDER_FLAGS, Line, preparation, retimed
 from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
+from derive.study.accuracy.spatial_ladder import linear_reference
 from derive.study.computed_ahead import available_workers
 from derive.study.studied_scene import COMPARED, flexible_scene
 from derive.study.study_options import (
@@ -139,7 +140,9 @@ def study_accuracy(
             compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error
         )
         shown = plotted_beams(compared.plots[0], compared)
-        empty = LadderChart(compared.name, (), known, error, _machine(), foreign, shown)
+        from_models = compared.plots[0].reference is None or own_reference
+        notes = linear_reference(compared) if from_models else ()
+        empty = LadderChart(compared.name, (), known, error, _machine(), foreign, shown, notes)
         ladder_runs = [LadderRun(compared, known, sorted_tolerances, not integrators, ahead)]
         finished = _Finished(empty, ladder_runs, record)
         try:
@@ -173,8 +176,8 @@ class _Finished:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The notes of all ladders."""
-        return tuple(note for ladder_run in self._ladders for note in ladder_run.notes)
+        """The notes on the reference, and those of all ladders."""
+        return (*self._empty.notes, *(note for ladder_run in self._ladders for note in ladder_run.notes))
 
     def record_now_and_then(self) -> None:
         """Record the part after a while."""

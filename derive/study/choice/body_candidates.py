@@ -19,7 +19,7 @@ from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.free_rates import body_coordinates, body_rate
-from derive.study.accuracy.ladder_model import FAMILIES, STATIC, LadderModel, Shapes
+from derive.study.accuracy.ladder_model import COMPONENT_MODES, FAMILIES, STATIC, LadderModel, Shapes
 from derive.study.accuracy.modelled_bodies import Flexible
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.modes_of_bodies import ModesOfBodies
@@ -39,33 +39,40 @@ ROTATIONS = ("rx", "ry", "rz")
 FULL = 2.0
 """The approximate operations of a full model relative to those of a truncated one."""
 STAGNANT = 0.7
-"""More shapes of a kind are not tried if two more have not reduced the error below this part of it."""
+"""More shapes of a kind are not tried if some more have not reduced the error below this part of it."""
 HOPELESS = 1.5
 """Fewer shapes of a kind are not tried if a model has more than this times the requested error."""
 
 Errors = Mapping[LadderModel, float]
 
 
-def candidates(scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies) -> tuple[LadderModel, ...]:
+def candidates(
+    scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies, twists: tuple[int, ...] = TWISTS
+) -> tuple[LadderModel, ...]:
     """The models of a body from cheap to dear, of second order: first those that suit its ends, then the others.
 
-    The rigid body is the first. The search adds models of first order where second order is good, and full models,
-    in which nothing is truncated, where truncation limits the error.
+    twists: the numbers of shapes of torsion of a beam in space that twists. The rigid body is the first. The search
+    adds models of first order where second order is good, and full models, in which nothing is truncated, where
+    truncation limits the error.
     """
-    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body)
+    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body, twists)
     return tuple(sorted([LadderModel(Shapes.RIGID), *of_kind], key=candidate_order(scene, body, cost)))
 
 
-def _of_beam(body: BeamBody | SpatialBeam) -> Iterator[LadderModel]:
-    """The flexible models of a beam, of second order; of one that twists with few shapes of torsion, and with none."""
-    twists = TWISTS if isinstance(body, SpatialBeam) and body.torsion is not None else (None,)
-    for torsion in twists:
+def _of_beam(body: BeamBody | SpatialBeam, twists: tuple[int, ...]) -> Iterator[LadderModel]:
+    """The flexible models of a beam, of second order."""
+    for torsion in twists if can_twist(body) else (None,):
         for shapes, most in MOST.items():
             frame = FAMILIES[shapes][1].kind if shapes in FAMILIES else "mean"
             for n in range(1, most + 1):
                 yield LadderModel(shapes, n, DisplacementOrder.TRUNCATED, frame, torsion=torsion)
         for pieces, n in PIECES:
             yield LadderModel(Shapes.POLYNOMIALS, n, DisplacementOrder.TRUNCATED, "mean", pieces, torsion=torsion)
+
+
+def can_twist(body: Flexible) -> bool:
+    """Whether a body is a beam in space that has a stiffness against torsion."""
+    return isinstance(body, SpatialBeam) and body.torsion is not None
 
 
 def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[LadderModel]:
@@ -117,12 +124,13 @@ def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     """Whether models of its kind that have run show that a model is not within an error.
 
     A model with more shapes, of bending or of torsion, has a far larger error, or two more shapes have not reduced it:
-    a single one may be odd where an even one is missing.
+    a single one may be odd where an even one is missing. Modes of finite-element bodies bend them in two planes.
     """
+    apart = 2 if model.shapes not in COMPONENT_MODES else 4
     kind = sorted((other.count, of) for other, of in errors.items() if other.kind == model.kind)
     more = [of for other, of in sorted(errors.items(), key=lambda of: of[0].count) if has_more(other, model)]
     fewer = [of for count, of in kind if count < model.count]
-    stagnant = len(fewer) > 2 and fewer[-1] > max(error, STAGNANT * fewer[-3])
+    stagnant = len(fewer) > apart and fewer[-1] > max(error, STAGNANT * fewer[-1 - apart])
     return stagnant or bool(more) and more[0] > HOPELESS * error
 
 

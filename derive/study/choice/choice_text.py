@@ -42,6 +42,8 @@ def choice_text(choice: Choice) -> str:
     lines += [f"  {one.text}" for one in choice.screening]
     lines += ["", f"Reference: {known.model.label}. Its error is at most {percent(known.error)}, by comparison with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
+    if choice.untried:
+        lines += ["", "Not tried, or not checked", *(f"  {line}" for line in choice.untried)]
     lines += _shares(choice)
     return "\n".join([*lines, "", *tried_table(choice).text, "", *verdict_lines(choice)])
 
@@ -144,6 +146,7 @@ def choice_data(choice: Choice) -> dict[str, Any]:
             "error": known.error,
             "agreements": {a.label: a.difference for a in known.agreements},
         },
+        "untried": list(choice.untried),
         "base": choice.base.label if choice.base else None,
         "shares": [
             {"beam": of.beam, "model": of.model.label, "share": of.share, "failure": of.failure} for of in choice.shares

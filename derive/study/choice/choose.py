@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.errors import Problem, SpecError
 from derive.remaining_time import ElapsedTime
 from derive.simulation.inputs import with_functions
 from derive.spec.model.specification import AnyScene
-from derive.study.accuracy.modelled_bodies import flexible_members, flexible_nouns
 from derive.study.accuracy.reference import compared_plot
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, cheapest_model
 from derive.study.computed_ahead import available_workers
-from derive.study.studied_scene import studied_scene
+from derive.study.studied_scene import flexible_scene
 from derive.study.study_options import ERROR, fraction
 from derive.terminal import Report, reports_of
 
@@ -62,10 +60,7 @@ def choose(
         True
     """
     error = fraction("error", error)
-    given = studied_scene(scene)
-    if not flexible_members(given):
-        text = f"there is no {flexible_nouns(given)[0]} here, and nothing to choose"
-        raise SpecError((Problem("bodies", text),))
+    given = flexible_scene(scene, "nothing to choose")
     names = [plot] if plot is None or isinstance(plot, str) else plot
     plots = [compared_plot(given, name) for name in dict.fromkeys(names)]
     elapsed = ElapsedTime()

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
+from derive.errors import TisserandError
+from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import LadderModel
-from derive.study.accuracy.modelled_bodies import flexible_members
-from derive.study.choice.body_candidates import Errors, candidate_order, candidates, cannot_do, has_more
+from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
+from derive.study.accuracy.reference import rms_difference
+from derive.study.choice.beam_shares import SMALL, TOLERANCE
+from derive.study.choice.body_candidates import (
+    TWISTS,
+    Errors,
+    can_twist,
+    candidate_order,
+    candidates,
+    cannot_do,
+    has_more,
+)
 from derive.study.choice.trials import Trials, usable
 
 NEAR = 1.5
@@ -27,7 +40,8 @@ def try_one_beam(trials: Trials) -> None:
     (body,) = flexible_members(trials.runs.scene)
     errors = dict(trials.known.errors)
     order = candidate_order(trials.runs.scene, body, trials.cost)
-    models = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes)
+    twists = twists_that_matter(trials, body)
+    models = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes, twists)
     while left := [m for m in (*models, *_with_all_terms(errors, trials)) if _is_worth_it(m, errors, trials)]:
         model, *others = sorted(left, key=order)
         trials.runs.expect([model, *others[: trials.runs.spare]], monitored=True)
@@ -38,6 +52,20 @@ def try_one_beam(trials: Trials) -> None:
         if line.points:
             errors[model] = line.best
     _try_first_order(trials, body.name)
+
+
+def twists_that_matter(trials: Trials, body: Flexible) -> tuple[int, ...]:
+    """The numbers of shapes of torsion that are tried: none where torsion hardly changes the plots, in one more run."""
+    if not can_twist(body):
+        return ()
+    flexible, runs = trials.runs.models.flexible, trials.runs
+    with suppress(TisserandError):
+        curves = (runs.curves(model, TOLERANCE) for model in (flexible, replace(flexible, torsion=0)))
+        share = rms_difference(*curves)
+        if share is not None:
+            trials.report(f"share of torsion in {body.name}: {percent(share)}")
+            return TWISTS[:1] if share <= trials.budget / SMALL else TWISTS[1:] if share > trials.budget else TWISTS
+    return TWISTS
 
 
 def try_more_accurate(trials: Trials) -> None:

@@ -156,12 +156,16 @@ def _ends(scene: AnyScene) -> dict[str, tuple[End, End]]:
     """The markers of flexible bodies that are farthest apart, and where they are between -1 and 1, by the body."""
     result = {}
     for body in flexible_members(scene):
+        places = list[End]()
         if isinstance(body, FlexibleBody):
             points = {name: frame.point.position for name, frame in modal_frames_of(body).items()}
             pairs = [(float(np.linalg.norm(points[a] - points[b])), a, b) for a, b in combinations(points, 2)]
-            places = [End(name, at) for name, at in zip(max(pairs)[1:], (-1.0, 1.0), strict=True)] if pairs else []
+            if pairs:
+                _, left, right = max(pairs)
+                places = [End(left, -1.0), End(right, 1.0)]
         else:
-            places = [End(m.name, float(m.at)) for m in sorted(body.markers, key=lambda m: m.at)]
+            markers: Any = body.markers
+            places = sorted((End(m.name, float(m.at)) for m in markers), key=lambda end: end.at)
         if len(places) > 1 and places[0].at < places[-1].at:
             result[body.name] = places[0], places[-1]
     return result

@@ -30,6 +30,7 @@ from derive.study.choice.screening import Screening
 from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials, accurate, usable
 from derive.study.choice.trusted_reference import SHARE, TrustedReference, trusted_reference
+from derive.study.choice.untried import untried
 
 Progress = Callable[[str], None]
 
@@ -43,9 +44,10 @@ class Choice:
         error: the largest error (rms) that is allowed, relative to the peak of a curve.
         reference: the curves that can be trusted, the model that has them, and its own error.
         tried: the models with their runs.
-        base: the model of the other beams while the share of one is measured; None in a scene with one beam.
-        shares: those of the beams in the error of a scene with several beams.
-        screening: the loads on the beams relative to their resistance.
+        base: the model of the other bodies while the share of one is measured; None in a scene with one flexible body.
+        shares: those of the flexible bodies in the error of a scene with several of them.
+        screening: the loads on the flexible bodies relative to their resistance.
+        untried: a line on each kind of models that is left out.
 
     Examples:
         >>> import derive
@@ -71,6 +73,7 @@ class Choice:
     base: LadderModel | None = None
     shares: tuple[BeamShare, ...] = ()
     screening: tuple[Screening, ...] = ()
+    untried: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -162,7 +165,8 @@ def cheapest_model(
     if not trials.good:
         trials.run_until_good(model for model, of in known.errors if usable(model) and of <= trials.budget)
     try_more_accurate(trials)
-    return Choice(runs.scene, error, known, trials.timed(), base, shares, screened)
+    left_out = untried(runs.scene, runs.models.modes)
+    return Choice(runs.scene, error, known, trials.timed(), base, shares, screened, left_out)
 
 
 def _base(known: TrustedReference, cost: PredictedCost, error: float) -> LadderModel:

@@ -10,7 +10,10 @@ import tomlkit
 
 from derive.spec.as_tables import as_table
 from derive.spec.model.keys import declared_keys
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spec_text import polynomial_text
+from derive.spec.model.time_function import TimeFunction
+from derive.spec.parsing.time_text import function_text
 
 ANSATZ = "ansatz"
 """The key of shape functions, which are written as polynomials in xi."""
@@ -53,6 +56,10 @@ def toml_value(value: Any) -> Any:
         return [toml_value(item) for item in value]
     if isinstance(value, Fraction):
         return float(value) if Fraction(repr(float(value))) == value else str(value)
+    if isinstance(value, MarkerRef):
+        return str(value)
+    if isinstance(value, TimeFunction):
+        return toml_value(value.value) if value.kind == "number" else function_text(value)
     return value
 
 

@@ -10,23 +10,24 @@ from typing import Any
 
 import tomlkit
 
-from derive.mechanics.multibody.bodies.beam_loads import resultants
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
-from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
-from derive.simulation.observables.motion import si_value
+from derive.spec.as_tables import as_table
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_forces import SpatialTorque
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.tables.instance_tables import instance_tables
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
-from derive.study.accuracy.modelled_bodies import flexible_members, modelled_member
+from derive.study.accuracy.modelled_bodies import Flexible, flexible_members, modelled_member
 from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
+from derive.study.accuracy.spatial_rigid import rigid_actions
 from derive.study.choice.written_bodies import toml_value, write_body
 
 SCHEMA = "#:schema"
@@ -52,10 +53,9 @@ def chosen_specification(
     _write_instances(document)
     name = f"{scene.name}_chosen"
     document["name"] = name
-    for beam in beam_bodies(scene):
-        if model.of(beam.name).shapes is Shapes.RIGID:
-            _carry_loads(document, beam)
     for body in flexible_members(scene):
+        if model.of(body.name).shapes is Shapes.RIGID:
+            _carry_loads(document, body)
         write_body(document["bodies"][body.name], body, modelled_member(scene, body, model.of(body.name)))
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
@@ -117,18 +117,16 @@ def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
     return f"{SCHEMA} {schema}\n{comment}{rest}"
 
 
-def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
-    """Write forces on a rigid body in place of the loads on a beam, and keep the texts of their factors."""
-    loads = document["bodies"][beam.name].pop("loads", {})
-    for force, of in zip(rigid_loads(beam), resultants(beam.loads, 1, 0), strict=True):
-        total = float(of.density.integral() / 2) * si_value(beam.beam.length)
-        factor = loads[of.load.name].get("time", 1)
-        component = f"{total!r}*({factor})" if isinstance(factor, str) else total * factor
+def _carry_loads(document: MutableMapping[str, Any], body: Flexible) -> None:
+    """Write forces and torques on a rigid body in place of the loads on a beam."""
+    if isinstance(body, FlexibleBody) or not body.loads:
+        return
+    document["bodies"][body.name].pop("loads")
+    for action in rigid_loads(body) if isinstance(body, BeamBody) else rigid_actions(body):
+        section = "torques" if isinstance(action, SpatialTorque) else "forces"
         table = tomlkit.table()
-        table.update({"at": str(force.at), "components": [0, component] if of.component else [component, 0]})
-        if of.load.frame != "inertial":
-            table["frame"] = of.load.frame
-        document.setdefault("forces", tomlkit.table(is_super_table=True))[force.name] = table
+        table.update(toml_value(as_table(action)))
+        document.setdefault(section, tomlkit.table(is_super_table=True))[action.name] = table
 
 
 def relative_path(path: Path, folder: Path) -> str:
