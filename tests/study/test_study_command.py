@@ -98,7 +98,7 @@ def test_wrong_arguments(wrong: list[str], capsys: pytest.CaptureFixture[str]) -
     assert stopped.value.code == 2 and wrong[0] in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", [["study", "frames"], ["study", "pivots"], ["choose"]])
+@pytest.mark.parametrize("command", [["study", "frames"], ["study", "pivots"]])
 def test_scenes_in_space_are_refused_with_what_compares_their_runs(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -112,7 +112,7 @@ def test_scenes_in_space_are_refused_with_what_compares_their_runs(
     (line,) = error.splitlines()
     commands = [text.split()[1:] for text in line.split("runs in space: ")[1].split("; ")]
     assert [words[0] for words in commands] == ["sweep", "simulate", "modes"]
-    if command == ["choose"]:
+    if command == ["study", "pivots"]:
         commands[0][3] = "bodies.block.modes=1,2"  # fewer, for a test
         for words in commands[:2]:
             assert main([*words, "--out", str(tmp_path)]) == 0
