@@ -140,8 +140,9 @@ INDEX = """\
 [make_spatial_rod.py](../scenes/make_spatial_rod.py) makes, and
 [spatial_crank_slider_rigid.toml](spatial_crank_slider_rigid.toml) one of rigid bodies, and
 [spatial_crank_slider_beam.toml](spatial_crank_slider_beam.toml) one with a rod that is a beam in space;
-[rotating_blade.toml](rotating_blade.toml) is a beam in space whose rotation stiffens it, and
-[spun_up_blade.toml](spun_up_blade.toml) one that gravity bends while its hub is spun up.
+[rotating_blade.toml](rotating_blade.toml) is a beam in space whose rotation stiffens it,
+[spun_up_blade.toml](spun_up_blade.toml) one that gravity bends while its hub is spun up, and
+[whirling_shaft.toml](whirling_shaft.toml) one that its own damping makes unstable above a speed.
 
 Each script prints a number that a test compares with theory, a published value or an independent computation. Run it
 with `.venv/bin/python examples/NAME.py`. Scripts that draw a picture take a folder for it as an argument.

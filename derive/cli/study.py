@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
@@ -78,7 +80,7 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     return 0
 
 
-STUDIES = {
+STUDIES: dict[str, Callable[[Any, argparse.Namespace], int]] = {
     FRAMES: _frames,
     PIVOTS: _pivots,
     accuracy.NAME: accuracy.run,

@@ -105,6 +105,7 @@ def _spinning(draft: SpatialDraft) -> None:
     draft.joint("revolute", draft.ground, shaft, shaft.x, axes)
     root = shaft.x + draft.vector(0.2 * draft.size)
     beam = beam_body(draft, root)
+    draft.section("bodies")[beam.name].pop("loads", None)  # which are not at rest in axes that rotate
     draft.joint("fixed", shaft, beam, root, draft.rotation())
     for body in (shaft, beam):
         draft.section("bodies")[body.name]["start"] = {

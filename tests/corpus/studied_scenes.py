@@ -17,16 +17,23 @@ import tomlkit
 
 import derive
 from corpus.generator import CorpusScene
-from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, value_at
 
 Tables = dict[str, Any]
 
 
+LOADS = ("components", "force", "torque")
+"""The keys of the components of forces and torques."""
+
+
 def plotted(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
     """The scene with a plot of the deflection of its first beam if it has none, and without a condition to end at."""
 
-    def change(tables: Tables, _: Scene) -> None:
+    def change(tables: Tables, spec: AnyScene) -> None:
+        if isinstance(spec, SpatialScene):
+            return
         tables["simulation"].pop("until", None)
         beam = next((name for name, body in tables["bodies"].items() if "length" in body), None)
         if not tables.get("plots") and beam is not None:
@@ -38,20 +45,29 @@ def plotted(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
 
 
 def resting(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
-    """The scene with drives that hold still, and with loads and inputs as they are at t = 0."""
+    """The scene with drives that hold still, and with loads and inputs as they are at t = 0.
 
-    def change(tables: Tables, spec: Scene) -> None:
+    In space bodies start at rest: their velocities are hardly ever those of a steady rotation.
+    """
+
+    def change(tables: Tables, spec: AnyScene) -> None:
+        if isinstance(spec, SpatialScene):
+            for body in tables["bodies"].values():
+                for key in ("velocity", "angular_velocity", "amplitude_rates"):
+                    body.get("start", {}).pop(key, None)
         for drive in spec.drives:
             table = tables["drives"][drive.name]
             moved, held = table.pop("motion", None), table.pop("offset", 0)
             table.pop("speed", None)
             table["motion"] = held if moved is None or drive.motion is None else _now(drive.motion, moved)
-        for force in spec.forces:
-            given = tables["forces"][force.name]
-            given["components"] = [_now(f, v) for f, v in zip(force.components, given["components"], strict=True)]
-        for torque in spec.torques:
-            table = tables["torques"][torque.name]
-            table["value"] = _now(torque.value, table["value"])
+        for section in ("forces", "torques"):
+            for load in getattr(spec, section):
+                table = tables[section][load.name]
+                for key, function in vars(load).items():
+                    if isinstance(function, TimeFunction):
+                        table[key] = _now(function, table[key])
+                    elif key in LOADS:
+                        table[key] = [_now(f, v) for f, v in zip(function, table[key], strict=True)]
         for each in spec.inputs:
             table = tables["inputs"][each.name]
             if each.function is not None:
@@ -72,11 +88,11 @@ def _now(function: TimeFunction, written: Any) -> Any:
 
 
 def _changed(
-    scene: CorpusScene, path: Path, name: str, change: Callable[[Tables, Scene], None]
+    scene: CorpusScene, path: Path, name: str, change: Callable[[Tables, Any], None]
 ) -> tuple[CorpusScene, str]:
     """The changed scene, and its file."""
     spec = derive.read(path)
-    if not isinstance(spec, Scene):
+    if not isinstance(spec, AnyScene):
         return scene, str(path)
     tables = copy.deepcopy(scene.tables)
     change(tables, spec)

@@ -237,6 +237,20 @@ def counted(changes: Sequence[float]) -> tuple[list[float], list[int | None], tu
     return values, counts, thresholds(count, values, counts)
 
 
+def test_frequencies_in_rotating_axes_are_those_of_modes_that_vibrate() -> None:
+    """A mode that decays at once turns there at about the spin; a whirl near the critical speed is slow."""
+    values = np.array([-500 + 9j, -0.3 + 0.2j, 20j, 3, -3], dtype=complex)
+    made = Eigenvalues(values, np.full(len(values), 1e-9), spin=10.0)
+    assert made.frequencies == pytest.approx([0.2, 20]) and made.diverging == 1
+
+
+def test_two_equal_real_eigenvalues_are_two_growing_modes() -> None:
+    """Of a symmetric shaft, which rounding makes a conjugate pair."""
+    A = state_space([-4, -4])
+    A[2, 1], A[3, 0] = 1e-13, -1e-13
+    assert eigenvalues(A).growing == 2
+
+
 def test_all_thresholds_between_two_values_are_bracketed() -> None:
     values, counts, found = counted([0.3, 0.4, 2.5])
     assert [c.value for c in found] == pytest.approx([0.3, 0.4, 2.5], rel=1e-6)
@@ -408,7 +422,7 @@ def test_an_equilibrium_is_sought_near_the_initial_state_and_then_from_value_to_
 def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """A reference that is quick to derive, and good to 0.06 %."""
     models = (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND))
-    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
 
 
 @pytest.mark.long
@@ -455,7 +469,7 @@ def test_where_a_model_has_no_steady_motion_it_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     models = (LadderModel(Shapes.RIGID), polynomials(2, FIRST))
-    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
     asked = ["--orders", "first", "--shapes", "2", "--pieces", "1", "--sines", "1", "--out", str(tmp_path)]
     assert main(["study", "stability", str(SPINNING), "--parameter", f"{SPIN}=0:40:3", *asked]) == 2
     assert "these functions of time never come to rest: forces.knock.components;" in capsys.readouterr().err

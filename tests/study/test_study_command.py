@@ -98,7 +98,7 @@ def test_wrong_arguments(wrong: list[str], capsys: pytest.CaptureFixture[str]) -
     assert stopped.value.code == 2 and wrong[0] in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", [["study", "frames"], ["study", "methods"], ["choose"]])
+@pytest.mark.parametrize("command", [["study", "frames"], ["study", "pivots"], ["choose"]])
 def test_scenes_in_space_are_refused_with_what_compares_their_runs(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

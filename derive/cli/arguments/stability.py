@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import Any
 
-from derive.cli.arguments.ladder import add_ladder
+from derive.cli.arguments.ladder import add_ladder, add_spatial_ladder
 from derive.cli.arguments.types import (
     SPEC,
     add_command,
@@ -24,7 +24,7 @@ def add_stability(studies: Any) -> None:
     stability = add_command(
         studies, "stability", "find where each model of a ladder loses its stability as a parameter grows"
     )
-    stability.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+    stability.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a flexible body")
     stability.add_argument(
         "--parameter",
         type=parameter,
@@ -39,6 +39,7 @@ def add_stability(studies: Any) -> None:
         help="the known value at which stability is lost, or none: the truth in place of the richest model",
     )
     add_ladder(stability, STABILITY)
+    add_spatial_ladder(stability, STABILITY)
     stability.add_argument(
         "--out", type=folder, metavar="FOLDER", help="folder of the chart and the tables (default: results/NAME)"
     )

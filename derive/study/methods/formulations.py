@@ -14,8 +14,9 @@ import numpy as np
 
 from derive.errors import TisserandError
 from derive.runtime.native_call import Matrix, Vector
-from derive.runtime.native_scene import Dae
+from derive.runtime.native_scene import Dae, NativeScene
 from derive.simulation.compiled_scene import max_norm
+from derive.simulation.configurations import QUATERNION, attitudes
 from derive.study.methods.implicit_steps import Rule, initial_values, march
 from derive.study.methods.scene_methods import MethodScene
 
@@ -36,7 +37,8 @@ class FormRun:
 
     position (m, rad), velocity (m/s, rad/s): the largest |g| and |gdot|. early, late: the part of the multipliers that
     alternates from step to step, over their largest value, in the first and in the last tenth of the run. iterations:
-    of Newton's method per step. conditions: of the scaled iteration matrix with the steps of `REFINED`. failure: why
+    of Newton's method per step. quaternion: the largest difference of the length of a quaternion from 1, which no form
+    keeps; None if there are none. conditions: of the scaled iteration matrix with the steps of `REFINED`. failure: why
     the run ended; its numbers are NaN then.
     """
 
@@ -48,6 +50,7 @@ class FormRun:
     early: float
     late: float
     iterations: float
+    quaternion: float | None
     conditions: tuple[float, ...]
     failure: str = ""
 
@@ -76,7 +79,7 @@ def form_run(of: MethodScene, name: str, rule: Rule, h: float, steps: int = STEP
     try:
         run = march(form, k, 0.0, y, ydot, h, steps, rule, native.nq, native.nv)
     except TisserandError as error:
-        return FormRun(name, rule, h, nan, nan, nan, nan, nan, conditions, str(error))
+        return FormRun(name, rule, h, nan, nan, nan, nan, nan, None, conditions, str(error))
     n, m = native.nq, native.nq + native.nv
     pairs = [(t, y[:n], y[n:m]) for t, y in zip(run.t, run.y, strict=True)]
     lam = run.y[:, m : m + native.nlambda]
@@ -90,8 +93,15 @@ def form_run(of: MethodScene, name: str, rule: Rule, h: float, steps: int = STEP
         float(ringing[:tenth].max(initial=0.0)),
         float(ringing[-tenth:].max(initial=0.0)),
         run.iterations / steps,
+        _from_unit_length(native, run.y),
         conditions,
     )
+
+
+def _from_unit_length(native: NativeScene, q: Matrix) -> float | None:
+    """The largest difference of the length of a quaternion from 1 in rows q (n, at least nq); None without any."""
+    lengths = [np.linalg.norm(q[:, i : i + QUATERNION], axis=1) for i, _ in attitudes(native)]
+    return float(np.abs(np.array(lengths) - 1.0).max()) if lengths else None
 
 
 def alternation(lam: Matrix, order: int = 2) -> Vector:

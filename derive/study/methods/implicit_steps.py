@@ -104,7 +104,7 @@ def _step(
         rate = cj * after + rest
         r = form.residual(at, inside, rate, k)
         J = form.pattern.dense(form.jacobian(at, inside, rate, cj / part, k)) * part
-        change = np.linalg.solve(J, r)
+        change = np.asarray(np.linalg.solve(J, r), dtype=np.float64)
         after = after - change
         if not max_norm(after) < np.inf:
             break

@@ -173,5 +173,5 @@ def _powers(axis: Any) -> None:
 def _singular(axes: Axes, study: MethodStudy) -> None:
     c = study.conditioning
     axes.plot(c.t, c.singular, color=GREEN, linewidth=1.6)
-    axes.set_ylim(0, 1.3 * float(c.singular.max()))
+    axes.set_ylim(0, 1.3 * float(c.singular.max()) or 1.0)
     axes.set_xlabel("time, s")

@@ -143,6 +143,7 @@ FORMS = (
     StudyColumn("ringing_first", magnitude, "ringing, first"),
     StudyColumn("ringing_last", magnitude, "last"),
     StudyColumn("iterations", fixed(1)),
+    StudyColumn("quaternion", magnitude, "||e| - 1|", doc="of quaternions e, which no form keeps at unit length"),
     StudyColumn("condition", magnitude, doc="of the scaled iteration matrix"),
     StudyColumn("condition_power", fixed(1), "as h^"),
     StudyColumn("failure", head=""),
@@ -158,9 +159,13 @@ def _forms(study: MethodStudy) -> StudyTable:
     for run in study.forms:
         sizes = (run.position, run.velocity, run.early, run.late, run.iterations)
         known = (None,) * len(sizes) if run.failure else sizes
-        rows.append((FORM_NAMES[run.form], run.rule.value, *known, run.conditions[0], run.exponent, run.failure))
+        after = (run.quaternion, run.conditions[0], run.exponent, run.failure)
+        rows.append((FORM_NAMES[run.form], run.rule.value, *known, *after))
     title = f"formulations under one rule, steps of {_seconds(study.h)} s"
-    return StudyTable(FORMS, tuple(rows), title, 2, (FORMS_NOTE,))
+    table = StudyTable(FORMS, tuple(rows), title, 2, (FORMS_NOTE,))
+    if any(run.quaternion is not None for run in study.forms):
+        return table
+    return table.only([column.name for column in FORMS if column.name != "quaternion"])
 
 
 CONDITIONING = (

@@ -23,6 +23,7 @@ from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW, integ
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import size_of
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.scene_functions import breaks
 from derive.spec.model.specification import AnyScene
 from derive.study.states import State, period, start_state
@@ -183,7 +184,7 @@ class MethodScene:
 
 def method_scene(scene: AnyScene) -> MethodScene:
     """The scene compiled with its integrators. Raises SpecError, CompilerError, SimulationError."""
-    return with_redundant_joints(scene, _method_scene)
+    return with_redundant_joints(in_pieces(scene), _method_scene)
 
 
 def _method_scene(scene: AnyScene) -> MethodScene:

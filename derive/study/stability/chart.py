@@ -167,10 +167,14 @@ def _legend(axes: Axes, of: LadderStability, paths: Sequence[ModelPath]) -> None
 
 
 def frequency_line(path: ModelPath, k: int) -> tuple[list[float], list[float]]:
-    """The curve of the frequency with number k at the first value, from 0 for the lowest, until it becomes zero."""
-    known = [(p.value, p.eigenvalues.frequencies) for p in path.points if p.eigenvalues is not None]
-    most = len(known[0][1])
-    rows = [(x, float(f[k - most + len(f)])) for x, f in known if most - len(f) <= k < most]
+    """The curve of the frequency with number k at the first value, from 0 for the lowest, until its mode diverges.
+
+    In rotating axes frequencies may also pass zero, and modes that are damped too much may begin to vibrate.
+    """
+    known = [(p.value, p.eigenvalues) for p in path.points if p.eigenvalues is not None]
+    first = known[0][1].diverging
+    numbered = [(x, of.frequencies, k + first - of.diverging) for x, of in known]
+    rows = [(x, float(f[n])) for x, f, n in numbered if 0 <= n < len(f)]
     return [x for x, _ in rows], [y for _, y in rows]
 
 

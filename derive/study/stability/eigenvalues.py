@@ -38,15 +38,25 @@ class Eigenvalues:
         return int(np.sum(self.grows))
 
     @property
+    def diverging(self) -> int:
+        """The number of modes that grow without vibrating."""
+        return int(np.sum(self.grows & (self.values.imag == 0.0)))
+
+    @property
     def growth(self) -> float:
         """The largest growth rate, 1/s; 0 if nothing grows."""
         return float(self.values.real[self.grows].max(initial=0.0))
 
     @property
     def frequencies(self) -> NDArray[np.float64]:
-        """The angular frequencies (rad/s) that are not zero, rising; without free translations in rotating axes."""
+        """The angular frequencies (rad/s) that are not zero, rising; without free translations in rotating axes.
+
+        Modes that decay faster than they vibrate are left out: in rotating axes they turn at about the spin, by which
+        frequencies there differ from others.
+        """
         near = COINCIDENT * float(np.abs(self.values).max(initial=0.0))
-        of = self.values.imag[self.values.imag > near]
+        vibrates = self.values.imag + abs(self.spin) > -self.values.real
+        of = self.values.imag[(self.values.imag > near) & vibrates]
         return np.sort(of[np.abs(of - abs(self.spin)) > near] if self.spin else of)
 
 
@@ -67,5 +77,6 @@ def eigenvalues(A: Matrix, spin: float = 0.0) -> Eigenvalues:
     values, left, right = eig(scaled, left=True, right=True)
     cosines = np.abs(np.sum(left.conj() * right, axis=0))
     errors = ROUNDING * float(np.linalg.norm(scaled, 2)) / np.maximum(cosines, np.sqrt(ROUNDING))
+    values = np.where(np.abs(values.imag) <= errors, values.real, values)  # double ones that rounding makes a pair
     upper = values.imag >= 0
     return Eigenvalues(values[upper], errors[upper], spin)

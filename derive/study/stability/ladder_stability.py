@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from derive.display import data_frame, html
@@ -11,18 +12,23 @@ from derive.enumerations import enumeration
 from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
 from derive.simulation.errors import SimulationError
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.models import ladder, refinements
 from derive.study.stability.model_path import ModelPath, model_path
 from derive.study.stability.parameter import ParameterRange, StudiedParameter, parameter_range, studied
 from derive.study.stability.thresholds import Interval, wrong_intervals
-from derive.study.studied_scene import COMPARED, studied_scene
+from derive.study.studied_scene import COMPARED, flexible_scene
 from derive.study.study_options import NEVER, STABILITY, LadderRange
 from derive.terminal import Report, reports_of
 
 CONVERGED = 0.05
 """The reference has converged if the verdicts of both richest models differ over less than this part of a threshold."""
+
+
+TRIED = 4
+"""The number of models in space, ever finer, of which the first two that agree give the reference."""
 
 
 @dataclass(frozen=True)
@@ -83,15 +89,7 @@ class LadderStability:
     @property
     def converged(self) -> bool:
         """Whether the truth is known: given, or both richest models have the same verdicts, up to small distances."""
-        if self.known is not None:
-            return True
-        both = (self.reference, self.before)
-        if any(path.failure or path.gaps for path in both) or (self.reference.loss is None) != (
-            self.before.loss is None
-        ):
-            return False
-        largest = max((abs(c.value) for path in both for c in path.thresholds), default=0.0)
-        return not wrong_intervals(self.before.intervals, self.reference.intervals, CONVERGED * largest)
+        return self.known is not None or agree(self.before, self.reference)
 
     @property
     def truth(self) -> tuple[Interval, ...]:
@@ -141,6 +139,15 @@ class LadderStability:
         return data_frame(self)
 
 
+def agree(before: ModelPath, richest: ModelPath) -> bool:
+    """Whether the verdicts of two models are the same, up to small distances."""
+    both = (richest, before)
+    if any(path.failure or path.gaps for path in both) or (richest.loss is None) != (before.loss is None):
+        return False
+    largest = max((abs(c.value) for path in both for c in path.thresholds), default=0.0)
+    return not wrong_intervals(before.intervals, richest.intervals, CONVERGED * largest)
+
+
 def distance(value: float | None, truth: float | None) -> float | None:
     """The relative distance of a threshold from the true one; None if one of them is missing, or the true one is 0."""
     return None if value is None or not truth else (value - truth) / abs(truth)
@@ -157,6 +164,9 @@ def study_stability(
     pieces: Sequence[int] = STABILITY.pieces,
     sines: Sequence[int] = STABILITY.sines,
     modes: Sequence[str] = STABILITY.modes,
+    torsion: Sequence[int] = STABILITY.torsion,
+    component_modes: Sequence[str] = STABILITY.component_modes,
+    component_counts: Sequence[int] = STABILITY.component_counts,
     progress: Report | bool | None = None,
 ) -> LadderStability:
     """Find where each model of a ladder loses its stability as a parameter of a scene grows.
@@ -164,7 +174,7 @@ def study_stability(
     The command `tisserand study stability` calls this function.
 
     Arguments:
-        scene: a scene, in the plane or in space, with a beam and a simulation.
+        scene: a scene with a beam, or in space with a finite-element body, and a simulation.
         parameter: the name of a parameter or a key such as "P" or "bodies.rod.start.spin", its first and its last
             value, and the number of values from 2 on.
         exact: the value at which stability is lost, or "none" if it never is: the truth in place of the richest model.
@@ -174,11 +184,14 @@ def study_stability(
         pieces: the numbers of beams, with two polynomials each, into which a beam is divided.
         sines: the numbers of half sine waves of one beam.
         modes: other natural modes in the same numbers, among "free-free" and "clamped-free".
+        torsion: the numbers of shapes of torsion of a beam in space; by default as the scene has them.
+        component_modes: modes of finite-element bodies, among "free", "craig_bampton" and "attachment".
+        component_counts: the numbers of these modes, beside the static ones of the interface.
         progress: called with a line of text on each model; True shows a line with the remaining time, False shows none;
             by default notebooks show one.
 
     Raises:
-        SpecError: if the scene has no beam or no simulation, or the parameter cannot have these values.
+        SpecError: if the scene has no flexible body or no simulation, or the parameter cannot have these values.
         UnknownNameError: for an order, a frame or modes that there are not.
         ValueError: for numbers out of their range.
         TypeError: for what is no scene.
@@ -200,12 +213,13 @@ def study_stability(
         >>> round(study.reference.loss, 3)  # that of Euler is pi^2 / 4
         2.467
     """
-    limits = parameter_range(parameter)
-    models = ladder(LadderRange(orders, frames, shapes, pieces, sines, modes))
+    values = parameter_range(parameter)
+    limits = LadderRange(orders, frames, shapes, pieces, sines, modes, torsion, component_modes, component_counts)
     if isinstance(exact, str) and exact != NEVER:
         raise ValueError(f'exact: a number or "{NEVER}" is needed, not {exact!r}')
     known = None if exact is None else KnownLoss(None if isinstance(exact, str) else exact)
-    given = studied(studied_scene(scene, COMPARED.format("stability")), limits)
+    whole = flexible_scene(scene, COMPARED.format("stability"))
+    given, models = studied(whole, values), ladder(limits, whole)
     with reports_of(progress) as (task, _):
         return ladder_stability(scene.name, given, models, known, task)
 
@@ -223,13 +237,23 @@ def ladder_stability(
             f"no motion is steady, since these functions of time never come to rest: {enumeration(changing)}; give "
             "them an end, for example by step(t, ...), or a constant value by --set"
         )
-    before, richest = refinements()[-2:]
-    every = list(dict.fromkeys((*models, before, richest)))
+    steps = refinements(parameter.scene)
+    steps = steps[:TRIED] if isinstance(parameter.scene, SpatialScene) else steps[-2:]  # planar models are quick
     paths: dict[LadderModel, ModelPath] = {}
-    remaining = RemainingTime(len(every))
-    for model in every:
-        progress(f"model {remaining.next()}: {model.label} ...")
-        paths[model] = model_path(parameter, model)
+    remaining = RemainingTime(len({*models, *steps[:2]}))
+
+    def compute(model: LadderModel) -> ModelPath:
+        if model not in paths:
+            progress(f"model {remaining.next()}: {model.label} ...")
+            paths[model] = model_path(parameter, model)
+        return paths[model]
+
+    for model in models:
+        compute(model)
+    for before, richest in pairwise(steps):
+        pair = compute(before), compute(richest)
+        if known is not None or agree(*pair):
+            break
     if all(path.failure for path in paths.values()):
         reasons = dict.fromkeys(path.failure for path in paths.values())
         raise SimulationError("\n".join(["no model has a steady motion:", *(f"  {reason}" for reason in reasons)]))

@@ -15,6 +15,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.simulation.scene_start import steady_motion_of, units_of_initial_values
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.models import model_scene
@@ -98,17 +99,21 @@ def _compiled(
     parameter: StudiedParameter, model: LadderModel
 ) -> tuple[Callable[[float, Vector | None], PathPoint], NativeScene, str]:
     """The function that evaluates a model at a value of the parameter, its compiled code, and the parameter's unit."""
-    first = model_scene(parameter.scene_at(parameter.range.low), model)
+
+    def scene_at(value: float) -> AnyScene:
+        return in_pieces(model_scene(parameter.scene_at(value), model))
+
+    first = scene_at(parameter.range.low)
     code, native = with_redundant_joints(first, _with_start)
     missing = parameter.symbol is not None and parameter.symbol not in native.parameters
-    if missing and first != model_scene(parameter.scene_at(parameter.range.high), model):
+    if missing and first != scene_at(parameter.range.high):
         text = "this model has numbers in place of the parameter, on which its code depends"
         raise SpecError((Problem(parameter.range.name, text),))
     units = {p.name: p.unit for p in code.parameters} | units_of_initial_values(first, native)
 
     def evaluate(value: float, guess: Vector | None) -> PathPoint:
         try:
-            scene = model_scene(parameter.scene_at(value), model)
+            scene = scene_at(value)
             k = native.setup({parameter.symbol: value} if parameter.symbol in native.parameters else None)
             steady = steady_motion_of(scene, native, k, guess)
             linear = linearise(native, k, 0.0, steady.q, steady.v, steady.axes)

@@ -69,7 +69,9 @@ class StudiedParameter:
     @property
     def motion(self) -> str:
         """The text on the motion about which models are linearised."""
-        text = "each model is linearised about its equilibrium or steady rotation at each value of the parameter"
+        text = (
+            "each model is linearised about its equilibrium or steady rotation at each value, in axes that rotate along"
+        )
         return f"{text}, with {self.functions}" if self.functions.settled else text
 
 

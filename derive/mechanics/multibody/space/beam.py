@@ -11,7 +11,7 @@ from derive.algebra import sp
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.multibody.component_damping import shared_damping
+from derive.mechanics.multibody.bodies.shared_damping import shared_damping
 from derive.spec.model.beam_pieces import CUT, piece_name, whole_beam
 from derive.spec.model.spatial_beam import PieceOf, SpatialBeam
 from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE

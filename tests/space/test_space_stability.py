@@ -1,0 +1,380 @@
+"""Stability of beams in space beside its theory: whirling shafts, shafts under torque, lateral buckling, blades."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+from numpy.polynomial.legendre import Legendre
+
+import derive
+from conftest import QUICK, ROOT
+from derive.cli.main import main
+from derive.cli.specifications import read_scene
+from derive.generated_models import generated
+from derive.simulation.linear.linearisation import linearise
+from derive.simulation.linear.steady_motion import NoSteadyMotion
+from derive.simulation.scene_start import steady_motion_of
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
+from derive.study.stability.model_path import ModelPath, model_path
+from derive.study.stability.parameter import ParameterRange, studied
+
+FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
+SHAFT, BLADE = ROOT / "examples/whirling_shaft.toml", ROOT / "examples/rotating_blade.toml"
+DATA = ROOT / "tests/second_order/rotating_cantilever.json"
+ALONG = {"x": [0, 0, -1], "y": [0, 1, 0]}
+"""A frame whose z is along the shaft."""
+CRITICAL = np.pi**2
+"""The first critical speed of a shaft of unit length, mass and bending stiffness between bearings, rad/s."""
+
+
+def rod(**changes: Any) -> dict[str, Any]:
+    """A shaft of unit length, mass and bending stiffness."""
+    markers = {"left": {"at": -1, "rotation": ALONG}, "middle": 0, "right": 1}
+    own = {"length": 1, "mass": 1, "bending_stiffness": 1, "rotary_inertia": "1/1000", "frame": "chord", "order": 2}
+    return {**own, "markers": markers, **changes}
+
+
+GROUND: dict[str, Any] = {"left": {"at": (0, 0, 0), "rotation": ALONG}, "right": {"at": (1, 0, 0), "rotation": ALONG}}
+RIGHT = {"kind": "point_on_line", "between": ["ground.right", "rod.right"]}
+
+
+def compiled(scene: SpatialScene) -> Callable[..., Eigenvalues]:
+    """The eigenvalues about the steady motion of a scene for values of its parameters."""
+    native = derive.load_scene(generated(scene)[1], QUICK)
+
+    def at(**values: float) -> Eigenvalues:
+        k = native.setup(values)
+        steady = steady_motion_of(scene, native, k)
+        return eigenvalues(linearise(native, k, 0.0, steady.q, steady.v, steady.axes).A, steady.spin)
+
+    return at
+
+
+# ---- whirl
+
+
+@cache
+def whirling(order: int) -> Callable[..., Eigenvalues]:
+    """A shaft with one half sine wave that turns at `spin`, with the damping of its material and of the air.
+
+    inner (s): the factor of the stiffness; outer (N s/m): of a damper that stands still at the middle; other (N m^2):
+    the bending stiffness about the second axis.
+    """
+    outer = {"symbol": "outer", "default": 0}
+    scene = derive.spatial_scene(
+        "whirling",
+        ground={**GROUND, "middle": ("1/2", 0, 0)},
+        bodies={
+            "coupling": {"markers": {"shaft": {"at": (0, 0, 0), "rotation": ALONG}}},
+            "rod": rod(
+                ansatz={"kind": "pinned", "count": 1},
+                lateral={"bending_stiffness": {"symbol": "other", "default": 1}},
+                damping={"stiffness": {"symbol": "inner", "default": 0}},
+                order=order,
+            ),
+        },
+        joints={
+            "motor": {"kind": "revolute", "between": ["ground.left", "coupling.shaft"]},
+            "left": {"kind": "general", "removes": ["x", "y", "z", "rz"], "between": ["coupling.shaft", "rod.left"]},
+            "right": RIGHT,
+        },
+        drives={"speed": {"joint": "motor", "speed": {"symbol": "spin", "default": 1}}},
+        springs={
+            "air": {
+                "kind": "bushing",
+                "between": ["ground.middle", "rod.middle"],
+                "stiffness": [0] * 6,
+                "damping": [0, outer, outer, 0, 0, 0],
+            }
+        },
+        start="steady",
+    )
+    return compiled(scene)
+
+
+INERTIA = CRITICAL / 1000
+"""J pi^2/(m l^2): the part by which the inertia of the sections about the axis raises critical speeds."""
+
+
+def test_a_shaft_without_damping_whirls_at_its_frequency_beside_the_spin() -> None:
+    """Forwards and backwards: p^2 -+ e spin p - w^2 = 0 in axes that stand still, with e = J pi^2/(m l^2)."""
+    for spin in (3.0, 12.0):
+        at = whirling(2)(spin=spin)
+        forward, backward = (np.roots([1, -sign * INERTIA * spin, -(CRITICAL**2)]).max() for sign in (1, -1))
+        assert at.growing == 0
+        assert at.frequencies == pytest.approx(sorted([abs(forward - spin), backward + spin]), rel=1e-6)
+
+
+def test_the_damping_of_the_material_makes_a_shaft_unstable_above_its_critical_speed() -> None:
+    """Forward whirl at p = spin/s grows if p is above its frequency, with s = 1 + outer/inner damping of the mode."""
+    inner, of_mode = 0.002, CRITICAL**2 / 2
+    for outer in (0.0, 0.05):
+        s = 1 + outer / (inner * of_mode)
+        lost = s * CRITICAL / np.sqrt(1 - s * INERTIA)
+        below, above = (whirling(2)(spin=part * lost, inner=inner, outer=outer) for part in (1 - 1e-4, 1 + 1e-4))
+        assert (below.growing, above.growing) == (0, 1)
+
+
+def test_a_shaft_with_two_stiffnesses_is_unstable_between_both_critical_speeds() -> None:
+    low, high = (np.sqrt(stiffness) * CRITICAL / np.sqrt(1 - INERTIA) for stiffness in (1.0, 1.2))
+    spins = [(1 - 1e-4) * low, (1 + 1e-4) * low, (1 - 1e-4) * high, (1 + 1e-4) * high]
+    assert [whirling(2)(spin=spin, other=1.2).growing for spin in spins] == [0, 1, 1, 0]
+
+
+def test_first_order_has_half_of_what_the_inertia_of_the_sections_adds() -> None:
+    """The displacements t x p of first order alone turn the inertia J with the sections by half."""
+    lost = CRITICAL / np.sqrt(1 - INERTIA / 2)
+    assert [whirling(1)(spin=part * lost, inner=0.002).growing for part in (1 - 1e-4, 1 + 1e-4)] == [0, 1]
+
+
+# ---- torque
+
+
+def twisted(count: int, stiffness: float = 1000.0) -> Callable[..., Eigenvalues]:
+    """A shaft between a ball joint and a point on a line under opposite torques at its ends, and a thrust P (N).
+
+    M, N (N m): the torques whose axes stay along the line, and that turn with the ends of the shaft.
+    """
+    torques = {
+        f"{symbol}_{end}": {"on": f"rod.{end}", "torque": axis, "frame": frame}
+        for symbol, frame in (("M", "inertial"), ("N", "body"))
+        for end, sign in (("left", "-"), ("right", ""))
+        for axis in [[f"{sign}{symbol}", 0, 0] if frame == "inertial" or end == "right" else [0, 0, f"{sign}{symbol}"]]
+    }
+    scene = derive.spatial_scene(
+        "twisted",
+        parameters={"M": {"default": 0}, "N": {"default": 0}, "P": {"default": 0}},
+        ground=GROUND,
+        bodies={
+            "rod": rod(
+                ansatz=[f"xi^{power}" for power in range(count + 2)], torsion={"ansatz": ["xi"], "stiffness": stiffness}
+            )
+        },
+        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
+        torques=torques,
+        forces={"thrust": {"at": "rod.right", "force": ["-P", 0, 0]}},
+        start="steady",
+    )
+    return compiled(scene)
+
+
+def ritz(count: int, torque: float, part: float, thrust: float) -> np.ndarray:
+    """The squares of the frequencies of v + i w of a shaft under torque, by polynomials that vanish at its ends.
+
+    part: of the torque, that stays along the line; the rest turns with the ends. In the moment M (t - part u') of a
+    section the torque along the tangent t has the bending moment -i M u', which does work int u''* i M u' dx on the
+    curvature; at the ends those that turn along have none, by int u'* i M u'' dx.
+    """
+    shapes = [Polynomial([0, 1, -1]) * Legendre.basis(k, [0, 1]).convert(kind=Polynomial) for k in range(count)]
+
+    def integral(a: Polynomial, b: Polynomial) -> float:
+        whole = (a * b).integ()
+        return float(whole(1) - whole(0))
+
+    d = [(f, f.deriv(), f.deriv(2)) for f in shapes]
+    K = np.array(
+        [
+            [
+                integral(a[2], b[2])
+                - thrust * integral(a[1], b[1])
+                - 1j * torque * (part * integral(a[2], b[1]) - (1 - part) * integral(a[1], b[2]))
+                for b in d
+            ]
+            for a in d
+        ]
+    )
+    M = np.array([[integral(a[0], b[0]) for b in d] for a in d])
+    return np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)
+
+
+@pytest.mark.long
+def test_a_shaft_buckles_under_torque_as_that_of_greenhill() -> None:
+    """Torques along the line, torques that turn with the ends, and half of each, against a Ritz solution of its own.
+
+    The first two have the criterion (M/(2 EI))^2 + P/EI = (pi/l)^2, of which four shapes know 6.483 for 2 pi. Half of
+    each is a conservative torque, which buckles earlier.
+    """
+    at = twisted(4)
+    for torque, part, thrust in ((6.0, 1.0, 0.0), (6.0, 0.0, 0.0), (4.0, 0.5, 0.0), (4.0, 1.0, 5.0), (7.0, 1.0, 0.0)):
+        own = at(M=part * torque, N=(1 - part) * torque, P=thrust)
+        squares = ritz(4, torque, part, thrust)
+        assert own.growing == 2 * (squares[0] < 0)
+        if own.growing:
+            assert own.growth == pytest.approx(np.sqrt(-squares[0]), rel=1e-4)
+        else:
+            assert own.frequencies[0] == pytest.approx(np.sqrt(squares[0]), rel=1e-4)
+    for thrust in (0.0, 5.0, 9.0):  # the Ritz solution, and so the model, tends to the closed form
+        exact = 2 * np.sqrt(CRITICAL - thrust)
+        assert ritz(8, 0.999 * exact, 1.0, thrust)[0] > 0 > ritz(8, 1.001 * exact, 1.0, thrust)[0]
+
+
+# ---- models of a ladder
+
+
+def path(scene: SpatialScene, name: str, low: float, high: float, model: LadderModel, count: int = 4) -> ModelPath:
+    """A model over a parameter."""
+    made = model_path(studied(scene, ParameterRange(name, low, high, count)), model)
+    assert not made.failure and not made.gaps
+    return made
+
+
+def polynomials(count: int, order: DisplacementOrder, frame: str = "tangent", pieces: int = 1) -> LadderModel:
+    return LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces)
+
+
+def test_the_parameter_may_be_an_element_of_an_initial_velocity() -> None:
+    """A shaft that spins freely is lost where a driven one is."""
+    scene = derive.spatial_scene(
+        "free_spin",
+        ground=GROUND,
+        bodies={
+            "rod": rod(
+                ansatz={"kind": "pinned", "count": 1},
+                damping={"stiffness": "1/500"},
+                start={"angular_velocity": [1, 0, 0]},
+            )
+        },
+        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
+        simulation={"duration": 1, "output": 1},
+    )
+    sine = LadderModel(Shapes.SINES, 1, SECOND, "chord")
+    made = path(scene, "bodies.rod.start.angular_velocity[0]", 0, 15, sine, 3)
+    assert made.unit == "rad/s" and made.loss == pytest.approx(CRITICAL / np.sqrt(1 - INERTIA), rel=1e-6)
+
+
+LATERAL = 4.0126 / np.sqrt(1 - 1 / 1000)
+"""sqrt(EI GJ)/l^2: the load of lateral buckling, with the first effect of a bending stiffness of 1000 EI in its plane,
+which the torsional stiffness adds to that of EI: 1/((1 - EI/EI_3)(1 - GJ/EI_3)) is the square of the factor."""
+
+
+def cantilever() -> SpatialScene:
+    """A cantilever that is stiff in the plane of its end load P (N)."""
+    return derive.spatial_scene(
+        "cantilever",
+        parameters={"P": {"default": 0, "unit": "N"}},
+        ground={"wall": (0, 0, 0)},
+        bodies={
+            "rod": rod(
+                bending_stiffness=1000,
+                lateral={"bending_stiffness": 1},
+                torsion={"ansatz": ["xi", "xi^2", "xi^3"], "stiffness": 1},
+                ansatz=["1", "xi", "xi^2"],
+                markers={"left": -1, "right": 1},
+            )
+        },
+        joints={"root": {"kind": "fixed", "between": ["ground.wall", "rod.left"]}},
+        forces={"end": {"at": "rod.right", "force": [0, "-P", 0]}},
+        simulation={"duration": 1, "output": 1},
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("model", "near"),
+    [(polynomials(3, SECOND), 1e-2), (polynomials(2, SECOND, "mean", 2), 2e-2), (polynomials(2, FIRST), None)],
+    ids=lambda value: value.label if isinstance(value, LadderModel) else None,
+)
+def test_a_cantilever_buckles_laterally_at_second_order_alone(model: LadderModel, near: float | None) -> None:
+    """At 4.013 sqrt(EI GJ)/l^2, from above, also in pieces."""
+    lost = path(cantilever(), "P", 0, 6, model).loss
+    if near is None:
+        assert lost is None
+    else:
+        assert lost is not None and 0 < lost / LATERAL - 1 < near
+
+
+def blade() -> SpatialScene:
+    """The blade of the example."""
+    scene = read_scene(BLADE)
+    assert isinstance(scene, SpatialScene)
+    return scene
+
+
+SPIN = "drives.spin.speed"
+
+
+@pytest.mark.long
+def test_a_blade_of_first_order_is_lost_in_lag_at_its_frequency_at_rest() -> None:
+    """At 3.516 sqrt(EI/(m l^3)); flap does not soften, but does not stiffen either."""
+    made = path(blade(), SPIN, 0, 6, polynomials(3, FIRST), 3)
+    assert made.unit == "rad/s" and made.loss == pytest.approx(3.516, rel=1e-3)
+    flaps = [p.eigenvalues.frequencies[0] for p in made.points if p.eigenvalues is not None and p.value > 4]
+    assert flaps == pytest.approx([3.516] * len(flaps), rel=1e-3)
+
+
+@pytest.mark.long
+def test_a_blade_of_second_order_stiffens_in_flap_and_in_lag() -> None:
+    known = json.loads(DATA.read_text())["inextensible"]
+    chosen = [1, 3]
+    low, high = (known["mu"][n] for n in chosen)
+    made = path(blade(), SPIN, low, high, polynomials(3, SECOND), 2)
+    assert made.loss is None
+    for point, n in zip(made.points, chosen, strict=True):
+        assert point.eigenvalues is not None
+        expected = [known["chordwise"][n], known["flapwise"][n]]
+        assert point.eigenvalues.frequencies[:2] == pytest.approx(expected, rel=5e-3)
+
+
+@pytest.mark.long
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    models = (LadderModel(Shapes.RIGID), LadderModel(Shapes.SINES, 1, SECOND, "chord"))
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
+    monkeypatch.setattr("derive.study.stability.ladder_stability.ladder", lambda *_: models)
+    asked = ["study", "stability", str(SHAFT), "--parameter", "spin=0:20:5", "--exact", "14.9468", "--json"]
+    assert main([*asked, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    rigid, sine = json.loads(said.out)["models"]
+    assert rigid["wrong"] == [{"from": 14.9468, "to": 20.0, "stable": True}]
+    assert sine["loss"] == pytest.approx(14.9468, rel=1e-5)
+    assert "1 sine, truncated" in (tmp_path / "stability.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"bodies": {"rod": {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}}},
+            "there is no beam and no finite-element body",
+        ),
+        (
+            {"forces": {"end": {"at": "rod.right", "force": [0, "-P*t", 0]}}},
+            "no motion is steady, since these functions",
+        ),
+    ],
+)
+def test_scenes_that_have_no_stability_to_study(changes: dict[str, Any], message: str) -> None:
+    given = {
+        "parameters": {"P": {"default": 0}} if "forces" in changes else {},
+        "bodies": {"rod": rod(ansatz=["1", "xi", "xi^2"], markers={"left": -1, "right": 1})},
+        "simulation": {"duration": 1, "output": 1},
+    }
+    scene = derive.spatial_scene("refused", **{**given, **changes})
+    with pytest.raises(derive.TisserandError, match=message):
+        derive.study_stability(
+            scene, ("bodies.rod.start.angular_velocity", 0, 1, 2) if not given["parameters"] else ("P", 0, 1, 2)
+        )
+
+
+def test_a_shaft_that_gravity_bends_does_not_rotate_steadily() -> None:
+    """Its weight is along one direction in space."""
+    scene = derive.spatial_scene(
+        "heavy",
+        gravity=(0, -9.81, 0),
+        ground=GROUND,
+        bodies={"rod": rod(ansatz={"kind": "pinned", "count": 1}, start={"angular_velocity": [2, 0, 0]})},
+        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
+    )
+    native = derive.load_scene(generated(scene)[1], QUICK)
+    with pytest.raises(NoSteadyMotion, match="not those of a rotation of the whole scene"):
+        steady_motion_of(scene, native, native.setup())
