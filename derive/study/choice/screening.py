@@ -177,10 +177,10 @@ def _accelerations(scene: AnyScene) -> dict[str, tuple[float, float, float]]:
     with two markers."""
     pairs, in_space = _ends(scene), isinstance(scene, SpatialScene)
     watched, plots = list[SceneOutput](), list[Plot]()
-    for name, ends in pairs.items():
+    for name, places in pairs.items():
         own = [
             SceneOutput(_watched(kind, name, n), kind, {"marker": MarkerRef(name, marker.name)})
-            for n, marker in enumerate(ends)
+            for n, marker in enumerate(places)
             for kind in ("position", "acceleration")
         ]
         columns = tuple(column for output in own for column in output_columns(output, in_space))
