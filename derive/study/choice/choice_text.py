@@ -62,7 +62,7 @@ def _shares(choice: Choice) -> list[str]:
     flexible, (one, several) = ReferenceModels(choice.scene).flexible, flexible_nouns(choice.scene)
     others = choice.base.label
     if choice.base != flexible:
-        others += f" (rigid {several} are compared with {flexible.label})"
+        others += f" (rigid {several.removeprefix('flexible ')} are compared with {flexible.label})"
     head = ["", f"Share of each {one} in the error, while the other {several} are {others}"]
     return head + [
         f"  {of.beam:{names}}  {of.model.label:{width}}  "

@@ -36,11 +36,11 @@ OF_INTERFACE = {Shapes.CRAIG_BAMPTON: Shapes.ATTACHMENT}
 
 
 @dataclass(frozen=True)
-class Direction:
-    """A direction in which a reference may be too coarse: the coarser model that shows it, and finer ones.
+class CoarserModels:
+    """A direction in which a reference may be too coarse, and the coarser models that show it.
 
-    label: of the coarser model. beams: whether pieces of beams are what refines it. Functions return None where a scene
-    has no such model.
+    label: of the coarser models. coarser: of a model, or None where a scene has no such. beams: whether more pieces of
+    beams refine it.
     """
 
     label: str
@@ -67,12 +67,16 @@ class ReferenceModels:
         return self._each(lambda body: self._first(body, FIRST))
 
     @property
-    def directions(self) -> tuple[Direction, ...]:
+    def directions(self) -> tuple[CoarserModels, ...]:
         """The directions in which references of the scene may be too coarse, besides truncation."""
-        of_beams = [Direction("fewer beams", lambda model: self._pieces(model, -1), True)] if self._beams else []
+        of_beams = [CoarserModels("fewer beams", lambda model: self._pieces(model, -1), True)] if self._beams else []
         fewer = "fewer shapes" if self._beams else "fewer modes"
-        others = Direction("other modes", self._other_modes)
-        return (*of_beams, Direction(fewer, lambda model: self._shapes(model, -1)), *([others] if self._nodal else []))
+        others = CoarserModels("other modes", self._other_modes)
+        return (
+            *of_beams,
+            CoarserModels(fewer, lambda model: self._shapes(model, -1)),
+            *([others] if self._nodal else []),
+        )
 
     def finer(self, model: LadderModel, beams_first: bool) -> LadderModel | None:
         """The model after another one, with more pieces of beams or more shapes; None where there is none."""

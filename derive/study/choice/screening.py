@@ -173,14 +173,17 @@ def _accelerations(scene: AnyScene) -> dict[str, tuple[float, float, float]]:
     (m/s^2, root mean square over the length), and the length (m), in a run with rigid bodies, by the names of bodies
     with two markers."""
     pairs, in_space = _ends(scene), isinstance(scene, SpatialScene)
-    watched = tuple(
-        SceneOutput(_watched(kind, name, n), kind, {"marker": MarkerRef(name, marker.name)})
-        for name, ends in pairs.items()
-        for n, marker in enumerate(ends)
-        for kind in ("position", "acceleration")
-    )
-    columns = tuple(column for output in watched for column in output_columns(output, in_space))
-    watching: Any = replace(scene, outputs=watched, plots=(Plot("screened", ColumnCurves(columns)),))
+    watched, plots = list[SceneOutput](), list[Plot]()
+    for name, places in pairs.items():
+        own = [
+            SceneOutput(_watched(kind, name, n), kind, {"marker": MarkerRef(name, marker.name)})
+            for n, marker in enumerate(places)
+            for kind in ("position", "acceleration")
+        ]
+        columns = tuple(column for output in own for column in output_columns(output, in_space))
+        plots.append(Plot(identifier("screened", name), ColumnCurves(columns)))
+        watched += own
+    watching: Any = replace(scene, outputs=tuple(watched), plots=tuple(plots))
     rigid = ModelVariant(LadderModel(Shapes.RIGID), monitored=False, flags=UNOPTIMISED)
     try:
         moved = motion(opened(prepared(watching, rigid)), TOLERANCE)

@@ -1,4 +1,4 @@
-"""What a search leaves out, in a line each: models that the bodies of a scene do not have, and what nothing watches."""
+"""Lines on models that a search leaves out: those that the bodies of a scene do not have, and what nothing watches."""
 
 from __future__ import annotations
 
