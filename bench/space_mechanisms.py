@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -184,7 +185,8 @@ def times(
     case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path | None, lowering: str = "auto"
 ) -> dict[str, dict[str, float]]:
     """The least times (ns) of an evaluation by function and maker. Raises ArithmeticError if values differ."""
-    scene = replace(case.make(folder), lowering=lowering)
+    options: dict[str, Any] = {"lowering": lowering}
+    scene = replace(case.make(folder), **options)
     mechanism = derive(scene)
     with_casadi = case.casadi and lowering != "instances"
     equations = mechanism.expanded() if with_casadi or not case.hand else None
