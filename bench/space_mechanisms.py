@@ -5,9 +5,9 @@ python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...] [--coun
 All implementations of a scene run alternately in one process, with one compiler and the same flags; each time is the
 least of many slices, and values are compared first. CasADi gets our M, h, G and gamma, and our elimination order.
 FOLDER has C by hand for chains: joints2.c (rigid bodies, -DKIND=5, 3 or 6) and flex3.c (bodies with 8 modes, welded),
-with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Chains have any number of bodies;
-CasADi takes part in straight-line code of chains of 3. Exudyn, if it is installed, evaluates the mass matrix, the forces
-and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
+with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Chains have any number of
+bodies; CasADi takes part in straight-line code of chains of 3. Exudyn, if it is installed, evaluates the mass matrix,
+the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
 """
 
 from __future__ import annotations
