@@ -5,9 +5,9 @@ python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...] [--coun
 All implementations of a scene run alternately in one process, with one compiler and the same flags; each time is the
 least of many slices, and values are compared first. CasADi gets our M, h, G and gamma, and our elimination order.
 FOLDER has C by hand for chains: joints2.c (rigid bodies, -DKIND=5, 3 or 6) and flex3.c (bodies with 8 modes, welded),
-with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Chains are measured at each of
-the counts; CasADi takes part in straight-line code of chains of 3 bodies. Exudyn, if it is installed, evaluates the mass
-matrix, the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
+with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Chains have any number of
+bodies; CasADi takes part in straight-line code of chains of 3. Exudyn, if it is installed, evaluates the mass matrix,
+the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -184,7 +185,8 @@ def times(
     case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path | None, lowering: str = "auto"
 ) -> dict[str, dict[str, float]]:
     """The least times (ns) of an evaluation by function and maker. Raises ArithmeticError if values differ."""
-    scene = replace(case.make(folder), lowering=lowering)
+    options: dict[str, Any] = {"lowering": lowering}
+    scene = replace(case.make(folder), **options)
     mechanism = derive(scene)
     with_casadi = case.casadi and lowering != "instances"
     equations = mechanism.expanded() if with_casadi or not case.hand else None

@@ -165,7 +165,7 @@ class Bodies:
         return self.key(marker.body), marker.marker
 
     def form(self, marker: MarkerRef) -> Hashable:
-        """The same of a marker in space, whatever the joints of its body: these are no part of its motion."""
+        """The class of the motion of a marker: in space that of its body without the joints, which are no part of it."""
         if marker.body not in self.members or not isinstance(self.mechanism, SpatialMechanism):
             return self.end(marker)
         return body_key(self.members[marker.body]), marker.marker
