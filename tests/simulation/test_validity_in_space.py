@@ -1,4 +1,4 @@
-"""Runs with beams in space warn in both planes as planar ones do, and of lateral buckling; otherwise they are silent."""
+"""Beams in space warn in both planes as planar beams do, and of lateral buckling; otherwise runs are silent."""
 
 from __future__ import annotations
 
