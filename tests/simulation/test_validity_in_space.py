@@ -54,7 +54,8 @@ def test_monitors_are_those_of_the_planar_beam() -> None:
     own = [m for m in second.validity if m.axis == 2]
     assert [m.cause for m in own] == [m.cause for m in first.validity]
     for ours, known in zip(own, first.validity, strict=True):
-        assert (ours.value, ours.error) == pytest.approx((known.value, known.error), rel=0.02)
+        assert ours.value == pytest.approx(known.value, rel=0.02)
+        assert ours.error == pytest.approx(known.error, rel=0.1)  # means over the steps of the integrator
     assert len(second.warnings) == len(first.warnings) > 0
     assert all("rod along its e2" in warning for warning in second.warnings)
 
