@@ -20,6 +20,7 @@ The public interface, by stages:
                     Deflection, ReferenceCurve
                     in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, SpatialJoint, Gear,
                     SpatialBeam, SectionFrame, LateralDeflection, TorsionalDeformation,
+                    SpatialAttachedMass, SpatialDistributedLoad,
                     SpatialForce, SpatialTorque, SpatialJointForce, SpatialJointTorque,
                     SpatialSpring, SpatialInitialValues, SpatialJointInitialValues
                     all: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space

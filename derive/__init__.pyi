@@ -108,6 +108,12 @@ from derive.spec.model.spatial_beam import (
 from derive.spec.model.spatial_beam import (
     TorsionalDeformation as TorsionalDeformation,
 )
+from derive.spec.model.spatial_beam_parts import (
+    SpatialAttachedMass as SpatialAttachedMass,
+)
+from derive.spec.model.spatial_beam_parts import (
+    SpatialDistributedLoad as SpatialDistributedLoad,
+)
 from derive.spec.model.spatial_bodies import (
     FlexibleBody as FlexibleBody,
     FrameMarker as FrameMarker,

@@ -160,16 +160,16 @@ class Simulations:
 
 
 def _pieces(spec: AnyScene | NodalBody) -> Pieces:
-    bodies = () if isinstance(spec, NodalBody) else spec.bodies
+    bodies = getattr(spec, "bodies", ())  # none of a body alone
     return tuple((b.name, b.pieces) for b in bodies if isinstance(b, (BeamBody, SpatialBeam)))
 
 
 def _divided(spec: AnyScene | NodalBody, cut: str | None, pieces: int) -> AnyScene:
     """The scene with the beam `cut` divided into `pieces` pieces."""
-    assert not isinstance(spec, NodalBody), "a body alone has no plots of pieces"
     changed: Any = spec
     bodies: Any = (replace(b, pieces=pieces) if b.name == cut else b for b in changed.bodies)
-    return replace(changed, bodies=tuple(bodies))
+    result: AnyScene = replace(changed, bodies=tuple(bodies))
+    return result
 
 
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:

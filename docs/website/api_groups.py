@@ -37,6 +37,7 @@ GROUPS = {
             "Force Torque Spring Bushing DistributedLoad CustomForce InitialValues JointInitialValues",
             "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame SpatialJoint Gear "
             "SpatialBeam SectionFrame LateralDeflection TorsionalDeformation "
+            "SpatialAttachedMass SpatialDistributedLoad "
             "SpatialForce SpatialTorque SpatialJointForce SpatialJointTorque SpatialSpring SpatialInitialValues "
             "SpatialJointInitialValues SpatialStart",
             "Simulations and plots": "Simulation TimeFunction Plot Deflection ReferenceCurve",

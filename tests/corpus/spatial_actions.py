@@ -72,7 +72,7 @@ def _function(draft: SpatialDraft, size: float, vanishes: bool = False) -> Any:
     return f"{factor}*{draws.choice(FUNCTIONS).format(w=f'{w:g}')}"
 
 
-def _input_or_function(draft: SpatialDraft, size: float, unit: str, vanishes: bool = False) -> Any:
+def input_or_function(draft: SpatialDraft, size: float, unit: str, vanishes: bool = False) -> Any:
     """A function of time, or a run-time input that follows one in simulations."""
     if not draft.draws.chance(0.2):
         return _function(draft, size, vanishes)
@@ -120,7 +120,7 @@ def _drives(draft: SpatialDraft, geared: set[str]) -> None:
             driven = True
             drive: Table = {"joint": name}
             if draws.chance(0.6):
-                drive["motion"] = _input_or_function(draft, size, freedom.unit, vanishes=True)
+                drive["motion"] = input_or_function(draft, size, freedom.unit, vanishes=True)
             else:
                 drive["speed"] = rounded(size * draft.rate * draws.between(0.2, 1), 2)
             draft.section("drives")[draft.name("drives")] = drive
@@ -150,13 +150,13 @@ def _loads(draft: SpatialDraft, at: list[str]) -> None:
     draws, force = draft.draws, 3.0 * draft.size
     frames = words(SpatialForce, "frame")
     if draws.chance(0.5):
-        components = [_input_or_function(draft, force, "N") for _ in range(3)]
+        components = [input_or_function(draft, force, "N") for _ in range(3)]
         table: Table = {"at": draws.choice(at), "force": components}
         draft.section("forces")[draft.name("forces")] = table | {"frame": draws.choice(frames)}
     turning = [marker for marker in at if _turns(draft, marker)]
     if turning and draws.chance(0.5):
         on = draws.choice(turning)
-        components = [_input_or_function(draft, 0.1 * force, "N m") for _ in range(3)]
+        components = [input_or_function(draft, 0.1 * force, "N m") for _ in range(3)]
         table = {"on": on, "torque": components, "frame": draws.choice(frames)}
         others = [other for other in turning if other.split(".")[0] != on.split(".")[0]]
         if others and draws.chance(0.5):
@@ -173,7 +173,7 @@ def _in_joints(draft: SpatialDraft, force: float) -> None:
     for section, motion, size, unit in sections:
         for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
             if _leaves(joint, motion) and draft.draws.chance(0.2):
-                load = {"joint": name, "value": _input_or_function(draft, size, unit)}
+                load = {"joint": name, "value": input_or_function(draft, size, unit)}
                 draft.section(section)[draft.name(section)] = load
 
 

@@ -14,9 +14,10 @@ import numpy as np
 from corpus.beams import ROD, SAG, axial_table, damping_table, frame_value
 from corpus.draft import Table
 from corpus.draws import rounded, words
-from corpus.spatial_actions import act_in_space, observe_in_space
+from corpus.spatial_actions import act_in_space, input_or_function, observe_in_space
 from derive.spec.model.beam_parts import FAMILY_FRAMES, ShapeFamily
 from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_beam_parts import SpatialDistributedLoad
 from derive.spec.parsing.choices import FRAME_KINDS
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def _spinning(draft: SpatialDraft) -> None:
     draft.joint("revolute", draft.ground, shaft, shaft.x, axes)
     root = shaft.x + draft.vector(0.2 * draft.size)
     beam = beam_body(draft, root)
+    draft.section("bodies")[beam.name].pop("loads", None)  # which are not at rest in axes that rotate
     draft.joint("fixed", shaft, beam, root, draft.rotation())
     for body in (shaft, beam):
         draft.section("bodies")[body.name]["start"] = {
@@ -161,10 +163,38 @@ def beam_body(draft: SpatialDraft, root: np.ndarray) -> SolidBody:
     if draws.chance(0.4):
         lateral = table.setdefault("lateral", {})
         lateral["bending_stiffness"] = draft.quantity(rounded(stiffness * draws.between(0.5, 3), 2), "N m^2")
+    if draws.chance(0.3) and "ends" not in table and not isinstance(table.get("ansatz"), dict):
+        table["pieces"], count = draws.choice([1, 2, 2, 3]), 0
+    _carried(draft, table, mass, length)
     body = draft.added(draft.name("bodies"), table)
     body.length, body.bends = length, count
     body.x = root + _half(body)
     return body
+
+
+def _carried(draft: SpatialDraft, table: Table, mass: float, length: float) -> None:
+    """Masses and distributed loads on a beam, sometimes."""
+    draws, weight = draft.draws, 9.81 * mass / length
+    if draws.chance(0.3):
+        own: Table = {"at": draws.choice([-1, 0, "1/3", 1]), "mass": draft.quantity(rounded(0.2 * mass, 2), "kg")}
+        if draws.chance(0.6):
+            J = rounded(0.2 * mass * (0.1 * length) ** 2, 2)
+            own["inertia"] = [draft.quantity(J, "kg m^2"), J, rounded(1.2 * J, 3), 0, 0, 0]
+        if draws.chance(0.5):
+            own["centre"] = [rounded(0.05 * length * draws.between(-1, 1), 2) for _ in range(3)]
+        table["masses"] = {"bob": own}
+    if draws.chance(0.3):
+        load: Table = {}
+        if draws.chance(0.7):
+            load["force"] = [0, *(rounded(0.3 * weight * draws.between(-1, 1), 2) for _ in range(2))]
+            load["force"][0] = draws.choice([0, f"{rounded(0.2 * weight, 2)}*xi"])
+        if not load or draws.chance(0.3):
+            load["torque"] = [rounded(0.02 * weight * length * draws.between(-1, 1), 2), 0, 0]
+        if draws.chance(0.5):
+            load["time"] = input_or_function(draft, 1.0, "1")
+        if draws.chance(0.5):
+            load["frame"] = draws.choice(words(SpatialDistributedLoad, "frame"))
+        table["loads"] = {"wind": load}
 
 
 def _shapes(draft: SpatialDraft) -> tuple[Table, int]:

@@ -18,6 +18,7 @@ from corpus.generator import CorpusScene
 from derive.reduction.body import prepare
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.scene import STEADY
+from derive.spec.model.spatial_beam import SpatialBeam
 
 sys.path.append(str(Path(__file__).parents[1] / "space"))
 from decimal_vectors import array, floats, number, precise
@@ -45,6 +46,8 @@ def physics_in_space(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     run = PreparedRun(spec, complete=False)
     motion = run.trajectory().motion
     native = motion.native
+    if any(isinstance(body, SpatialBeam) and body.pieces > 1 for body in spec.bodies):
+        return  # the oracle knows no pieces; their equations: tests/space/test_spatial_beam_pieces.py
     oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, folder=path.parent, fields=fields(spec))
     for i in np.unique(np.linspace(0, len(motion.t) - 1, ROWS).astype(int)):
         t, q, v = float(motion.t[i]), motion.q[i], motion.v[i]

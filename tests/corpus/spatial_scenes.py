@@ -248,7 +248,8 @@ def _timed(draft: SpatialDraft, linkage: str) -> str:
     if "start" not in draft.tables.get("scene", {}):  # else a steady one
         _starts(draft)
     duration = rounded(draft.draws.between(0.1, 0.4) / draft.rate, 2)
-    if any(body.flexible for body in draft.bodies.values()):
+    in_pieces = any("pieces" in table for table in draft.tables["bodies"].values())  # they oscillate fast
+    if in_pieces or any(body.flexible for body in draft.bodies.values()):
         duration = rounded(draft.draws.between(1, 3) * 1e-3, 2)
     draft.section("simulation").update({"duration": duration, "output": rounded(duration / 10, 2)})
     return f"spatial {linkage}"

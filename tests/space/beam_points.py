@@ -139,6 +139,10 @@ def beam_body(name: str, table: Table, value: Numbers) -> PointBody:
         for p, share in section_points(mass, inertia, value.vector(table.get("centre", (0, 0)))):
             places.append((xi, p))
             weights.append(w * share / 2)
+    for carried in table.get("masses", {}).values():
+        for p, share in mass_points(carried, value):
+            places.append((number(carried["at"]), p))
+            weights.append(share)
     at = [xi * beam.length / 2 * E1 + p for xi, p in places]
     turns = {(i, xi): beam.turn(i, xi) for i in range(beam.n) for xi in {xi for xi, _ in places}}
     fields = [[beam.displacement(i, xi) + cross(turns[i, xi], p) for xi, p in places] for i in range(beam.n)]
@@ -152,11 +156,32 @@ def beam_body(name: str, table: Table, value: Numbers) -> PointBody:
         np.array(fields, dtype=object),
         K,
         damping(beam, table, value, K),
-        {marker: beam_marker(of, beam, order) for marker, of in table.get("markers", {}).items()},
+        {marker: beam_marker(of, beam, order) for marker, of in {**table.get("markers", {}), **loaded(beam)}.items()},
         psi,
         cubic if order == 2 else None,
         preload,
     )
+
+
+def loaded(beam: BeamKinematics) -> dict[str, Decimal]:
+    """The positions at which distributed loads are evaluated, by the names of their points."""
+    return {f"point {i}": xi for i, (xi, _) in enumerate(gauss_points(beam.shapes.nodes))}
+
+
+def mass_points(table: Table, value: Numbers) -> list[tuple[Array, Decimal]]:
+    """Points p and masses that have the mass, the centre and the tensor of inertia of a body on a section."""
+    mass, centre = value(table["mass"]), value.vector(table.get("centre", (0, 0, 0)))
+    xx, yy, zz, xy, xz, yz = value.vector(table.get("inertia", (0,) * 6))
+    half = (xx + yy + zz) / 2
+    second = {(0, 0): half - xx, (1, 1): half - yy, (2, 2): half - zz, (0, 1): -xy, (0, 2): -xz, (1, 2): -yz}
+    e, result = identity(3), [(centre, mass)]
+    for (i, j), moment in second.items():  # pairs of points at distance 1, and what they add to the mass at the centre
+        for first in (ONE, -ONE):
+            for sign in (ONE, -ONE) if i != j else (ONE,):
+                offset = first * (e[i] + sign * e[j]) if i != j else first * e[i]
+                share = sign * moment / 4 if i != j else moment / 2
+                result += [(centre + offset, share), (centre, -share)]
+    return result
 
 
 def section_points(mass: Decimal, inertia: Decimal, centre: Array) -> list[tuple[Array, Decimal]]:

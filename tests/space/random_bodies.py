@@ -137,6 +137,22 @@ class RandomBodies(RandomValues):
             self.lines.append(f"damping = {{ mass = {factors[0]}, stiffness = {factors[1]} }}")
         elif self.chance(0.5):
             self.lines.append(f"damping = {{ ratio = {self.quantity(self.positive(0.01, 0.1), 0.4)} }}")
+        if self.chance(0.4):
+            self.lines += [f"masses.bob.at = {self.random.choice(['1', '-0.5'])}"]
+            self.lines += [f"masses.bob.mass = {self.quantity(self.positive(0.1, 0.5), 0.3)}"]
+            if self.chance(0.6):
+                tensor = [0.02, 0.03, 0.025, *(0.1 * self.number(0.02) for _ in range(3))]
+                self.lines += [f"masses.bob.inertia = {self.quantities(tensor, 0.2)}"]
+            if self.chance(0.6):
+                self.lines += [f"masses.bob.centre = {self.quantities([self.number(0.1) for _ in range(3)], 0.2)}"]
+        if self.chance(0.4):
+            self.lines += [
+                f'loads.wind.force = [{self.number(2)}, "{self.number(3)}*(1 - xi^2)", "{self.number(3)}*xi"]'
+            ]
+            if self.chance(0.6):
+                self.lines.append(f"loads.wind.time = {self.input() if self.chance(0.2) else self.function()}")
+            if self.chance(0.7):
+                self.lines += [f'loads.wind.frame = "{self.random.choice(["inertial", "body"])}"']
         for marker, at in (("left", -1), ("middle", self.random.choice(["0", '"1/3"', "0.5"])), ("right", 1)):
             turned = f"{{ at = {at}, rotation = {self.rotation()} }}"
             self.lines.append(f"markers.{marker} = {turned if self.chance(0.7) else at}")

@@ -20,6 +20,7 @@ from derive.spec.model.body import BodyFrame, Damping, NodalBody
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys
 from derive.spec.model.scene import Drive, SceneInput
 from derive.spec.model.spatial_beam import LateralDeflection, SectionFrame, SpatialBeam, TorsionalDeformation
+from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialJointForce, SpatialJointTorque, SpatialTorque
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
@@ -40,6 +41,8 @@ TABLES: Mapping[str, type] = {
     "frame of a beam": Frame,
     "damping of a beam": BeamDamping,
     "section": SectionFrame,
+    "mass on a beam": SpatialAttachedMass,
+    "load on a beam": SpatialDistributedLoad,
     "marker": FrameMarker,
     "marker at nodes": NodeFrame,
     "frame": BodyFrame,
@@ -93,6 +96,8 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
     },
     ("nodal load", "file"): "written in place of lists, in test_nodal_loads.py",
     ("input", "unit"): "a text",
+    ("beam", "pieces"): "a row of beams: tests/space/test_spatial_beam_pieces.py",
+    ("load on a beam", "torque"): "tests/space/test_spatial_beam_loads.py",
 }
 """Features that do not change the equations of motion, or that other tests compare, each with the reason."""
 
@@ -176,7 +181,7 @@ def tables_of(scene: Table) -> Iterator[tuple[str, Table]]:
             yield ("marker at nodes", _marker(of, "node")) if flexible else (word, _marker(of, "at"))
         if beam:
             yield from _parts_of(body)
-        yield from (("nodal load", of) for of in body.get("loads", {}).values())
+        yield from (("load on a beam" if beam else "nodal load", of) for of in body.get("loads", {}).values())
         if flexible:
             frame = body.get("frame", "mean")
             yield "frame", frame if isinstance(frame, Mapping) else {"kind": frame}
@@ -197,6 +202,7 @@ def _parts_of(beam: Table) -> Iterator[tuple[str, Table]]:
     if isinstance(beam.get("ansatz"), Mapping):
         yield "shapes", beam["ansatz"]
     yield "damping of a beam", beam.get("damping", {})
+    yield from (("mass on a beam", of) for of in beam.get("masses", {}).values())
 
 
 def _marker(of: Any, plain: str) -> Table:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
+from beam_shapes import beam_shapes, gauss_points
 from decimal_vectors import STEP, ZERO, Array, array, cross, floats, number, precise, solved, stacked, zeros
 from mass_points import PointBody
 from second_order_inertia import BodyInertia, truncated_inertia
@@ -109,6 +110,7 @@ class SpaceOracle(SpringKinematics):
             *self._internal(state, v),
             *self._on_nodes(t, self.poses(t, state), jacobians[0]),
             *self._applied(t, now[2], jacobians[2]),
+            *self._distributed(t, self.poses(t, state), jacobians[4]),
             *self._sprung(now[3], rate[3], jacobians[3]),
         ):
             h, force_sizes = h + force, force_sizes + abs(force)
@@ -188,7 +190,8 @@ class SpaceOracle(SpringKinematics):
         """Less the virtual work of forces at nodes, of which a single one is that of all nodes of a load."""
         result, start = [], 0
         for name, body in self.bodies.items():
-            for load in self.scene["bodies"][name].get("loads", {}).values():
+            table = self.scene["bodies"][name]
+            for load in table.get("loads", {}).values() if "nodes" in table else ():
                 forces = [self.value.vector(force) for force in load["forces"]]
                 for i, node in enumerate(load["nodes"]):
                     force = self.value.at(load.get("time", 1), t) * forces[i if len(forces) > 1 else 0]
@@ -196,6 +199,24 @@ class SpaceOracle(SpringKinematics):
                         force = poses[name].R @ force
                     result += [-force[k] * J[start + 3 * node + k] for k in range(3)]
             start += 3 * len(body.points)
+        return result
+
+    def _distributed(self, t: Decimal, poses: Mapping[str, Pose], J: Array) -> list[Array]:
+        """Less the virtual work of forces per length, at points of the axes of beams."""
+        result, names = [], self.all_markers()
+        by = J.reshape(len(names), 3, -1)
+        for name, table in self.scene["bodies"].items():
+            for load in table.get("loads", {}).values() if "bending_stiffness" in table else ():
+                length, factor = self.value(table["length"]), self.value.at(load.get("time", 1), t)
+                for i, (xi, w) in enumerate(gauss_points(beam_shapes(table).nodes)):
+                    # A polynomial in xi is read as a function of t.
+                    texts = (of.replace("xi", "t") if isinstance(of, str) else of for of in load["force"])
+                    density = np.array([self.value.at(of, xi) for of in texts], dtype=object)
+                    force = density * factor * w * length / 2
+                    if load.get("frame", "inertial") == "body":
+                        force = poses[name].R @ force
+                    row = names.index(f"{name}.point {i}")
+                    result += [-force[k] * by[row, k] for k in range(3)]
         return result
 
     def _applied(self, t: Decimal, now: Array, J: Array) -> list[Array]:

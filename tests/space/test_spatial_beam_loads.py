@@ -37,8 +37,8 @@ def test_loads_and_masses_in_a_plane_are_those_of_the_planar_beam(order: int) ->
     """
     rod = ROD | {"frame": "chord", "order": order}
     J = 0.02 * (order == 2)
-    masses = {"tip": {"at": 1, "mass": 0.3, "inertia": J}, "other": {"at": "-1/3", "mass": 0.2}}
-    loads = {
+    masses: dict[str, Any] = {"tip": {"at": 1, "mass": 0.3, "inertia": J}, "other": {"at": "-1/3", "mass": 0.2}}
+    loads: dict[str, Any] = {
         "wind": {"force": [3, "5*(1 - xi^2)"], "time": "cos(2*t)"},
         "pull": {"force": ["xi", "xi"], "frame": "body"},
     }
@@ -113,7 +113,7 @@ def test_masses_are_bodies_that_are_fixed_to_sections() -> None:
     mass = {"at": 1, "mass": 0.7, "inertia": tensor, "centre": centre}
     rod = ROD | OTHERS | CLAMPED | {"lateral": {"bending_stiffness": 12}}
     clamp = {"clamp": {"kind": "fixed", "between": ["ground.o", "rod.left"]}}
-    own = {"ground": {"o": (0, 0, 0)}, "joints": clamp}
+    own: dict[str, Any] = {"ground": {"o": (0, 0, 0)}, "joints": clamp}
     attached = derive.spatial_scene("attached", bodies={"rod": rod | {"masses": {"tip": mass}}}, **own)
     bob = {"mass": 0.7, "inertia": tensor, "centre": centre, "markers": {"o": (0, 0, 0)}}
     weld = {"weld": {"kind": "fixed", "between": ["rod.right", "bob.o"]}}

@@ -154,3 +154,14 @@ def test_pieces_are_refused(changes: dict[str, Any], text: str) -> None:
     """Families of shapes, and amplitudes, are for beams in one piece."""
     with pytest.raises(derive.SpecError, match=text):
         cantilever(2, **changes)
+
+
+def test_names_of_pieces_are_taken() -> None:
+    """A body, and a joint, are not called like a piece of a beam or a weld between pieces."""
+    other = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}
+    rod = ROD | IN_SPACE | {"pieces": 2, "markers": {"left": -1}}
+    with pytest.raises(derive.SpecError, match="rod_1"):
+        derive.spatial_scene("taken", bodies={"rod": rod, "rod_1": other})
+    clamp = {"rod_cut_1": {"kind": "fixed", "between": ["ground.o", "rod.left"]}}
+    with pytest.raises(derive.SpecError, match="rod_cut_1"):
+        derive.spatial_scene("taken", ground={"o": (0, 0, 0)}, bodies={"rod": rod}, joints=clamp)

@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
-from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.terms import ModelConstant, Term
+from derive.mechanics.symbols import Family, identity
+from derive.mechanics.terms import Term
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.instances import InstanceEquations
-
-
-def shared_damping(rod: str, components: tuple[str, ...], entries: Iterable[ModelConstant]) -> ComponentDamping:
-    """The damping of a rod in several components by the entries of its matrix; equal entries share a constant."""
-    symbols, constants = dict[tuple[int, int], sp.Symbol](), dict[sp.Expr, ModelConstant]()
-    for c in (c for c in entries if not c.zero):
-        i, j = c.symbol.identity.shapes
-        doc = f"damping of amplitudes {i} and {j} of {rod}, counted through its pieces; also of equal entries"
-        entry = replace(c, symbol=owned(c.symbol, rod), doc=doc)
-        symbols[i, j] = constants.setdefault(c.value, entry).symbol
-    return ComponentDamping(components, symbols, tuple(constants.values()))
 
 
 def damping_force(damping: ComponentDamping, instances: Mapping[str, InstanceEquations]) -> GeneralisedForce:

@@ -176,13 +176,12 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
         array([0.6105])
     """
     if isinstance(spec, (Scene, SpatialScene)):
-        spec = in_pieces(spec)
         state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
     else:
         state = _of_body(spec, at)
     axes = None if state.steady is None else state.steady.axes
     linear = linearise(state.native, state.k, state.t, state.q, state.v, axes)
-    return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium, state.steady)
+    return Modes(in_pieces(spec), state.native, state.k, linear, eigenmodes(linear), state.equilibrium, state.steady)
 
 
 def _of_body(spec: Specification, at: float | None) -> _State:

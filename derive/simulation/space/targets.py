@@ -28,7 +28,7 @@ from derive.simulation.space.joint_targets import (
     rotation_of_frames,
 )
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.beam_pieces import piece_name, whole
+from derive.spec.model.beam_pieces import piece_name, whole_beam
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
@@ -86,11 +86,12 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
 
 def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
     """The targets of a body; those of a beam in pieces belong to its first piece, and are means over all."""
-    of = whole(body)
     names: tuple[str, ...] = (body.name,)
+    of = body
     if isinstance(body, SpatialBeam) and body.piece_of is not None:
         if body.piece_of.number:
             return
+        of = whole_beam(body)
         names = tuple(piece_name(of.name, body.pieces, k) for k in range(body.pieces))
     start, table = of.start, f"bodies.{of.name}.start"
     given = Strength.GUESS if start.guess else Strength.GIVEN

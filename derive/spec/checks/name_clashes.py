@@ -15,6 +15,7 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.rows import DISTANCE, RELATIVE_MOTIONS, SCREW
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.beam_parts import DEFAULT_ANSATZ
+from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.instances import identifier, joined, rate_name
 from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
@@ -113,7 +114,7 @@ def made_names(view: SceneData) -> Iterator[Made]:
     for name, body in _named(view, "bodies"):
         path: KeyPath = ("bodies", name)
         if view.in_space:
-            yield from _spatial_coordinates(path, name)
+            yield from _spatial_names(view, path, name, body)
             continue
         if not view.is_beam(name):
             yield from _coordinates(path, name, 0, f"the body {name}")
@@ -156,6 +157,16 @@ def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Mad
     for coordinate in map(identifier, coordinate_names(name, shapes)):
         for rate in RATES:
             yield path, f"{coordinate}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
+
+
+def _spatial_names(view: SceneData, path: KeyPath, name: str, body: Raw) -> Iterator[Made]:
+    """The names that a body in space makes, a beam with those of its pieces and of the welds between them."""
+    for count in piece_counts(view, name, body) if view.is_beam(name) else (1,):
+        for k in range(count):
+            yield from _spatial_coordinates(path, piece_name(name, count, k))
+        for k in range(1, count):
+            for end in _spatial_labels():
+                yield path, identifier(f"{name}_cut_{k}{end}"), f"a name of cut {k} of the body {name}"
 
 
 def _spatial_coordinates(path: KeyPath, name: str) -> Iterator[Made]:

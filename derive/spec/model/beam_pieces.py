@@ -40,7 +40,9 @@ def place_in_piece(at: Fraction, pieces: int) -> Fraction:
 
 def in_pieces(spec: S) -> S:
     """A scene in space as it is computed: `with_pieces`; every other specification as it is."""
-    return with_pieces(spec) if isinstance(spec, SpatialScene) else spec
+    result: Any = with_pieces(spec) if isinstance(spec, SpatialScene) else spec
+    made: S = result
+    return made
 
 
 def with_pieces(scene: SpatialScene) -> SpatialScene:
@@ -73,14 +75,15 @@ def with_pieces(scene: SpatialScene) -> SpatialScene:
 
 def located(scene: SpatialScene, marker: MarkerRef) -> MarkerRef:
     """A marker that the specification names, on the piece of a beam that it lies on."""
-    pieces = (body for body in scene.bodies if isinstance(body, SpatialBeam) and whole(body).name == marker.body)
+    beams = (body for body in scene.bodies if isinstance(body, SpatialBeam))
+    pieces = (beam for beam in beams if whole_beam(beam).name == marker.body)
     own = (piece.name for piece in pieces if marker.marker in (m.name for m in piece.markers))
     return MarkerRef(next(own, marker.body), marker.marker)
 
 
-def whole(body: SpatialBody) -> SpatialBody:
-    """The body as it is specified: of a piece of a beam the whole beam."""
-    return body.piece_of.rod if isinstance(body, SpatialBeam) and body.piece_of else body
+def whole_beam(beam: SpatialBeam) -> SpatialBeam:
+    """The beam as it is specified: of a piece the whole beam."""
+    return beam.piece_of.rod if beam.piece_of else beam
 
 
 def _is_cut(body: SpatialBody) -> bool:

@@ -1,4 +1,4 @@
-"""What is on a beam in space as frozen data: distributed loads, and attached masses."""
+"""The distributed loads and the attached masses of a beam in space as frozen data."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
-from derive.mechanics.multibody.space.beam_loads import section_names
+from derive.mechanics.multibody.bodies.beam_loads import section_names
 from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import COUNT
@@ -27,7 +27,7 @@ from derive.spec.tables.value_types import VALUE_TYPES, markers_type
 
 
 def _check_mass(of: SpatialAttachedMass) -> None:
-    if of.inertia is not None:
+    if of.inertia is not None and any(of.inertia):
         check_tensor(of.inertia)
 
 
@@ -71,7 +71,8 @@ def _beam(name: str, order: int, **given: Any) -> SpatialBeam:
         raise WrongValueError(
             "amplitudes belong to the shapes of a beam in one piece; leave them out of `start`, or leave `pieces` out"
         )
-    taken = section_names(beam) & {marker.name for marker in beam.markers}
+    of_loads = {name for load in beam.loads for name in section_names(load.name, beam.pieces)}
+    taken = of_loads & {marker.name for marker in beam.markers}
     if taken:
         raise WrongValueError(f"a point of a load is called like the marker {min(taken)}; rename one of them")
     if order == 1 and beam.axial is not None and beam.axial.preload != 0:

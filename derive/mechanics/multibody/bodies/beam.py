@@ -14,7 +14,7 @@ from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
-from derive.mechanics.multibody.component_damping import shared_damping
+from derive.mechanics.multibody.bodies.shared_damping import shared_damping
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AttachedMass, Marker, ShapeFamily

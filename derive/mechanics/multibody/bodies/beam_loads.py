@@ -25,6 +25,9 @@ from derive.spec.model.time_function import TimeFunction
 if TYPE_CHECKING:
     from derive.algebra import sp
 
+MOST_POINTS = 64
+"""The largest number of sections of a piece on which a torque per length may act."""
+
 AnyLoad = DistributedLoad | SpatialDistributedLoad
 """A distributed load in the plane or in space."""
 
@@ -68,6 +71,17 @@ def point_name(load: str, component: int, part: int, piece: int) -> str:
 def point_names(load: str, pieces: int) -> set[str]:
     """All names that the points of the resultants of a load may have."""
     return {point_name(load, c, part, piece) for c in (0, 1, 2) for part in (0, 1) for piece in range(pieces)}
+
+
+def torque_name(load: str, piece: int, k: int) -> str:
+    """The name of the section of a piece, counted from 0, on which torque k of a load in space acts."""
+    return f"{load}_{piece + 1}_t{k}"
+
+
+def section_names(load: str, pieces: int) -> set[str]:
+    """All names that the sections on which a load in space acts may have."""
+    of_torques = {torque_name(load, piece, k) for piece in range(pieces) for k in range(1, MOST_POINTS + 1)}
+    return of_torques | point_names(load, pieces)
 
 
 def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:

@@ -11,8 +11,8 @@ from derive.algebra import sp
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.multibody.component_damping import shared_damping
-from derive.spec.model.beam_pieces import CUT, piece_name, whole
+from derive.mechanics.multibody.bodies.shared_damping import shared_damping
+from derive.spec.model.beam_pieces import CUT, piece_name, whole_beam
 from derive.spec.model.spatial_beam import PieceOf, SpatialBeam
 from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
 
@@ -39,7 +39,7 @@ class BeamInSpace(BodyType[SpatialBeam]):
 
         alike = replace(body, name="", start=NOT_GIVEN_IN_SPACE, loads=(), piece_of=_alike(body.piece_of))
         of, sections = _beam(alike, gravity)
-        rod, names = whole(body).name, tuple(m.name for m in body.markers if m.name not in CUT)
+        rod, names = whole_beam(body).name, tuple(m.name for m in body.markers if m.name not in CUT)
         # The pieces without masses share their constants.
         group = body.name if body.masses else rod
         return (Component(body.name, group, of, {**sections, **load_sections(body)}, names, rod),)
@@ -54,7 +54,7 @@ class BeamInSpace(BodyType[SpatialBeam]):
         """The mass, length, inertia and stiffnesses, the offset of the centres of mass, masses, the damping."""
         if body.piece_of and body.piece_of.number:
             return  # those of the first piece
-        name = whole(body).name
+        name = whole_beam(body).name
         yield Constant(body.mass, f"mass of {name}", positive=True)
         yield Constant(body.length, f"length of {name}", positive=True)
         yield Constant(body.rotary_inertia, f"moment of inertia of {name} about its axis", positive=True)
@@ -67,7 +67,7 @@ class BeamInSpace(BodyType[SpatialBeam]):
             yield Constant(body.axial.preload, f"axial force at rest of {name}")
         for axis, value in zip((2, 3), body.centre, strict=True):
             yield Constant(value, f"offset of the centres of mass of {name} along its e{axis}")
-        for m in whole(body).masses:
+        for m in whole_beam(body).masses:
             what = f"the mass {m.name} on {name}"
             yield Constant(m.mass, f"mass {m.name} that is attached to {name}", positive=True)
             for component, value in zip(TENSOR, m.inertia or (), strict=False):

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.bodies.section_fields import section_shapes
-from derive.mechanics.multibody.bodies.beam_loads import number_function, per_length, point_names, resultants
+from derive.mechanics.multibody.bodies.beam_loads import number_function, per_length, resultants, torque_name
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.space.beam_sections import mean_section, section_at
 from derive.spec.model.markers import MarkerRef
@@ -29,8 +28,6 @@ if TYPE_CHECKING:
     from derive.spec.model.spatial_beam_parts import SpatialDistributedLoad
     from derive.spec.model.time_function import TimeFunction
 
-MOST_POINTS = 64
-"""There are less sections than this on which a torque per length acts, since ansatzes have a largest degree."""
 POINTS_OF_FAMILIES = 6
 """The number of sections on which a torque per length acts if shapes are no polynomials."""
 
@@ -72,18 +69,6 @@ def _torques(
         at = Fraction(float(xi))
         parts = (Fraction(density.at(at)) * Fraction(float(weight)) / (2 * n) for density in densities)
         yield torque_name(load.name, number, k), at, tuple(per_length(part, beam.length, load.time) for part in parts)
-
-
-def torque_name(load: str, piece: int, k: int) -> str:
-    """The name of the section of a piece, counted from 0, on which torque k of a load acts."""
-    return f"{load}_{piece + 1}_t{k}"
-
-
-def section_names(beam: SpatialBeam) -> set[str]:
-    """All names that the sections on which the loads of a beam act may have."""
-    numbers = [*product(range(beam.pieces), range(1, MOST_POINTS + 1))]
-    of_torques = {torque_name(load.name, *own) for load in beam.loads for own in numbers}
-    return of_torques.union(*(point_names(load.name, beam.pieces) for load in beam.loads))
 
 
 def _points(beam: SpatialBeam, densities: list[BeamFunction]) -> int:
