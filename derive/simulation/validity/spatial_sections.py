@@ -13,7 +13,7 @@ import numpy as np
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import spring_type
 from derive.simulation.configurations import rotation_matrix
-from derive.spec.model.beam_pieces import whole
+from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
@@ -29,7 +29,7 @@ def beam_markers(scene: SpatialScene, beam: str) -> dict[MarkerRef, tuple[Fracti
     """The markers of a beam, also of its pieces, with their places on the whole beam."""
     result = {}
     for body in scene.bodies:
-        if isinstance(body, SpatialBeam) and whole(body).name == beam:
+        if isinstance(body, SpatialBeam) and whole_beam(body).name == beam:
             n, number = (body.pieces, body.piece_of.number) if body.piece_of else (1, 0)
             for m in body.markers:
                 result[MarkerRef(body.name, m.name)] = ((m.at + 2 * number + 1) / n - 1, m)
@@ -78,7 +78,7 @@ def _holds(held: frozenset[str], axes: np.ndarray, normal: np.ndarray) -> bool:
 
 def _outer(scene: SpatialScene) -> Iterator[SpatialJoint]:
     """The joints but for those that weld the pieces of a beam together."""
-    beams = {body.name: whole(body).name for body in scene.bodies if isinstance(body, SpatialBeam)}
+    beams = {body.name: whole_beam(body).name for body in scene.bodies if isinstance(body, SpatialBeam)}
     for joint in scene.joints:
         ends = [beams.get(end.body) for end in (joint.first, joint.second)]
         if ends[0] is None or ends[0] != ends[1]:
