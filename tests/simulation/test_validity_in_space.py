@@ -55,7 +55,7 @@ def test_monitors_are_those_of_the_planar_beam() -> None:
     assert [m.cause for m in own] == [m.cause for m in first.validity]
     for ours, known in zip(own, first.validity, strict=True):
         assert ours.value == pytest.approx(known.value, rel=0.02)
-        assert ours.error == pytest.approx(known.error, rel=0.1)  # means over the steps of the integrator
+        assert ours.error == pytest.approx(known.error, rel=0.2)  # means over the steps of the integrator
     assert len(second.warnings) == len(first.warnings) > 0
     assert all("rod along its e2" in warning for warning in second.warnings)
 

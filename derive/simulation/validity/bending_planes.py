@@ -12,7 +12,7 @@ from derive.mechanics.bodies.section_fields import Direction, section_shapes
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.beam_pieces import whole
+from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.specification import AnyScene
@@ -29,9 +29,7 @@ def bending_planes(scene: AnyScene) -> tuple[PieceShapes, ...]:
 
 def spatial_beams(scene: AnyScene) -> tuple[SpatialBeam, ...]:
     """The beams of a scene in space, those in pieces as a whole."""
-    beams = (
-        of for body in scene.bodies if isinstance(body, SpatialBeam) and isinstance(of := whole(body), SpatialBeam)
-    )
+    beams = (whole_beam(body) for body in scene.bodies if isinstance(body, SpatialBeam))
     return tuple({beam.name: beam for beam in beams}.values())
 
 
