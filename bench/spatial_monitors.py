@@ -24,13 +24,14 @@ import numpy as np
 
 import derive
 from derive.errors import TisserandError, first_line
+from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.simulation.validity.spatial_sections import held_in_plane
 from derive.spec.model.beam_parts import Frame
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
+from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, SpatialBody
 from derive.spec.model.spatial_scene import SpatialScene
 
 PLACES = [Fraction(n, 2) for n in range(-2, 3)]
@@ -42,27 +43,33 @@ Row = dict[str, Any]
 
 def watched(scene: SpatialScene, pieces: int | None) -> SpatialScene:
     """The scene with its own beams, or with finer ones, and outputs of the places of points along them."""
-    bodies, outputs = [], []
+    bodies, outputs = list[SpatialBody](), list[SceneOutput]()
     for body in scene.bodies:
-        if isinstance(body, SpatialBeam):
-            markers = (*body.markers, *(SectionFrame(f"seen{i}", at) for i, at in enumerate(PLACES)))
-            body = replace(body, markers=markers)
-            if pieces:
-                lateral = replace(body.lateral, ansatz=None) if body.lateral else None
-                finer = {"ansatz": POLYNOMIALS, "ends": None, "frame": Frame("mean"), "lateral": lateral}
-                body = replace(body, order=DisplacementOrder.TRUNCATED, pieces=pieces, **finer)
-            for axis in (2, 3):
-                base = f"seen{_base(scene, body.name, axis)}"
-                for i in range(len(PLACES)):
-                    values = {"marker": MarkerRef(body.name, f"seen{i}"), "frame": MarkerRef(body.name, base)}
-                    outputs.append(SceneOutput(f"{body.name}_{axis}_{i}", "position", values))
-        bodies.append(body)
+        if not isinstance(body, SpatialBeam):
+            bodies.append(body)
+            continue
+        markers = (*body.markers, *(SectionFrame(f"seen{i}", at) for i, at in enumerate(PLACES)))
+        bodies.append(_finer(replace(body, markers=markers), pieces))
+        for axis in (2, 3):
+            base = f"seen{_base(scene, body.name, axis)}"
+            for i in range(len(PLACES)):
+                values = {"marker": MarkerRef(body.name, f"seen{i}"), "frame": MarkerRef(body.name, base)}
+                outputs.append(SceneOutput(f"{body.name}_{axis}_{i}", "position", values))
+    assert scene.simulation is not None
     settings = replace(scene.simulation, until=None)
     return replace(scene, bodies=tuple(bodies), outputs=tuple(outputs), plots=(), simulation=settings)
 
 
+def _finer(body: SpatialBeam, pieces: int | None) -> SpatialBeam:
+    if pieces is None:
+        return body
+    lateral = replace(body.lateral, ansatz=None) if body.lateral else None
+    cut = replace(body, order=DisplacementOrder.TRUNCATED, pieces=pieces, lateral=lateral)
+    return replace(cut, ansatz=POLYNOMIALS, ends=None, frame=Frame("mean"))
+
+
 def _base(scene: SpatialScene, beam: str, axis: int) -> int:
-    return len(PLACES) - 1 if held_in_plane(scene, beam, axis) == (1,) else 0
+    return len(PLACES) - 1 if held_in_plane(scene, beam, axis) == (Fraction(1),) else 0
 
 
 def deflections(run: derive.Trajectory, scene: SpatialScene) -> dict[tuple[str, int], np.ndarray]:
@@ -89,8 +96,7 @@ def rows(scene: SpatialScene) -> Iterator[Row]:
         def error(of: np.ndarray, peak: float = peak, truth: np.ndarray = of) -> float:
             return float(np.sqrt(((of - truth) ** 2).mean(axis=0)).max()) / peak if peak else 0.0
 
-        length = lengths[key[0]]
-        size = peak / float(getattr(length, "default", length))
+        size = peak / si_value(lengths[key[0]])
         yield {
             "scene": scene.name,
             "beam": key[0],
@@ -109,8 +115,9 @@ def corpus(seeds: range) -> Iterator[SpatialScene]:
     for seed in seeds:
         with tempfile.TemporaryDirectory() as folder:
             spec = derive.read(corpus_scene(seed).write(Path(folder) / "scene"))
-        beams = sum(isinstance(body, SpatialBeam) for body in spec.bodies) if isinstance(spec, SpatialScene) else 0
-        if beams in (1, 2) and spec.simulation is not None and spec.lowering != "instances":
+        if not isinstance(spec, SpatialScene) or spec.simulation is None or spec.lowering == "instances":
+            continue
+        if sum(isinstance(body, SpatialBeam) for body in spec.bodies) in (1, 2):
             yield spec
 
 

@@ -33,6 +33,7 @@ from derive.simulation.stop_condition import state_columns, stop_condition, stop
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
 from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.mode_content import mode_notes
 from derive.simulation.validity.monitoring_outputs import monitoring_note, monitoring_outputs, with_monitors
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.checks.plotted_columns import missing_columns
@@ -158,6 +159,7 @@ class PreparedRun:
         solution = integrator.integrate(k, q, v, times, settings)
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
         foreseen += (*fast_spin_notes(self.scene, self.body, native, k, solution.q, solution.v),)
+        foreseen += (*mode_notes(self.scene, native, k, solution.q),)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
         solution = replace(solution, notes=(*foreseen, *solution.notes))

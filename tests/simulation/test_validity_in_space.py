@@ -1,4 +1,4 @@
-"""Runs with beams in space warn in both planes as planar runs do, and of lateral buckling; otherwise they are silent."""
+"""Beams in space warn in both planes as planar beams do, and of lateral buckling; otherwise runs are silent."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def cantilever(**changes: Any) -> derive.SpatialScene:
 def test_monitors_are_those_of_the_planar_beam() -> None:
     """A cantilever that a load bends in a plane has the monitors of the planar beam there, and no others pass."""
     joint = derive.Joint("h", "weld", derive.MarkerRef("ground", "o"), derive.MarkerRef("rod", "left"))
-    load = [-2, "sin(3*t)/4"]
+    load = ["-1/2", "sin(3*t)"]
     plane = derive.scene(
         "plane",
         ground={"o": (0, 0)},
@@ -54,7 +54,8 @@ def test_monitors_are_those_of_the_planar_beam() -> None:
     own = [m for m in second.validity if m.axis == 2]
     assert [m.cause for m in own] == [m.cause for m in first.validity]
     for ours, known in zip(own, first.validity, strict=True):
-        assert (ours.value, ours.error) == pytest.approx((known.value, known.error), rel=0.02)
+        assert ours.value == pytest.approx(known.value, rel=0.02)
+        assert ours.error == pytest.approx(known.error, rel=0.2)  # means over the steps of the integrator
     assert len(second.warnings) == len(first.warnings) > 0
     assert all("rod along its e2" in warning for warning in second.warnings)
 

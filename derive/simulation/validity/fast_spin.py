@@ -23,6 +23,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
 from derive.simulation.configurations import rotation_matrix, skew
 from derive.simulation.space.marker_frames import modal_frames_of
+from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -84,7 +85,8 @@ def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) 
         return
     for own in scene.bodies if isinstance(scene, SpatialScene) else ():
         first = amplitude_of(own.name, 1)
-        if (spec := _of_first_order(own)) and first.shown in native.coordinates:
+        watched = isinstance(own, SpatialBeam) and is_monitored(scene)  # the stiffness that its axial force adds
+        if not watched and (spec := _of_first_order(own)) and first.shown in native.coordinates:
             ends = (end for joint in scene.joints if joint.kind == "fixed" for end in (joint.first, joint.second))
             fixed = tuple(end.marker for end in ends if end.body == own.name)
             velocity = native.velocities.index(amplitude_of(own.name, 1, 1).shown) - RIGID

@@ -72,11 +72,16 @@ class ImpliedErrors:
 
     @property
     def of_axial_force(self) -> float:
-        """The error from the stiffness that axial forces add at second order; of a straight beam that stiffness."""
+        """The error from the stiffness that axial forces add at second order; of a straight beam that stiffness.
+
+        A beam in space that bends in one plane alone is right to stay straight in the other until it buckles there.
+        """
         if self.watched.beam.beam.order is not FIRST:
             return 0.0
         if self.straight:
-            return float(self.seen.largest[self.watched.axial])
+            stiffness = float(self.seen.largest[self.watched.axial])
+            buckles = stiffness >= 1 and self.seen.means[self.watched.axial] < 0
+            return stiffness if buckles or not self.watched.shapes.axis else 0.0
         return self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
 
     @property

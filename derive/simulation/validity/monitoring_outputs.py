@@ -96,7 +96,7 @@ def _sections_in_space(scene: SpatialScene) -> dict[tuple[str, int, Fraction, st
     for shapes in bending_planes(scene):
         name, axis = shapes.beam.name, shapes.axis
         loaded, turned = loaded_places(scene, name), turned_places(scene, name)
-        moments = {at: m for at, m in (loaded | turned).items() if abs(at) < 1 or at in turned}
+        moments = {at: m for at, m in {**loaded, **turned}.items() if abs(at) < 1 or at in turned}
         shears = {at: m for at, m in loaded.items() if abs(at) == 1}
         for kind, places in ((MOMENT_GAP, moments), (SHEAR_GAP, shears)):
             for at, marker in places.items():

@@ -184,10 +184,15 @@ def force_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
             element = GroupElement(number, tuple(bodies.members[name] for name in names), forces=(form,))
             groups.setdefault(key, []).append(element)
     result = [Group("force", with_differences(members)) for members in groups.values()]
-    for number, damping in enumerate(mechanism.dampings):
-        own = tuple(bodies.members[name] for name in damping.components)
-        result.append(Group("damping", (GroupElement(number, own),)))
-    return tuple((group, force_equations(bodies, group)) for group in result)
+    return (*((group, force_equations(bodies, group)) for group in result), *damping_groups(bodies))
+
+
+def damping_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
+    """Yield a group for the damping between the pieces of each beam, with its equations."""
+    for number, damping in enumerate(bodies.mechanism.dampings):
+        own = {name: bodies.equations(name) for name in damping.components}
+        group = Group("damping", (GroupElement(number, tuple(bodies.members[name] for name in own)),))
+        yield group, group_equations(bodies, own, damping_force(damping, own), damping.constants)
 
 
 def with_differences(members: list[GroupElement]) -> tuple[GroupElement, ...]:
@@ -202,25 +207,19 @@ def fixed_of(bodies: Bodies, names: Iterable[str]) -> Hashable:
 
 
 def force_equations(bodies: Bodies, group: Group) -> Equations:
-    """The equations of a force between bodies, or of a damping: its terms on all rows of its bodies."""
+    """The equations of a force between bodies: its terms on all rows of its bodies."""
     names = [m.instance.name for m in group.first.bodies]
     own = {name: bodies.equations(name) for name in names}
     rows = tuple(row for name in names for row in own[name].rows)
-    made: GeneralisedForce
-    constants: tuple[ModelConstant, ...] = ()
-    if group.what == "damping":
-        damping = bodies.mechanism.dampings[group.first.number]
-        made, constants = damping_force(damping, own), damping.constants
-    else:
 
-        def at(marker: MarkerRef) -> PointMotion:
-            return own[marker.body].points[marker.marker] if marker.body in own else bodies.known.point(marker)
+    def at(marker: MarkerRef) -> PointMotion:
+        return own[marker.body].points[marker.marker] if marker.body in own else bodies.known.point(marker)
 
-        (force,), (differing,) = group.first.forces, group.first.differing
-        made = force.generalised(differing, at, rows)
+    (force,), (differing,) = group.first.forces, group.first.differing
+    made = force.generalised(differing, at, rows)
     if made.potential.free_symbols & bodies.known.moving_with(made.definitions):
         made = replace(made, potential=sp.S.Zero)  # as energies do not know the time
-    return group_equations(bodies, own, made, (*group.first.of_forces, *constants))
+    return group_equations(bodies, own, made, group.first.of_forces)
 
 
 def group_equations(

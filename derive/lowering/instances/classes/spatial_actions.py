@@ -11,7 +11,7 @@ from dataclasses import fields
 from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import plain_joint
 from derive.lowering.instances.classes.force_numbers import moving_bodies
-from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
+from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, damping_groups, fixed_of, group_equations
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
@@ -20,7 +20,7 @@ from derive.spec.model.markers import MarkerRef
 
 
 def action_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
-    """Yield the groups of the actions on bodies with coordinates, with the equations of the first of each."""
+    """Yield the groups of the actions on bodies with coordinates, and of damping, with the equations of the first."""
     groups: dict[Hashable, list[GroupElement]] = {}
     for number, force in enumerate(bodies.mechanism.forces):
         names = moving_bodies(bodies.mechanism, force)
@@ -30,6 +30,7 @@ def action_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
     for members in groups.values():
         group = Group("force", tuple(members))
         yield group, _equations(bodies, group)
+    yield from damping_groups(bodies)
 
 
 def action_key(bodies: Bodies, force: SpatialActionInstance, names: tuple[str, ...]) -> Hashable:
