@@ -99,9 +99,9 @@ class MassMatrixNotDefinite(SimulationError):
     def __init__(self, t: float, in_space: bool = False) -> None:
         self.t = t
         cause = (
-            'a body of order 2 deforms too far for its terms, which are truncated. Write terms = "full" in the table of '
-            "a beam. The geometric stiffness of a finite-element body holds for small deformations; order = 1 leaves it "
-            "out"
+            "a body of order 2 deforms too far for its terms, which are truncated. "
+            'Write terms = "full" in the table of a beam. The geometric stiffness of a finite-element body holds for '
+            "small deformations; order = 1 leaves it out"
             if in_space
             else "a beam of order 2 with truncated terms bends too far for its frame. "
             'Write terms = "full" in its table, or frame = "mean"'
