@@ -93,13 +93,14 @@ class NoEquilibrium(SimulationError):
 class MassMatrixNotDefinite(SimulationError):
     """Deflections have taken a truncated model of second order to the limit of a positive definite mass matrix.
 
-    in_space: whether it is a body in space, of which there is no full model.
+    in_space: whether it is a body in space, of which a finite-element body has no full model.
     """
 
     def __init__(self, t: float, in_space: bool = False) -> None:
         self.t = t
         cause = (
-            "a body of order 2 deforms too far for its terms, which are truncated. Its geometric stiffness holds for "
+            "a body of order 2 deforms too far for its terms, which are truncated. "
+            'Write terms = "full" in the table of a beam. The geometric stiffness of a finite-element body holds for '
             "small deformations; order = 1 leaves it out"
             if in_space
             else "a beam of order 2 with truncated terms bends too far for its frame. "

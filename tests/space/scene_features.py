@@ -94,6 +94,10 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
             *(("component_modes", kind) for kind in ("free", "craig_bampton", "attachment")),
         )
     },
+    **{
+        ("beam", "terms", *choice): "compared with points in test_full_second_order.py; truncated ones are the default"
+        for choice in ((), ("truncated",), ("full",))
+    },
     ("nodal load", "file"): "written in place of lists, in test_nodal_loads.py",
     ("input", "unit"): "a text",
     ("beam", "pieces"): "a row of beams: tests/space/test_spatial_beam_pieces.py",

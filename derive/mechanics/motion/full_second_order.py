@@ -36,7 +36,7 @@ def field_weight(p: int, i: int, j: int) -> sp.Symbol:
 
 
 @dataclass(frozen=True)
-class Projection:
+class ProjectedTerms:
     """Terms in the amplitudes of the shapes, and what vanishes in them by the row and the acceleration there."""
 
     terms: tuple[Term, ...]
@@ -93,14 +93,14 @@ class DependentAmplitudes:
             result[row.a] = _dot(tangents, self.motion.alphaddot) + self._beta(p, 2)
         return sp.expand(_without(expr, vanishing).xreplace(result))
 
-    def projected(self, terms: Iterable[Term], vanishing: Container[sp.Basic]) -> Projection:
+    def projected(self, terms: Iterable[Term], vanishing: Container[sp.Basic]) -> ProjectedTerms:
         """The terms of the larger family, where the rows of its fields are projected on the rows of the shapes.
 
         vanishing: the symbols that are zero. Products with them are left out before they are multiplied out, unless a
         term vanishes altogether; the factors of accelerations that they are parts of have them in `absent`.
         """
         if not self.numbers:
-            return Projection(tuple(terms), {})
+            return ProjectedTerms(tuple(terms), {})
         rows = {str(a): p for p, a in zip(self.numbers, self.of_fields.alpha[len(self.motion.alpha) :], strict=True)}
         kept: list[Term] = []
         absent: dict[tuple[str, sp.Expr], list[Symbol]] = {}
@@ -126,7 +126,7 @@ class DependentAmplitudes:
             if total == 0:  # the reasons are in the products that vanish
                 total = sp.expand(sp.Add(*(tangent * self.put_in(term.expr) for tangent, term, _ in parts)))
             kept.append(Term(row, f"{name}, second order", Source.SECOND_ORDER, total))
-        return Projection(tuple(kept), absent)
+        return ProjectedTerms(tuple(kept), absent)
 
     def _absent_factors(self, expr: sp.Expr, vanishing: Container[sp.Basic]) -> list[tuple[sp.Expr, list[Symbol]]]:
         """The accelerations in the summands of an expression of the larger family, and what vanishes beside them."""

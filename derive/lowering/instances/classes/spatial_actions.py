@@ -11,7 +11,14 @@ from dataclasses import fields
 from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import plain_joint
 from derive.lowering.instances.classes.force_numbers import moving_bodies
-from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, damping_groups, fixed_of, group_equations
+from derive.lowering.instances.classes.groups import (
+    Bodies,
+    Group,
+    GroupElement,
+    damping_groups,
+    fixed_of,
+    group_equations,
+)
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
