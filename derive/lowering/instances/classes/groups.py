@@ -6,7 +6,7 @@ bodies, in the symbols of the first element.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -165,7 +165,7 @@ class Bodies:
         return self.key(marker.body), marker.marker
 
     def form(self, marker: MarkerRef) -> Hashable:
-        """The class of the motion of a marker: in space that of its body without the joints, which are no part of it."""
+        """The class of the motion of a marker: in space that of its body without the joints, no part of the motion."""
         if marker.body not in self.members or not isinstance(self.mechanism, SpatialMechanism):
             return self.end(marker)
         return body_key(self.members[marker.body]), marker.marker
