@@ -104,8 +104,7 @@ def _spinning(draft: SpatialDraft) -> None:
     axis, spin = axes[:, 2], rounded(draft.rate * draws.between(0.5, 2) * draws.sign(), 2)
     draft.joint("revolute", draft.ground, shaft, shaft.x, axes)
     root = shaft.x + draft.vector(0.2 * draft.size)
-    beam = beam_body(draft, root)
-    draft.section("bodies")[beam.name].pop("loads", None)  # which are not at rest in axes that rotate
+    beam = beam_body(draft, root, loads=False)  # which are not at rest in axes that rotate
     draft.joint("fixed", shaft, beam, root, draft.rotation())
     for body in (shaft, beam):
         draft.section("bodies")[body.name]["start"] = {
@@ -129,8 +128,8 @@ def tip(beam: SolidBody) -> np.ndarray:
 # ---- beams
 
 
-def beam_body(draft: SpatialDraft, root: np.ndarray) -> SolidBody:
-    """A new beam whose left end is at a point."""
+def beam_body(draft: SpatialDraft, root: np.ndarray, loads: bool = True) -> SolidBody:
+    """A new beam whose left end is at a point. loads: whether it may have distributed loads."""
     draws, length = draft.draws, draft.size
     mass, sag = rounded(draws.scale(0.2, 3), 2), draws.scale(*SAG)
     stiffness = rounded(mass * 9.81 * length**2 * 5 / 384 / sag, 3)
@@ -168,14 +167,14 @@ def beam_body(draft: SpatialDraft, root: np.ndarray) -> SolidBody:
         lateral["bending_stiffness"] = draft.quantity(rounded(stiffness * draws.between(0.5, 3), 2), "N m^2")
     if draws.chance(0.3) and "ends" not in table and not isinstance(table.get("ansatz"), dict):
         table["pieces"], count = draws.choice([1, 2, 2, 3]), 0
-    _carried(draft, table, mass, length)
+    _carried(draft, table, mass, length, loads)
     body = draft.added(draft.name("bodies"), table)
     body.length, body.bends = length, count
     body.x = root + _half(body)
     return body
 
 
-def _carried(draft: SpatialDraft, table: Table, mass: float, length: float) -> None:
+def _carried(draft: SpatialDraft, table: Table, mass: float, length: float, loads: bool) -> None:
     """Masses and distributed loads on a beam, sometimes."""
     draws, weight = draft.draws, 9.81 * mass / length
     if draws.chance(0.3):
@@ -186,7 +185,7 @@ def _carried(draft: SpatialDraft, table: Table, mass: float, length: float) -> N
         if draws.chance(0.5):
             own["centre"] = [rounded(0.05 * length * draws.between(-1, 1), 2) for _ in range(3)]
         table["masses"] = {"bob": own}
-    if draws.chance(0.3):
+    if loads and draws.chance(0.3):
         load: Table = {}
         if draws.chance(0.7):
             load["force"] = [0, *(rounded(0.3 * weight * draws.between(-1, 1), 2) for _ in range(2))]

@@ -396,3 +396,37 @@ def test_bodies_of_different_files_have_one_code(tmp_path: Path) -> None:
     assert len(of.members) == 2
     first, second = ([c.value for c in m.instance.component.point_constants] for m in of.members)
     assert first != second
+
+
+DAMPED = """
+name = "damped"
+[scene]
+gravity = [0, 1, -9.81]
+lowering = "instances"
+[ground.markers]
+hook = { at = [0, 0, 0] }
+[bodies.rod]
+length = 1
+mass = 0.5
+bending_stiffness = 5
+rotary_inertia = 1e-4
+ansatz = ["1", "xi", "xi^2"]
+torsion = { stiffness = 3, ansatz = ["xi"] }
+pieces = 2
+damping = { ratio = 0.05 }
+markers = { left = -1, inner = 0.25 }
+[joints.ball]
+kind = "spherical"
+between = ["ground.hook", "rod.left"]
+[outputs.flow]
+kind = "power"
+"""
+
+
+def test_damping_between_the_pieces_of_a_beam_and_section_forces() -> None:
+    """Section forces of beams with parameters have constants of their own, and are refused."""
+    section = DAMPED + '[outputs.cut]\nkind = "shear_force"\nsection = "rod.inner"\n'
+    check(both(parse(section), True))
+    with_parameter = section.replace("mass = 0.5", 'mass = { symbol = "m", default = 0.5 }')
+    with pytest.raises(SpecError, match=r"outputs\.cut: loops over bodies in space have no outputs of the kind shear"):
+        lower_instances(derive.derive(parse(with_parameter)))

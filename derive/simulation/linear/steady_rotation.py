@@ -126,8 +126,8 @@ def _check_steady(native: NativeScene, k: Vector, q: Vector, field: RotatingFiel
 
     here, beside = accelerations(0.0, 0.0), accelerations(0.0, ASIDE)
     expected = field.axes @ v
-    unheld = max_norm(np.linalg.solve(mass_matrix(native, q, k), balance(native, k, q, field).force))
-    scale = max(max_norm(expected), max_norm(here), max_norm(beside - here) / ASIDE, unheld)
+    free: Vector = np.linalg.solve(mass_matrix(native, q, k), balance(native, k, q, field).force)
+    scale = max(max_norm(expected), max_norm(here), max_norm(beside - here) / ASIDE, max_norm(free))
     _compare(native, here, expected, scale, "is not steady")
     for t in sorted({TURN / rate for rate in field.rates} or {PAUSE}):
         for x, first in ((0.0, here), (ASIDE, beside)):

@@ -1,4 +1,4 @@
-"""What a beam is connected to as its monitors see it, in the plane and in each plane of a beam in space."""
+"""The surroundings of a beam as its monitors see them, in the plane and in each plane of a beam in space."""
 
 from __future__ import annotations
 
