@@ -13,7 +13,6 @@ from derive.percentages import percent
 from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import Plot
-from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import warnings
@@ -74,8 +73,8 @@ def _run(pieces: Pieces, trajectory: Trajectory) -> Plain:
 
 
 def _flexible_in_space(trajectory: Trajectory) -> list[str]:
-    """The names of the flexible bodies of a scene in space."""
-    return [body.name for body in trajectory.scene.bodies if isinstance(body, (FlexibleBody, SpatialBeam))]
+    """The names of the finite-element bodies of a scene in space."""
+    return [body.name for body in trajectory.scene.bodies if isinstance(body, FlexibleBody)]
 
 
 def _of_body(trajectory: Trajectory) -> Plain:

@@ -44,11 +44,16 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
 
 def notes_on_flexible_bodies(scene: SpatialScene) -> tuple[str, ...]:
     """Return the notes of `body_notes` on each finite-element body of a scene, once for bodies that are alike."""
+    return tuple(f"{names_text(own)}: {note}" for body, own in alike_bodies(scene).items() for note in body_notes(body))
+
+
+def alike_bodies(scene: SpatialScene) -> dict[NodalBody, list[str]]:
+    """The finite-element bodies of a scene without their names, each with the names of those that are like it."""
     names: dict[NodalBody, list[str]] = {}
     for body in scene.bodies:
         if isinstance(body, FlexibleBody):
             names.setdefault(replace(body.body, name=""), []).append(body.name)
-    return tuple(f"{names_text(own)}: {note}" for body, own in names.items() for note in body_notes(body))
+    return names
 
 
 def _of_component_modes(spec: NodalBody) -> Iterator[str]:
@@ -77,8 +82,7 @@ def _of_component_modes(spec: NodalBody) -> Iterator[str]:
         "part of the strain energy); frequencies in Hz, and those of the free body by its full matrices:"
     )
     for number, row in enumerate(rows, 1):
-        error = 100 * (row.frequency / row.full - 1)
-        yield f"  mode {number}: {row.kind:9} {row.frequency:10.5g}  full matrices {row.full:10.5g}  {error:+.2g} %"
+        yield f"  mode {number}: {row.kind:9} {row.frequency:10.5g}  full matrices {row.full:10.5g}  {row.excess}"
 
 
 COMPONENT_MODES = {
@@ -121,7 +125,7 @@ def _of_properties(body: BodyProperties) -> Iterator[str]:
     if len(body.frequencies):
         first = ", ".join(f"{f:.5g}" for f in body.frequencies[:FIRST])
         more = f" and {len(body.frequencies) - FIRST} more" if len(body.frequencies) > FIRST else ""
-        yield f"natural frequencies of the free body: {first} Hz{more}"
+        yield f"natural frequencies of the free body by its modes: {first} Hz{more}"
 
 
 def _of_first_order(spec: NodalBody, body: BodyProperties) -> Iterator[str]:

@@ -22,6 +22,12 @@ class ComponentMode:
     kind: ModeKind
     full: float
 
+    @property
+    def excess(self) -> str:
+        """By how much the frequency exceeds that of the full matrices, in percent."""
+        percent = 100 * (self.frequency / self.full - 1)
+        return f"{percent:+.2g} %" if abs(percent) < 10 else f"{percent:+.0f} %"
+
 
 def component_mode_table(body: NodalBody) -> tuple[ComponentMode, ...]:
     """The component modes of a body with an interface, by their frequencies. Raises SpecError as `reduce` does."""

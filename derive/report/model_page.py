@@ -13,6 +13,7 @@ from derive.report.document.formula import FormulaRow, Name, NumberToken, Operat
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
 from derive.report.notation.expressions import Notation, notation
 from derive.report.sections.code import code_blocks, operation_blocks, targets
+from derive.report.sections.component_modes import component_mode_blocks
 from derive.report.sections.files import SpecificationText, calling_blocks, manifest_blocks, specification_blocks
 from derive.report.sections.frame import (
     beam_subtitle,
@@ -95,7 +96,8 @@ def _of_kind(built: Built, written: Notation) -> _OfKind:
                 frames_blocks(variants(spec, equations, model), written),
             )
         case NodalBody():
-            return _OfKind((model.doc,), space_kinematics_blocks(equations, written), node_frame_blocks(spec))
+            frame = (*node_frame_blocks(spec), *component_mode_blocks(spec))
+            return _OfKind((model.doc,), space_kinematics_blocks(equations, written), frame)
         case SymbolicBody():
             frame = mode_frame_blocks(BodyFrame(spec.frame))
             return _OfKind((model.doc,), space_kinematics_blocks(equations, written), frame)

@@ -24,6 +24,7 @@ from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with
 from derive.simulation.configurations import rotation_matrix, skew
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.monitoring_outputs import is_monitored
+from derive.spec.model.beam_pieces import CUT
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -133,7 +134,8 @@ def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: V
         point, Q = frame.point, rotation_matrix(quaternion / np.linalg.norm(quaternion))
         translation = np.hstack([Q.T, -skew(point.position), point.shapes.T])
         rotation = np.hstack([np.zeros((3, 3)), np.eye(3), frame.twists.T])
-        yield f"held at {marker}", _lowest(null_space(np.vstack([translation, rotation])), stiffness, mass)
+        where = "where the beam is divided" if marker in CUT else f"at {marker}"
+        yield f"held {where}", _lowest(null_space(np.vstack([translation, rotation])), stiffness, mass)
 
 
 def _undeformed(native: ConstrainedSystem, q: Vector) -> Vector:
