@@ -67,6 +67,7 @@ def exact(elements: int, force: Any) -> Any:
     settings = exu.SimulationSettings()
     settings.staticSolver.numberOfLoadSteps = 10
     settings.staticSolver.verboseMode = 0
+    settings.solutionSettings.writeSolutionToFile = False
     settings.staticSolver.newton.relativeTolerance = 1e-7
     settings.staticSolver.newton.numericalDifferentiation.relativeEpsilon = 1e-7
     mbs.SolveStatic(settings)
