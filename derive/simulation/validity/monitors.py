@@ -112,8 +112,6 @@ class Monitor:
             case Cause.BENDING_MOMENT:
                 return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
             case Cause.MASS_MATRIX:
-                if self.axis:
-                    return "choose the mean frame, or divide the beam into more pieces"
                 return 'choose terms = "full", or the mean frame'
             case Cause.LATERAL:
                 return "choose order = 2"
