@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.linalg import eigh, null_space
@@ -58,12 +58,15 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
 def _lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tuple[float, float]:
     """The largest part of the kinetic energy of a velocity that the deflections of a beam take away, and its time, s.
 
-    Of the velocities that the constraints admit; other beams are straight. Above 1 the mass matrix is indefinite.
+    Of the velocities that the constraints admit; other beams are straight. Above 1 the mass matrix is indefinite. In
+    space they are those in the plane of the deflections: a slender beam has so little inertia about its own axis that
+    small terms take it away, which hardly matters for its deflections.
     Looked at are the states with the largest deflection of each piece, and the largest part of each of its strain
     energies.
     """
     native, k, shapes = scene.native, scene.k, watched.shapes
     own = [i for p in piece_names(shapes.beam) for i in shapes.amplitudes_in(native, p)]
+    held = [i for p in piece_names(shapes.beam) for i in shapes.beside_in(native, p)]
     deformations = coordinates_with(native, Role.AMPLITUDE)
     quantities = [*watched.piece_deflections, *(part for parts in watched.energies for part in parts)]
     states = {float(seen.times[i]): seen.states[i] for i in quantities}
@@ -72,20 +75,24 @@ def _lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tup
         straight = np.where(deformations, 0.0, q)
         bent = straight.copy()
         bent[own] = q[own]
-        value = _lost(native, k, t, straight, bent)
+        value = _lost(native, k, t, straight, bent, held)
         if value > lost:
             time, lost = t, value
     return time, lost
 
 
-def _lost(native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector) -> float:
-    """1 less the smallest ratio of kinetic energies in two states (nq,); 0 where a velocity has no inertia at all."""
+def _lost(native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector, held: Sequence[int]) -> float:
+    """1 less the smallest ratio of kinetic energies in two states (nq,); 0 where a velocity has no inertia at all.
+
+    held: the numbers of velocities that vanish.
+    """
     before, after = mass_matrix(native, straight, k), mass_matrix(native, bent, k)
     size = np.sqrt(np.abs(np.diag(before)))
     scale = np.where(size > 0, size, 1.0)
-    admitted = np.eye(len(scale))
+    conditions = np.eye(len(scale))[list(held)]
     if native.nlambda:
-        admitted = null_space(constraint_matrix(native, t, bent, k) / scale)
+        conditions = np.vstack([constraint_matrix(native, t, bent, k) / scale, conditions])
+    admitted = null_space(conditions) if len(conditions) else np.eye(len(scale))
     if not admitted.size:
         return 0.0
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -18,6 +19,8 @@ from derive.spec.model.scene import BeamBody
 POINTS = 48
 """Gauss points along a piece: polynomials up to degree 95 are integrated exactly, and products of twenty half waves."""
 
+ROTATIONS = 3
+"""The components of the angular velocity, which are before the rates of the amplitudes of a body in space."""
 IN_PLANE = 0
 """The axis of deflections in the plane, where there is no other."""
 
@@ -106,6 +109,18 @@ class PieceShapes:
     def rates_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the velocities of a scene that are the rates of these amplitudes."""
         return [native.velocities.index(name) for name in self._names(piece, 1)]
+
+    def beside_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
+        """The numbers of the velocities of a piece in space that do not belong to its motion in this plane.
+
+        They are its spin about its axis, whose inertia is small, and the rates of its other amplitudes.
+        """
+        if self.axis == IN_PLANE:
+            return []
+        own = self.rates_in(native, piece)
+        first, every = own[0] - self.before, set(native.velocities)
+        count = next(i for i in itertools.count(1) if amplitude_of(piece, i + 1, 1).shown not in every)
+        return [first - ROTATIONS, *(i for i in range(first, first + count) if i not in own)]
 
     def _names(self, piece: str, derivative: int) -> list[str]:
         return [amplitude_of(piece, self.before + i + 1, derivative).shown for i in range(len(self.stiffness))]
