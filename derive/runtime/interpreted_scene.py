@@ -16,7 +16,7 @@ from derive.ir.statements import ReturnCode
 from derive.ir.straight_line import StraightLine, straight_line_function
 from derive.roles import Role
 from derive.runtime.compiled_function import CompiledFunction
-from derive.runtime.compiled_model import CompiledFunctions
+from derive.runtime.compiled_model import NO_PATTERN, CompiledFunctions
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 
@@ -44,7 +44,9 @@ class InterpretedScene(NativeScene):
         self.markers, self._instances = (*_names(model.markers), *instances), instances
         self._lone_markers = {m.title: f"marker_{m.name}" for m in model.markers}
         self.inputs, self.outputs = _names(model.inputs), _names(model.outputs)
-        self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
+        self.mass_pattern = model.pattern("mass", "M")
+        implicit = any(kernel.name == "jacobian" for kernel in model.kernels)
+        self.jacobian_pattern = model.pattern("jacobian", "jac") if implicit else NO_PATTERN
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
         self._compiled = CompiledFunctions(
             {kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels}

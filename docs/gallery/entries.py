@@ -125,6 +125,7 @@ GROUPS = (
             Entry("examples/spatial_crank_slider_beam.toml", card="drawing"),
             Entry("examples/spatial_crank_slider_rigid.toml", card="drawing"),
             Entry("examples/rotating_blade.toml", (("modes",),)),
+            Entry("examples/spun_up_blade.toml", card="drawing"),
             _stability("whirling_shaft", "spin=0:20:11", "--orders", "truncated"),
             *_scripts("screw_jack", "block_tumbling", "spinning_solid_beam"),
         ),

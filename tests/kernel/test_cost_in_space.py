@@ -18,7 +18,9 @@ RIGID_ROD = """\
 [bodies.rod]
 mass = 0.07536
 inertia = [5e-7, 5.653e-4, 5.656e-4, 0, 0, 0]
-markers = { ball = [-0.15, 0, 0], yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }
+markers.ball = [-0.15, 0, 0]
+markers.middle = [0, 0, 0]
+markers.yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } }
 start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 1], angle = -0.8 } }
 
 """
@@ -98,7 +100,7 @@ def chain(kind: str, path: Path) -> Model:
     joints = "".join(
         f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)
     )
-    head = 'name = "chain"\n[scene]\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n'
+    head = 'name = "chain"\n[scene]\nlowering = "flat"\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n'
     path.write_text(head + bodies + joints)
     return lowered(path)
 

@@ -64,11 +64,11 @@ MOUNT = '[springs.mount]\nkind = "bushing"\nbetween = ["crank.pin", "rod.ball"]\
 NODES = {
     "on a line": ("ball = { nodes = [0, 1, 2] }", "", "26: bodies.rod.markers.ball.nodes: these nodes lie on a line"),
     "two": ("ball = { nodes = [0, 1] }", "", "26: bodies.rod.markers.ball: a set of nodes needs three, not on a line"),
-    "torque": ("ball = 4", TWIST, "53: torques.twist.on: the marker rod.ball is a node, which has no rotation"),
+    "torque": ("ball = 4", TWIST, "54: torques.twist.on: the marker rod.ball is a node, which has no rotation"),
     "bushing": (
         "ball = 4",
         MOUNT,
-        "54: springs.mount.between[1]: the marker rod.ball is a node, which has no rotation",
+        "55: springs.mount.between[1]: the marker rod.ball is a node, which has no rotation",
     ),
 }
 

@@ -213,7 +213,7 @@ def test_the_trapezoidal_rule_is_the_generalised_alpha_method_with_rho_1() -> No
     assert of.alpha is not None
     h, form = 2e-4, of.native.dae["index3"]
     y, ydot = initial_values(of.native, form, of.k, 0.0, of.q, of.v)
-    run = march(form, of.k, 0.0, y, ydot, h, 50, Rule.TRAPEZOIDAL, of.native.nq)
+    run = march(form, of.k, 0.0, y, ydot, h, 50, Rule.TRAPEZOIDAL, of.native.nq, of.native.nv)
     compiled = of.alpha.run(of.q, of.v, step=h, steps=50, rho=1.0)
     assert run.y == pytest.approx(np.hstack([compiled.q, compiled.v, compiled.lam]), rel=1e-5, abs=1e-5)
 

@@ -101,7 +101,9 @@ class _SpatialAssembly(SceneAssembly):
 
     def type_of(self, body: Any) -> BodyType[Any]:
         """The type of a body."""
-        return Flexible(self.reduced[body.name]) if body.name in self.reduced else SPATIAL_BODIES[body.kind]
+        if body.name not in self.reduced:
+            return SPATIAL_BODIES[body.kind]
+        return Flexible(self.reduced[body.name], self.scene.lowering == "instances")
 
     def _eliminated_joint(self, body: Any, joint: Any) -> SpatialEliminatedJoint:
         own, known = self._ends(body, joint)

@@ -36,19 +36,25 @@ class ReducedBody:
 
 
 class Flexible(BodyType[FlexibleBody]):
-    """The type of a finite-element body, which keeps all coordinates; `reduced` is the body as numbers."""
+    """The type of a finite-element body, which keeps all coordinates.
+
+    reduced: the body as numbers. looped: whether the numbers of markers are constants, so that bodies that differ in
+    them have one code in loops over instances; straight-line code takes fewer operations with the numbers themselves.
+    """
 
     doc = "finite-element body"
 
-    def __init__(self, reduced: ReducedBody) -> None:
-        self.reduced = reduced
+    def __init__(self, reduced: ReducedBody, looped: bool) -> None:
+        self.reduced, self.looped = reduced, looped
 
     def components(self, body: FlexibleBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The body with its floating frame."""
         of = _with_exact_values(self.reduced.body, gravity)
         axes = {m.name: matrix_of(m.rotation) for m in body.markers}
-        sections = {frame.point.name: _section(frame, axes[frame.point.name]) for frame in self.reduced.frames}
-        sections |= {frame.point.name: _section(frame, fixed_axes()) for frame in self.reduced.load_points}
+        sections = {
+            frame.point.name: _section(frame, axes[frame.point.name], self.looped) for frame in self.reduced.frames
+        }
+        sections |= {frame.point.name: _section(frame, fixed_axes(), self.looped) for frame in self.reduced.load_points}
         still = sp.ImmutableMatrix([0, 0, 0])
         origin = MaterialPoint(BODY_FRAME, "origin of the floating frame", still, (still,) * self.reduced.body.modes)
         sections[BODY_FRAME] = CrossSection(origin, twists=(still,) * self.reduced.body.modes)
@@ -71,9 +77,9 @@ def _with_exact_values(given: ModalBody, gravity: tuple[ModelConstant, ...]) -> 
     return replace(body, values=ExactValues(every), points=(), gravity=gravity)
 
 
-def _section(frame: ModalFrame, axes: sp.ImmutableMatrix) -> CrossSection:
-    """The frame at a marker; its numbers are constants, so that bodies that differ in them have one code."""
-    point, constants = frame.point, _PointConstants(frame.point.name)
+def _section(frame: ModalFrame, axes: sp.ImmutableMatrix, looped: bool) -> CrossSection:
+    """The frame at a marker. looped: whether its numbers are constants."""
+    point, constants = frame.point, _PointNumbers(frame.point.name, looped)
     modes = range(1, len(point.shapes) + 1)
     ones = [(i,) for i in modes]
     (position,) = constants(Family.POINT_POSITION, [()], point.position[None], "X", "m", "(1)")
@@ -89,11 +95,11 @@ def _section(frame: ModalFrame, axes: sp.ImmutableMatrix) -> CrossSection:
     return CrossSection(material, axes=axes, twists=twists)
 
 
-class _PointConstants:
-    """The numbers of a marker as constants, without rounding errors of zero, which means over nodes have."""
+class _PointNumbers:
+    """The numbers of a marker, or constants with these values, without rounding errors of zero, which means have."""
 
-    def __init__(self, point: str) -> None:
-        self.point, self.made = point, list[ModelConstant]()
+    def __init__(self, point: str, as_constants: bool) -> None:
+        self.point, self.as_constants, self.made = point, as_constants, list[ModelConstant]()
 
     def __call__(
         self,
@@ -104,17 +110,20 @@ class _PointConstants:
         unit: str,
         equation: str = Source.SECOND_ORDER,
     ) -> tuple[sp.ImmutableMatrix, ...]:
-        """The vectors of some modes, whose components are the names of constants, or zeros."""
+        """The vectors of some modes, whose components are numbers or the names of constants."""
         size = float(np.abs(vectors).max(initial=0.0))
         result = []
         for of, vector in zip(modes, vectors, strict=True):
             entries = [sp.S.Zero] * len(AXES)
             for k, value in zip(AXES, vector, strict=True):
-                if abs(value) > ROUNDING * size:
+                exact = sp.Rational(float(value))
+                if abs(value) > ROUNDING * size and not self.as_constants:
+                    entries[k - 1] = exact
+                elif abs(value) > ROUNDING * size:
                     symbol = entries[k - 1] = Identity(family, of, (k,), point=self.point).symbol
                     by = f" by mode{'s' * (len(of) - 1)} {' and '.join(map(str, of))}" if of else ""
                     text = f"{doc} . e{k} of {self.point}{by}"
-                    self.made.append(ModelConstant(symbol, sp.Rational(float(value)), equation, text, unit))
+                    self.made.append(ModelConstant(symbol, exact, equation, text, unit))
             result.append(sp.ImmutableMatrix(entries))
         return tuple(result)
 
