@@ -103,7 +103,8 @@ def _compiled(
 
     def scene_at(value: float) -> AnyScene:
         bare: Any = replace(parameter.scene_at(value), plots=())  # a rigid body has no deflection to plot
-        return in_pieces(model_scene(bare, model))
+        result: AnyScene = in_pieces(model_scene(bare, model))
+        return result
 
     first = scene_at(parameter.range.low)
     code, native = with_redundant_joints(first, _with_start)
