@@ -86,7 +86,7 @@ class ReferenceModels:
     def truncated(self, model: LadderModel, pieces: int) -> tuple[LadderModel, LadderModel] | None:
         """A model whose beams have few shapes in pieces, and one with nothing truncated; None where there is no such.
 
-        Those of beams in space have one piece alone: in more pieces they take minutes to derive.
+        Those of beams in space have one piece alone: in more pieces they take long to derive.
         """
         if not self._beams or (pieces > 1 and not all(isinstance(body, BeamBody) for body in self._bodies)):
             return None
