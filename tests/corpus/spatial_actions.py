@@ -231,6 +231,13 @@ def _outputs(draft: SpatialDraft, at: list[str]) -> None:
             draft.section("outputs")[draft.name("outputs")] = table
 
 
+def _apart(draft: SpatialDraft, at: list[str]) -> list[list[str]]:
+    """The pairs of markers of two bodies that no joint connects: a line leads from one to the other."""
+    joined = [{*joint["between"]} for joint in draft.tables.get("joints", {}).values()]  # type: ignore[attr-defined]
+    pairs = ([first, second] for first in at for second in at)
+    return [pair for pair in pairs if len({of.split(".")[0] for of in pair}) == 2 and {*pair} not in joined]
+
+
 def _options(draft: SpatialDraft, at: list[str], kind: str, key: Key) -> list[Any]:
     """The values that a key of an output may have."""
     turning = [marker for marker in at if _turns(draft, marker)]
@@ -249,7 +256,8 @@ def _options(draft: SpatialDraft, at: list[str], kind: str, key: Key) -> list[An
             return [rounded(draft.size, 2)]
         case KeyType.MARKER_PAIR:
             bodies = {marker.split(".")[0]: marker for marker in at}
-            return [[*bodies.values()][:2]] if len(bodies) > 1 else []
+            pairs = [[*bodies.values()][:2]] if len(bodies) > 1 else []
+            return [pair for pair in [*pairs, *_apart(draft, at)] if kind != "angle" or pair in _apart(draft, at)][:1]
         case KeyType.JOINT:
             joints = draft.tables.get("joints", {})
             return [name for name in joints if kind == "reaction" or _has_coordinate(joints[name])]  # type: ignore[index]

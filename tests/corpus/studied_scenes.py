@@ -29,16 +29,22 @@ LOADS = ("components", "force", "torque")
 
 
 def plotted(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
-    """The scene with a plot of the deflection of its first beam if it has none, and without a condition to end at."""
+    """The scene with a plot of the deflection of its first beam if it has none, and without a condition to end at.
+
+    In space amplitudes do not start with values, which belong to the given shapes.
+    """
 
     def change(tables: Tables, spec: AnyScene) -> None:
-        if isinstance(spec, SpatialScene):
-            return
         tables["simulation"].pop("until", None)
         beam = next((name for name, body in tables["bodies"].items() if "length" in body), None)
+        ends = ("left", "right")
+        if isinstance(spec, SpatialScene):
+            _without_start(tables, "amplitudes", "amplitude_rates")
+            ends = ("first", "last")
         if not tables.get("plots") and beam is not None:
-            tables["bodies"][beam]["markers"]["halfway"] = 0
-            chord = [f"{beam}.left", f"{beam}.right"]
+            markers = tables["bodies"][beam].setdefault("markers", {})
+            markers |= {"halfway": 0, ends[0]: -1, ends[1]: 1}
+            chord = [f"{beam}.{end}" for end in ends]
             tables["plots"] = {"bent": {"deflection": f"{beam}.halfway", "chord": chord}}
 
     return _changed(scene, path, "plotted", change)
@@ -47,14 +53,12 @@ def plotted(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
 def resting(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
     """The scene with drives that hold still, and with loads and inputs as they are at t = 0.
 
-    In space bodies start at rest: their velocities are hardly ever those of a steady rotation.
+    In space bodies start at rest and undeformed: their velocities are hardly ever those of a steady rotation.
     """
 
     def change(tables: Tables, spec: AnyScene) -> None:
         if isinstance(spec, SpatialScene):
-            for body in tables["bodies"].values():
-                for key in ("velocity", "angular_velocity", "amplitude_rates"):
-                    body.get("start", {}).pop(key, None)
+            _without_start(tables, "velocity", "angular_velocity", "amplitudes", "amplitude_rates")
         for drive in spec.drives:
             table = tables["drives"][drive.name]
             moved, held = table.pop("motion", None), table.pop("offset", 0)
@@ -77,6 +81,13 @@ def resting(scene: CorpusScene, path: Path) -> tuple[CorpusScene, str]:
             tables[section] = {name: table for name, table in tables.get(section, {}).items() if name in used}
 
     return _changed(scene, path, "resting", change)
+
+
+def _without_start(tables: Tables, *keys: str) -> None:
+    """Remove initial values of bodies."""
+    for body in tables["bodies"].values():
+        for key in keys:
+            body.get("start", {}).pop(key, None)
 
 
 def _now(function: TimeFunction, written: Any) -> Any:

@@ -330,6 +330,15 @@ def test_no_rotation_is_singular(
         ),
         ('kind = "velocity"\nmarker = "bob.end"\nframe = "bob.ent"', "outputs.x.frame: "),
         ('kind = "angle"\nbetween = ["bob.end", "bob.top"]\naxis = "w"', "outputs.x.axis: "),
+        (
+            'kind = "angle"\nbetween = ["bob.end", "bob.end"]\naxis = "x"',
+            "outputs.x.between: both markers are the same, so that no line leads from one to the other",
+        ),
+        (
+            'kind = "angle"\nbetween = ["bob.end", "ground.base"]\naxis = "x"\n[joints.ball]\n'
+            'kind = "spherical"\nbetween = ["ground.base", "bob.end"]',
+            "outputs.x.between: the joint ball holds both markers at one place",
+        ),
         ('kind = "energy"\nframe = "bob.end"', "outputs.x"),
     ],
 )

@@ -19,9 +19,11 @@ from derive.study.accuracy.beside import beside, ladders
 from derive.study.accuracy.chart import accuracy_svg
 from derive.study.accuracy.chart_labels import colour_names
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
-from derive.study.accuracy.models import ladder, refinements
+from derive.study.accuracy.models import ladder, model_scene, refinements
 from derive.study.accuracy.spatial_ladder import linear_reference
 from derive.study.accuracy.table import accuracy_text
+from derive.study.stability.model_path import model_path
+from derive.study.stability.parameter import ParameterRange, studied
 from derive.study.study_options import LadderRange
 
 FEW = LadderRange(("first", "truncated"), ("mean",), (3,), (2,), (1,), component_counts=(2,))
@@ -115,6 +117,18 @@ ARM = {
 def arm(**changes: Any) -> SpatialScene:
     """A beam that falls about the hinge at its end."""
     return derive.spatial_scene("arm", gravity=(0, "-9.81", 0), **{**ARM, **changes})
+
+
+@pytest.mark.parametrize(
+    "output", [{"kind": "deflection", "marker": "arm.tip"}, {"kind": "bending_moment", "section": "arm.root"}]
+)
+def test_a_plot_of_what_a_rigid_body_does_not_have_is_named(output: dict[str, str]) -> None:
+    """Stability needs no plot, so that its rigid models are tried."""
+    scene = derive.spatial_scene("bent", **ARM | {"outputs": {"bent": output}, "plots": {"p": {"y": ["bent_2"]}}})
+    with pytest.raises(SpecError, match=f"bodies.arm: as a rigid body it has no {output['kind']} at arm"):
+        model_scene(scene, LadderModel(Shapes.RIGID))
+    stiffness = studied(scene, ParameterRange("bodies.arm.bending_stiffness", 10, 20, 2))
+    assert not model_path(stiffness, LadderModel(Shapes.RIGID)).failure
 
 
 def test_a_study_in_space_has_errors_costs_and_a_chart() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, Mask, coordinates_with, max_norm
+from derive.simulation.configurations import velocities_with
 from derive.simulation.constraints.projection import UNAVOIDABLE
 
 
@@ -40,8 +41,4 @@ def consistent_tolerance(tolerance: float, size: float, q: Vector) -> float:
 def _lengths(native: ConstrainedSystem) -> Mask:
     """The mask (nq + nv,) of the coordinates and velocities with a length in their units."""
     q = ~coordinates_with(native, Role.ROTATION, Role.QUATERNION)
-    if native.nq == native.nv:
-        return np.concatenate([q, q])
-    angular = np.zeros(native.nv, dtype=bool)  # a body in space: velocity, angular velocity, rates of amplitudes
-    angular[3:6] = True
-    return np.concatenate([q, ~angular])
+    return np.concatenate([q, ~velocities_with(native, Role.ROTATION)])

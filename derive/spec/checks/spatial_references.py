@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, SpatialJointType
-from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME, OF_CHORD
+from derive.mechanics.multibody.space.marker_outputs import ANGLE, DEFLECTION, FRAME, OF_CHORD
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.body_checks import spatial_shape_faults
@@ -45,6 +45,7 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
             *_of_elements(view),
             *_joint_loads(view),
             *_actions(view),
+            *_lines(view),
             *plot_faults(view),
             *_starts(view),
             *_weightless(view),
@@ -153,6 +154,21 @@ def _marker_output(view: SceneData, ref: WrittenRef, output: Raw) -> Iterator[Fa
             "a `chord` between two markers from which the deflection is measured"
         )
         yield Fault(ref.path, text)
+
+
+def _lines(view: SceneData) -> Iterator[Fault]:
+    """Faults of angles of lines without a length, whose direction would be that of rounding errors."""
+    held: dict[frozenset[MarkerRef], str] = {}
+    for name, joint in view.tables["joints"].items():
+        joint_type, markers = _type(joint), view.pair("joints", name)
+        if joint_type and markers and {*DISPLACEMENTS} <= {*_removed(joint_type, joint)}:
+            held[frozenset(markers)] = name
+    for name, output in view.tables["outputs"].items():
+        line = view.pair("outputs", name) if output.get("kind") == ANGLE else None
+        holding = held.get(frozenset(line)) if line else None
+        if line and (holding or line[0] == line[1]):
+            why = f"the joint {holding} holds both markers at one place" if holding else "both markers are the same"
+            yield Fault(("outputs", name, "between"), f"{why}, so that no line leads from one to the other")
 
 
 def _drives(view: SceneData) -> Iterator[Fault]:

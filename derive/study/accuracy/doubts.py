@@ -43,16 +43,21 @@ def doubt_reason(line: Line, shown: Sequence[str]) -> str:
 
 
 def doubt_lines(lines: Sequence[Line], shown: Sequence[str]) -> list[str]:
-    """The models with doubts or failures, with the implied and the measured errors: a line for each reason."""
+    """The models with doubts, with implied and measured errors, and those that failed: a line for each reason."""
     reasons: dict[str, list[str]] = {}
+    failures: dict[str, list[str]] = {}
     for line in lines:
         if line.warning is not None and line.integrator == "adaptive":
             measured = percent(line.best) if line.points else "not measured"
             models = reasons.setdefault(doubt_reason(line, shown), [])
             models.append(f"{line.label} ({percent(line.warning.error)}, {measured})")
         if line.failure:
-            reasons.setdefault(line.failure, []).append(line.label)
-    if not reasons:
-        return []
-    result = ["Not valid (hollow, dashed), with the error that a monitor implies, and the measured one:"]
-    return [*result, *(f"{reason}: {'; '.join(models)}" for reason, models in reasons.items())]
+            failures.setdefault(line.failure, []).append(line.label)
+    valid = "Not valid (hollow, dashed), with the error that a monitor implies, and the measured one:"
+    groups = ((valid, reasons), ("Without a result:", failures))
+    return [
+        line
+        for heading, of in groups
+        if of
+        for line in (heading, *(f"{reason}: {'; '.join(models)}" for reason, models in of.items()))
+    ]

@@ -7,13 +7,18 @@ from dataclasses import replace
 from itertools import product
 from typing import Any, TypeVar
 
+from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.deflection_projection import projection
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, OF_CHORD
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.simulation.initial.deflection_remainders import remainder_lines
 from derive.simulation.observables.beams import beam_bodies, shape_functions
 from derive.simulation.observables.default_plots import output_columns
 from derive.spec.construction import validated
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.keys import KeyType
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, RigidBody
@@ -57,8 +62,9 @@ def model_scene(scene: S, model: LadderModel) -> S:
     plots = tuple(replace(plot, cut=None, pieces=()) for plot in scene.plots)
     whole: Any = replace(scene, plots=plots, outputs=plotted_outputs(scene))
     if isinstance(scene, SpatialScene):
+        rigid = [b for b in flexible_bodies(scene) if model.of(b.name).shapes is Shapes.RIGID]
+        _refuse_deformations(whole, [body.name for body in rigid])
         bodies = tuple(modelled_in_space(scene, body, model.of(body.name)) for body in scene.bodies)
-        rigid = (b for b in flexible_bodies(scene) if model.of(b.name).shapes is Shapes.RIGID)
         actions = [action for b in rigid if isinstance(b, SpatialBeam) for action in rigid_actions(b)]
         forces = (*scene.forces, *(action for action in actions if isinstance(action, SpatialForce)))
         torques = (*scene.torques, *(action for action in actions if isinstance(action, SpatialTorque)))
@@ -67,6 +73,18 @@ def model_scene(scene: S, model: LadderModel) -> S:
     beams = (body for body in beam_bodies(scene) if model.of(body.name).shapes is Shapes.RIGID)
     loads = (force for body in beams for force in rigid_loads(body))
     return _checked(scene, replace(whole, bodies=planar, forces=(*scene.forces, *loads)))
+
+
+def _refuse_deformations(scene: SpatialScene, rigid: list[str]) -> None:
+    """Raise SpecError if a plotted output is of the deformation or of a section of a body that is rigid."""
+    for output in scene.outputs:
+        sections = [key.name for key in SPATIAL_OUTPUTS[output.kind].keys if key.type is KeyType.BEAM_MARKER]
+        deflects = output.kind == DEFLECTION and OF_CHORD.name not in output.values
+        for name in [*sections, *(["marker"] if deflects else [])]:
+            marker = output.values.get(name)
+            if isinstance(marker, MarkerRef) and marker.body in rigid:
+                text = f"as a rigid body it has no {output.kind} at {marker}, which the plot shows"
+                raise SpecError((Problem(f"bodies.{marker.body}", text),))
 
 
 def _checked(_: S, changed: Any) -> S:

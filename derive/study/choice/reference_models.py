@@ -84,11 +84,23 @@ class ReferenceModels:
         return next((of for of in (reversed(finer) if beams_first else finer) if of is not None), None)
 
     def truncated(self, model: LadderModel, pieces: int) -> tuple[LadderModel, LadderModel] | None:
-        """A model with few shapes in pieces, and with nothing truncated; None in scenes whose bodies have no such."""
-        if not all(isinstance(body, BeamBody) for body in self._bodies):
+        """A model whose beams have few shapes in pieces, and one with nothing truncated; None where there is no such.
+
+        Those of beams in space have one piece alone: in more pieces they take long to derive.
+        """
+        if not self._beams or (pieces > 1 and not all(isinstance(body, BeamBody) for body in self._bodies)):
             return None
-        few = replace(model, pieces=pieces, count=FULL_SHAPES)
-        return few, replace(few, order=DisplacementOrder.FULL)
+
+        def changed(order: DisplacementOrder) -> Callable[[Flexible], LadderModel]:
+            def of(body: Flexible) -> LadderModel:
+                own = model.of(body.name)
+                few = replace(own, pieces=pieces, count=FULL_SHAPES, order=order)
+                return own if own.shapes in COMPONENT_MODES else replace(few, torsion=own.torsion and 1)
+
+            return of
+
+        few, full = (self._each(changed(order)) for order in (DisplacementOrder.TRUNCATED, DisplacementOrder.FULL))
+        return few, full
 
     def pieces(self, model: LadderModel) -> int:
         """The largest number of pieces of a beam of a model."""

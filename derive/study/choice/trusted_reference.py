@@ -211,7 +211,7 @@ class _References:
         for pieces in range(1, self._runs.models.pieces(model)):
             pair = self._runs.models.truncated(model, pieces)
             if pair is None:
-                return None
+                break
             if pieces not in self._truncation:
                 few, full = pair
                 curves = (self._curves(self._full_runs, of, FINE) for of in (few, full))

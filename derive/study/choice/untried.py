@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs
-from derive.spec.model.keys import declared_keys
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -13,9 +12,6 @@ from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import Shapes
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.choice.modes_of_bodies import ModesOfBodies
-
-TERMS = "terms"
-"""The key of bodies that can have all terms of second order."""
 
 
 def untried(scene: AnyScene, modes: ModesOfBodies) -> tuple[str, ...]:
@@ -26,18 +22,13 @@ def untried(scene: AnyScene, modes: ModesOfBodies) -> tuple[str, ...]:
 
 
 def _lines(scene: SpatialScene, modes: ModesOfBodies) -> Iterator[str]:
-    bodies = flexible_members(scene)
-    for body in bodies:
+    for body in flexible_members(scene):
         if isinstance(body, SpatialBeam):
             rigid = [name for name, part in (("twist", body.torsion), ("stretch", body.axial)) if part is None]
             if rigid:
                 yield f"{body.name} does not {' or '.join(rigid)}, as its table has no stiffness against it"
         elif isinstance(body, FlexibleBody):
             yield from _of_modes(body, modes)
-    if any(isinstance(body, SpatialBeam) for body in bodies) and TERMS not in {
-        k.name for k in declared_keys(SpatialBeam)
-    }:
-        yield "beams in space have no model with all terms of second order: truncation shows in more beams alone"
     if not monitoring_outputs(scene):
         yield "no monitor watches bodies in space: errors are those that are measured"
 

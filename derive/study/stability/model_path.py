@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from derive.errors import Problem, SpecError, TisserandError, first_line
 from derive.generated_models import generated
@@ -101,7 +102,9 @@ def _compiled(
     """The function that evaluates a model at a value of the parameter, its compiled code, and the parameter's unit."""
 
     def scene_at(value: float) -> AnyScene:
-        return in_pieces(model_scene(parameter.scene_at(value), model))
+        bare: Any = replace(parameter.scene_at(value), plots=())  # a rigid body has no deflection to plot
+        result: AnyScene = in_pieces(model_scene(bare, model))
+        return result
 
     first = scene_at(parameter.range.low)
     code, native = with_redundant_joints(first, _with_start)

@@ -185,7 +185,7 @@ def _deflection(values: Mapping[str, Any], parts: SpatialParts) -> tuple[Spatial
     return tuple(SpatialComponent(str(k), unit, doc.format(k), scaled[k - 1]) for k in AXES)
 
 
-DEFLECTION = "deflection"
+ANGLE, DEFLECTION = "angle", "deflection"
 MARKER_OUTPUTS: Mapping[str, SpatialOutputType] = {
     "position": _vector("position", "m", lambda frame, at: at.position - frame.position),
     "velocity": _vector("velocity", "m/s", _velocity),
@@ -201,7 +201,7 @@ MARKER_OUTPUTS: Mapping[str, SpatialOutputType] = {
     ),
     "angular_acceleration": _vector("angular acceleration", "rad/s^2", _angular_acceleration, True),
     "distance": SpatialOutputType("distance of two markers", (BETWEEN_MARKERS,), ("",), _distance),
-    "angle": SpatialOutputType(
+    ANGLE: SpatialOutputType(
         "angle between the line from one marker to another and an axis of the frame, from 0 to pi",
         (BETWEEN_MARKERS, AXIS, FRAME),
         ("",),
