@@ -126,7 +126,7 @@ def _check_steady(native: NativeScene, k: Vector, q: Vector, field: RotatingFiel
 
     here, beside = accelerations(0.0, 0.0), accelerations(0.0, ASIDE)
     expected = field.axes @ v
-    free: Vector = np.linalg.solve(mass_matrix(native, q, k), balance(native, k, q, field).force)
+    free = np.asarray(np.linalg.solve(mass_matrix(native, q, k), balance(native, k, q, field).force), dtype=np.float64)
     scale = max(max_norm(expected), max_norm(here), max_norm(beside - here) / ASIDE, max_norm(free))
     _compare(native, here, expected, scale, "is not steady")
     for t in sorted({TURN / rate for rate in field.rates} or {PAUSE}):
