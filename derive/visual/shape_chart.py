@@ -21,6 +21,9 @@ TEXT, POINTS, LINE = 10, 72, 0.2
 HANDLE = 0.42
 """The width of a line of a legend with its distances, in inches."""
 
+TICKS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""The places xi that are marked."""
+
 
 @dataclass(frozen=True, eq=False)
 class ShapePanel:
@@ -57,7 +60,7 @@ def shape_chart(panels: Sequence[ShapePanel], title: str) -> str:
                 xi = np.linspace(-1, 1, len(values))
                 axes.plot(xi, values, linewidth=1.6, **_look(number))
             axes.set_xlim(-1, 1)
-            axes.set_xticks([-1, -0.5, 0, 0.5, 1], labels=plain_numbers([-1, -0.5, 0, 0.5, 1]))
+            axes.set_xticks(TICKS, labels=[plain_numbers([xi])[0] for xi in TICKS])
             axes.tick_params(length=3, labelbottom=k + 1 == len(panels))
             legend: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.02, 1), "borderaxespad": 0}
             look: dict[str, Any] = {"handlelength": 1.8, "handletextpad": 0.4, "columnspacing": 0.8, "borderpad": 0}

@@ -31,7 +31,7 @@ OF_PLANE = {1: Direction.AXIAL, 2: Direction.ALONG_E2}
 """The kinds of the shapes of a planar beam by the axis of their displacement."""
 
 UNIT = (
-    "Each curve is a shape for the amplitude 1, over ξ from the left end at -1 to the right end at 1; the number beside "
+    "Each curve is a shape for the amplitude 1, over ξ from -1 (left end) to 1 (right end); the number beside "
     "it is that of its amplitude. e1, e2 and e3 are the axes of the floating frame, e1 along the undeformed beam."
 )
 TWIST = " In torsion, the sections turn about the axis by the sum of the shapes with their amplitudes, times 2/l."

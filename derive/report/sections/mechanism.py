@@ -71,7 +71,8 @@ HINT = "The pointer shows the row and the column of an entry."
 
 SPATIAL_LEGEND = (
     "Rigid bodies are homogeneous boxes of the same mass and inertia, with lines from their centres of mass to their "
-    "markers; finite-element bodies have their own surfaces. Points are markers."
+    "markers; beams are bars with a line at each tenth or so of their length, and finite-element bodies have their own "
+    "surfaces. Points are markers."
 )
 
 
@@ -139,7 +140,10 @@ def _weight(body: SceneBody | SpatialBody) -> str:
         return f"{len(body.body.data.positions)} nodes"
     if isinstance(body, SpatialBeam):
         both = " and ".join(_quantity(x, "N\u00a0m²") for x in dict.fromkeys(body.bending_stiffnesses))
-        values = [_quantity(body.mass, "kg"), _quantity(body.length, "m"), f"bending stiffness {both}"]
+        inertia = f"{_quantity(body.rotary_inertia, 'kg\u00a0m²')} about its axis"
+        values = [_quantity(body.mass, "kg"), inertia, _quantity(body.length, "m"), f"bending stiffness {both}"]
+        values += [f"torsional stiffness {_quantity(body.torsion.stiffness, 'N\u00a0m²')}"] if body.torsion else []
+        values += [f"axial stiffness {_quantity(body.axial.stiffness, 'N')}"] if body.axial else []
         return ", ".join(values)
     if isinstance(body, BeamBody):
         beam = body.beam
@@ -190,14 +194,17 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
     cuts = sum(map(len, own.values()))
     variables = (Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints)
     multipliers = [row for series in variable_series(variables) for row in _multipliers(series)]
+    components = "in components of the inertial frame"
+    if isinstance(spec, SpatialScene):
+        components = "in inertial components if the joint removes all displacements, else in components of the frame "
+        components += "of marker 1"
     whole = table("", ("multiplier", "unit", "constraint"), multipliers)
     return (
         Heading("Joints", "joints"),
         Paragraph(
             (
-                "A multiplier is the constraint reaction on body 2: a force, in components of "
-                f"{'the frame of marker 1' if isinstance(spec, SpatialScene) else 'the inertial frame'}, or "
-                "a torque. The joint exerts the opposite on body 1.",
+                f"A multiplier is the constraint reaction on body 2: a force, {components}, or a torque. The joint exerts "
+                "the opposite on body 1.",
                 " The multiplier of a gear acts in its second joint, and multiplied by - ratio in its first joint."
                 if of_gears
                 else "",
