@@ -71,8 +71,7 @@ HINT = "The pointer shows the row and the column of an entry."
 
 SPATIAL_LEGEND = (
     "Rigid bodies are homogeneous boxes of the same mass and inertia, with lines from their centres of mass to their "
-    "markers; beams are bars with a line at each tenth or so of their length, and finite-element bodies have their own "
-    "surfaces. Points are markers."
+    "markers; beams are bars, and finite-element bodies have their own surfaces. Points are markers."
 )
 
 
@@ -140,10 +139,17 @@ def _weight(body: SceneBody | SpatialBody) -> str:
         return f"{len(body.body.data.positions)} nodes"
     if isinstance(body, SpatialBeam):
         both = " and ".join(_quantity(x, "N\u00a0m²") for x in dict.fromkeys(body.bending_stiffnesses))
-        inertia = f"{_quantity(body.rotary_inertia, 'kg\u00a0m²')} about its axis"
-        values = [_quantity(body.mass, "kg"), inertia, _quantity(body.length, "m"), f"bending stiffness {both}"]
-        values += [f"torsional stiffness {_quantity(body.torsion.stiffness, 'N\u00a0m²')}"] if body.torsion else []
-        values += [f"axial stiffness {_quantity(body.axial.stiffness, 'N')}"] if body.axial else []
+        inertia = _quantity(body.rotary_inertia, "kg\u00a0m²")
+        values = [
+            _quantity(body.mass, "kg"),
+            f"{inertia} about its axis",
+            _quantity(body.length, "m"),
+            f"bending stiffness {both}",
+        ]
+        if body.torsion:
+            values.append("torsional stiffness " + _quantity(body.torsion.stiffness, "N\u00a0m²"))
+        if body.axial:
+            values.append("axial stiffness " + _quantity(body.axial.stiffness, "N"))
         return ", ".join(values)
     if isinstance(body, BeamBody):
         beam = body.beam
@@ -203,8 +209,8 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
         Heading("Joints", "joints"),
         Paragraph(
             (
-                f"A multiplier is the constraint reaction on body 2: a force, {components}, or a torque. The joint exerts "
-                "the opposite on body 1.",
+                f"A multiplier is the constraint reaction on body 2: a force, {components}, or a torque. The joint "
+                "exerts the opposite on body 1.",
                 " The multiplier of a gear acts in its second joint, and multiplied by - ratio in its first joint."
                 if of_gears
                 else "",
