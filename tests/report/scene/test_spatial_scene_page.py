@@ -50,7 +50,7 @@ def test_the_command_draws_the_initial_configuration(tmp_path: Path) -> None:
     assert main(["report", str(EXAMPLE), "--out", str(page)]) == 0
     text = page.read_text()
     assert "The mechanism at t = 0 with its bodies crank, rod and slider" in text
-    assert 'class="face rigid"' in text and ">bearing</text>" in text
+    assert 'class="face rigid"' in text and ">hub, bearing</text>" in text
 
 
 def test_near_faces_hide_far_ones_and_points_are_to_scale() -> None:
