@@ -124,7 +124,9 @@ def _kind(body: SceneBody | SpatialBody) -> str:
     if isinstance(body, FlexibleBody):
         return f"flexible, {body.body.frame.kind} frame"
     if isinstance(body, SpatialBeam):
-        return f"beam in space, {body.frame.kind} frame"
+        piece = body.piece_of
+        of = f"piece {piece.number + 1} of {body.pieces} of {piece.rod.name}, a " if piece else ""
+        return f"{of}beam in space, {body.frame.kind} frame"
     if not isinstance(body, BeamBody):
         return body.kind
     cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
@@ -150,7 +152,7 @@ def _weight(body: SceneBody | SpatialBody) -> str:
             values.append("torsional stiffness " + _quantity(body.torsion.stiffness, "N\u00a0m²"))
         if body.axial:
             values.append("axial stiffness " + _quantity(body.axial.stiffness, "N"))
-        return ", ".join(values)
+        return f"{'the whole beam: ' if body.piece_of else ''}{', '.join(values)}"
     if isinstance(body, BeamBody):
         beam = body.beam
         stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")

@@ -9,9 +9,11 @@ from typing import Any
 import pytest
 
 import derive
+from derive import pipeline
 from derive.mechanics.bodies.section_fields import section_shapes
 from derive.report.document.page import Details, Paragraph, Picture
 from derive.report.sections.beam_shapes import beam_shape_picture, beam_shapes_of_scene
+from derive.report.sections.mechanism import body_blocks
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.spatial_beam import SpatialBeam
 
@@ -68,3 +70,10 @@ def test_a_planar_beam_that_stretches_has_two_panels() -> None:
     beam = derive.planar_beam("rod", frame="mean", axial={"ansatz": ["xi"], "stiffness": 100})
     shown = texts(beam_shape_picture(beam).svg)
     assert "displacement along the axis" in shown and KINDS[0] in shown and KINDS[1] not in shown
+
+
+def test_a_piece_is_described_as_a_part_of_its_beam() -> None:
+    built = pipeline.build(rods(arm={"pieces": 2}))
+    described = str(body_blocks(built.derived.scene, built.model, built.equations))
+    assert "piece 2 of 2 of arm, a beam in space" in described and "the whole beam: 2\u00a0kg" in described
+    assert "torsional stiffness 10\u00a0N\u00a0m²" in described
