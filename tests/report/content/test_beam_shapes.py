@@ -11,6 +11,7 @@ import pytest
 import derive
 from derive import pipeline
 from derive.mechanics.bodies.section_fields import section_shapes
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.report.document.page import Details, Paragraph, Picture
 from derive.report.sections.beam_shapes import beam_shape_picture, beam_shapes_of_scene
 from derive.report.sections.mechanism import body_blocks
@@ -73,7 +74,8 @@ def test_a_planar_beam_that_stretches_has_two_panels() -> None:
 
 
 def test_a_piece_is_described_as_a_part_of_its_beam() -> None:
-    built = pipeline.build(rods(arm={"pieces": 2}))
-    described = str(body_blocks(built.derived.scene, built.model, built.equations))
-    assert "piece 2 of 2 of arm, a beam in space" in described and "the whole beam: 2\u00a0kg" in described
-    assert "torsional stiffness 10\u00a0N\u00a0m²" in described
+    built = pipeline.generate(rods(arm={"pieces": 2}))
+    assert isinstance(built.derived, SpatialMechanism)
+    described = str(body_blocks(built.derived.scene, built.model, built.equations)).replace(r"\xa0", " ")
+    assert "piece 2 of 2 of arm, a beam in space" in described and "the whole beam: 2 kg" in described
+    assert "torsional stiffness 10 N m²" in described
