@@ -12,6 +12,7 @@ from derive.pipeline import Built
 from derive.report.document.formula import FormulaRow, Name, NumberToken, OperatorToken
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
 from derive.report.notation.expressions import Notation, notation
+from derive.report.sections.beam_shapes import beam_shape_picture
 from derive.report.sections.code import code_blocks, operation_blocks, targets
 from derive.report.sections.component_modes import component_mode_blocks
 from derive.report.sections.files import SpecificationText, calling_blocks, manifest_blocks, specification_blocks
@@ -91,7 +92,7 @@ def _of_kind(built: Built, written: Notation) -> _OfKind:
             return _OfKind(
                 beam_subtitle(spec),
                 beam_kinematics_blocks(spec, written),
-                (*frame_blocks(spec), *stretching_blocks(spec)),
+                (*frame_blocks(spec), *stretching_blocks(spec), beam_shape_picture(spec)),
                 numbers.motion if numbers else "",
                 frames_blocks(variants(spec, equations, model), written),
             )

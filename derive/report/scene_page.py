@@ -17,6 +17,7 @@ from derive.report.notation.expressions import Notation, notation
 from derive.report.notation.labels import label, row_identities
 from derive.report.sections.alike_bodies import shown_once
 from derive.report.sections.alike_joints import constraints_once
+from derive.report.sections.beam_shapes import beam_shapes_of_scene
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.component_modes import component_modes_of_scene
 from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
@@ -79,6 +80,7 @@ def scene_page(
         *mechanism_blocks(spec, drawing),
         *_results(results, warnings),
         *body_blocks(spec, model, equations),
+        *beam_shapes_of_scene(spec),
         *component_modes_of_scene(spec),
         *joint_blocks(spec, equations),
         *specification_blocks(specification),

@@ -85,6 +85,8 @@ def spatial_picture(
     shown = [placed(body, path)[0] @ _axes().T for body, path in zip(bodies, paths, strict=True)]
     fixed = [(label, _axes() @ at) for label, at in ground]
     every = np.concatenate([*shown, *(at[None] for _, at in fixed), np.zeros((1, 3))])
+    triad = np.vstack([np.zeros(3), 0.35 * float(np.ptp(every, axis=0).max()) * _axes().T])
+    every = np.concatenate([every, triad])
     low, high = every[:, :2].min(axis=0), every[:, :2].max(axis=0)
     scale = min((WIDTH - 2 * EDGE) / max(high[0] - low[0], 1e-12), (MOST - 2 * EDGE) / max(high[1] - low[1], 1e-12))
     size = (high - low) * scale + 2 * EDGE
@@ -99,7 +101,7 @@ def spatial_picture(
     ends = {(k, i): shown[k][node] for k, body in enumerate(bodies) for i, (_, node) in enumerate(body.markers)}
     ends |= {(-1, i): at for i, (_, at) in enumerate(fixed)}
     shapes += [_tie(tie, pixels(np.array([ends[end] for end in tie.ends]))) for tie in ties]
-    tips = pixels(np.vstack([np.zeros(3), 0.35 * float(np.ptp(every, axis=0).max()) * _axes().T]))
+    tips = pixels(triad)
     axes = [_line("axis", tips[0], tip) for tip in tips[1:]]
     places = _beside_each_other([pixels((_axes() @ joint.at)[None])[0] for joint in joints])
 
@@ -108,12 +110,13 @@ def spatial_picture(
         hidden = any(np.hypot(*(at - place)[:2]) < SYMBOL for place in places)
         return _text(name, at) if hidden else _label(name, at)
 
-    labels = [
-        label(marker, pixels(points[number][None])[0])
+    named = [
+        (marker, pixels(points[number][None])[0])
         for body, points in zip(bodies, shown, strict=True)
         for marker, number in body.markers
     ]
-    labels += [label(name, pixels(at[None])[0]) for name, at in fixed]
+    named += [(marker, pixels(at[None])[0]) for marker, at in fixed]
+    labels = [label(text, at) for text, at in _together(named)]
     labels += [_text(f"e{k}", tip) for k, tip in enumerate(tips[1:], 1)]
     marks = [_joint(joint, at[:2], _axes() @ joint.axis) for joint, at in zip(joints, places, strict=True)]
     stands = [_stand(pixels(at[None])[0][:2]) for _, at in fixed]
@@ -165,6 +168,18 @@ def _beside_each_other(places: Sequence[Array]) -> list[Array]:
             moved[0] += 2.4 * SYMBOL
         result.append(moved)
     return result
+
+
+def _together(named: Sequence[tuple[str, Array]]) -> list[tuple[str, Array]]:
+    """Labels with their places (3,); one that names all markers where several are at one place on the page."""
+    gathered: list[tuple[list[str], Array]] = []
+    for name, at in named:
+        there = next((names for names, place in gathered if np.hypot(*(at - place)[:2]) < SYMBOL / 2), None)
+        if there is None:
+            gathered.append(([name], at))
+        elif name not in there:
+            there.append(name)
+    return [(", ".join(names), at) for names, at in gathered]
 
 
 def _stand(at: Array) -> str:

@@ -89,7 +89,10 @@ def _kind(family: Family) -> str:
         Family.DAMPING: "damping",
         Family.ROTARY: "rotary inertia",
         Family.FIELD_WEIGHT: "parts of the fields theta in the fields of second order",
-        Family.POINT_SECOND: "fields of second order",
+        Family.POINT_SECOND: "fields of second order at markers",
+        Family.POINT_POSITION: "undeformed positions of markers",
+        Family.POINT_SHAPE: "shapes at markers",
+        Family.SECTION_ROTATION: "rotations of sections at markers by the shapes",
     }
     return names.get(family, "")
 

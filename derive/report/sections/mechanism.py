@@ -71,7 +71,7 @@ HINT = "The pointer shows the row and the column of an entry."
 
 SPATIAL_LEGEND = (
     "Rigid bodies are homogeneous boxes of the same mass and inertia, with lines from their centres of mass to their "
-    "markers; finite-element bodies have their own surfaces. Points are markers."
+    "markers; beams are bars, and finite-element bodies have their own surfaces. Points are markers."
 )
 
 
@@ -124,7 +124,9 @@ def _kind(body: SceneBody | SpatialBody) -> str:
     if isinstance(body, FlexibleBody):
         return f"flexible, {body.body.frame.kind} frame"
     if isinstance(body, SpatialBeam):
-        return f"beam in space, {body.frame.kind} frame"
+        piece = body.piece_of
+        of = f"piece {piece.number + 1} of {body.pieces} of {piece.rod.name}, a " if piece else ""
+        return f"{of}beam in space, {body.frame.kind} frame"
     if not isinstance(body, BeamBody):
         return body.kind
     cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
@@ -139,8 +141,18 @@ def _weight(body: SceneBody | SpatialBody) -> str:
         return f"{len(body.body.data.positions)} nodes"
     if isinstance(body, SpatialBeam):
         both = " and ".join(_quantity(x, "N\u00a0m²") for x in dict.fromkeys(body.bending_stiffnesses))
-        values = [_quantity(body.mass, "kg"), _quantity(body.length, "m"), f"bending stiffness {both}"]
-        return ", ".join(values)
+        inertia = _quantity(body.rotary_inertia, "kg\u00a0m²")
+        values = [
+            _quantity(body.mass, "kg"),
+            f"{inertia} about its axis",
+            _quantity(body.length, "m"),
+            f"bending stiffness {both}",
+        ]
+        if body.torsion:
+            values.append("torsional stiffness " + _quantity(body.torsion.stiffness, "N\u00a0m²"))
+        if body.axial:
+            values.append("axial stiffness " + _quantity(body.axial.stiffness, "N"))
+        return f"{'the whole beam: ' if body.piece_of else ''}{', '.join(values)}"
     if isinstance(body, BeamBody):
         beam = body.beam
         stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")
@@ -190,14 +202,17 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
     cuts = sum(map(len, own.values()))
     variables = (Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints)
     multipliers = [row for series in variable_series(variables) for row in _multipliers(series)]
+    components = "in components of the inertial frame"
+    if isinstance(spec, SpatialScene):
+        components = "in inertial components if the joint removes all displacements, else in components of the frame "
+        components += "of marker 1"
     whole = table("", ("multiplier", "unit", "constraint"), multipliers)
     return (
         Heading("Joints", "joints"),
         Paragraph(
             (
-                "A multiplier is the constraint reaction on body 2: a force, in components of "
-                f"{'the frame of marker 1' if isinstance(spec, SpatialScene) else 'the inertial frame'}, or "
-                "a torque. The joint exerts the opposite on body 1.",
+                f"A multiplier is the constraint reaction on body 2: a force, {components}, or a torque. The joint "
+                "exerts the opposite on body 1.",
                 " The multiplier of a gear acts in its second joint, and multiplied by - ratio in its first joint."
                 if of_gears
                 else "",
