@@ -92,12 +92,16 @@ class MechanismCosts:
 
 
 def is_predicted(mechanism: SpatialMechanism) -> bool:
-    """Whether the predictions hold for a mechanism in space: of rigid bodies whose joints are balls, without gears.
+    """Whether the predictions hold for a mechanism in space: a row of rigid bodies whose joints are balls, no gears.
 
-    Where the axes of one body are in the rows of another, straight-line code has shorter ways of its own.
+    Where the axes of one body are in the rows of another, straight-line code has shorter ways of its own; where many
+    bodies are at one, its code takes less time than the predictions, which are those of planar mechanisms.
     """
     rigid = all(isinstance(body, SpatialRigidBody) for body in mechanism.scene.bodies)
-    return rigid and bool(mechanism.joints) and not (mechanism.gears or any(map(varies, mechanism.joints)))
+    if not rigid or not mechanism.joints or mechanism.gears or any(map(varies, mechanism.joints)):
+        return False
+    rows = [joint.multipliers for joint in mechanism.joints]
+    return _system(body_classes(mechanism), rows).is_path
 
 
 def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
@@ -107,9 +111,8 @@ def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
     flat = sum(len(of.members) * _body_times(mechanism, of, rows)[0] for of in classes)
     looped = _loops(mechanism, classes, rows)
     if rows:
-        handles = [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members]
-        system = blocks(rows, handles)
-        if len(handles) > TWO:
+        system = _system(classes, rows)
+        if sum(len(of.members) for of in classes) > TWO:
             looped = min(looped, _loops(mechanism, joined_classes(mechanism, classes, system), rows))
         path = system.is_path and not system.closes_loops
         flat += 0.21 * _products(system, system.rows)
@@ -130,6 +133,11 @@ def _loops(mechanism: AnyMechanism, classes: Sequence[BodyClass], rows: Sequence
 def _beyond(time: float, in_cache: float, twice: float) -> float:
     """The part of its time that code takes in addition, since it is too long for the instruction cache."""
     return min(max((time - in_cache) / (twice - in_cache), 0.0), 1.0)
+
+
+def _system(classes: Sequence[BodyClass], rows: Sequence[int]) -> Blocks:
+    """The blocks of the joints with these numbers of rows, which the bodies of the classes couple."""
+    return blocks(rows, [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members])
 
 
 def _varying_joints(mechanism: AnyMechanism, classes: Sequence[BodyClass]) -> list[int]:

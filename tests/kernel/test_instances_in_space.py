@@ -305,7 +305,7 @@ def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
 
 
 def test_loops_are_chosen_for_chains_of_balls() -> None:
-    """From three bodies on, with the reason and the predicted times; not with other joints, gears or sensitivities."""
+    """From three bodies on, with the reason and the predicted times; not in stars, or with other joints, gears or sensitivities."""
 
     def lowered(kind: str, count: int, **options: bool) -> tuple[str, str]:
         scene = replace(chain(kind, count), lowering="auto")
@@ -317,6 +317,9 @@ def test_loops_are_chosen_for_chains_of_balls() -> None:
     assert choice.startswith("looped over instances, the faster form; predicted evaluation time")
     assert lowered("spherical", 2)[0] == lowered("revolute", 3)[0] == "flat"
     assert lowered("spherical", 3, sensitivities=True)[0] == "flat"
+    star = LINKS.format(kind="spherical", count=6, joints=5, turned=TURNED).replace("link[i].b", "link[0].b")
+    of_star = replace(parse(star), lowering="auto")
+    assert derive.lower(derive.derive(of_star), explicit=True).lowering == "flat"  # loops take longer there
 
 
 def test_default_plots_name_the_columns_of_instances() -> None:
