@@ -305,7 +305,7 @@ def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
 
 
 def test_loops_are_chosen_for_chains_of_balls() -> None:
-    """From three bodies on, with the reason and the times; not in stars, or with other joints, gears or sensitivities."""
+    """From three bodies on, with the reason and the times; neither in stars nor with other joints, nor with gears."""
 
     def lowered(kind: str, count: int, **options: bool) -> tuple[str, str]:
         scene = replace(chain(kind, count), lowering="auto")
