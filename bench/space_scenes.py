@@ -105,7 +105,7 @@ def slider_crank(flexible: bool, folder: Path) -> SpatialScene:
     start, end = text.index("[bodies.rod]"), text.index("[bodies.slider]")
     rod = (
         "[bodies.rod]\nmass = 0.07536\ninertia = [5e-7, 5.653e-4, 5.656e-4, 0, 0, 0]\n"
-        "markers = { ball = [-0.15, 0, 0], "
+        "markers = { ball = [-0.15, 0, 0], middle = [0, 0, 0], "
         "yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }\n"
         "start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 1], angle = -0.8 } }\n\n"
     )

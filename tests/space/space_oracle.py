@@ -204,7 +204,7 @@ class SpaceOracle(SpringKinematics):
     def _distributed(self, t: Decimal, poses: Mapping[str, Pose], J: Array) -> list[Array]:
         """Less the virtual work of forces per length, at points of the axes of beams."""
         result, names = [], self.all_markers()
-        by = J.reshape(len(names), 3, -1)
+        by = J.reshape(len(names), 3, -1 if names else 0)
         for name, table in self.scene["bodies"].items():
             for load in table.get("loads", {}).values() if "bending_stiffness" in table else ():
                 length, factor = self.value(table["length"]), self.value.at(load.get("time", 1), t)

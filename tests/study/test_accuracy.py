@@ -332,7 +332,7 @@ def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
 def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ever finer models that agree: here two small ones, whose difference is the error."""
     coarse = (LadderModel(Shapes.POLYNOMIALS, 3, TRUNCATED), LadderModel(Shapes.POLYNOMIALS, 4, TRUNCATED))
-    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda: coarse)
+    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda scene: coarse)
     made = reference(crank_slider, crank_slider.plots[0], None, True, lambda _: None)
     assert made.source == "own run, 1 beam, P2 to P5, truncated"
     assert made.error == pytest.approx(0.00037, rel=0.02) and made.plots[0].reference is not None

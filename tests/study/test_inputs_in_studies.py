@@ -86,7 +86,7 @@ def test_a_study_moves_as_a_simulation_does(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(reference, "refinements", lambda: refinements()[:2])  # two beams at most are enough here
+    monkeypatch.setattr(reference, "refinements", lambda scene: refinements(scene)[:2])  # two beams are enough here
 
     def numbers(path: Path) -> Any:
         capsys.readouterr()

@@ -507,7 +507,7 @@ def test_a_ramp_is_linearised_about_the_steady_motion_that_it_leads_to(tmp_path:
     assert made.loss == pytest.approx(3.532732, rel=1e-6)
     assert [point.eigenvalues.spin for point in made.points if point.eigenvalues] == pytest.approx([0, 5, 10])
     if ramp == "constant":
-        assert parameter.motion.endswith("at each value of the parameter")
+        assert parameter.motion.endswith("at each value, in axes that rotate along")
     else:
         key, time = "motion" if ramp == "motion" else "speed", 1 if ramp == "table" else 0.3
         text = f"with drives.motor.{key} as from t = {time:g} s on, when nothing changes any more"

@@ -51,12 +51,12 @@ class Eigenvalues:
     def frequencies(self) -> NDArray[np.float64]:
         """The angular frequencies (rad/s) that are not zero, rising; without free translations in rotating axes.
 
-        Modes that decay faster than they vibrate are left out: in rotating axes they turn at about the spin, by which
+        In rotating axes modes that decay faster than they vibrate are left out: they turn at about the spin, by which
         frequencies there differ from others.
         """
         near = COINCIDENT * float(np.abs(self.values).max(initial=0.0))
         vibrates = self.values.imag + abs(self.spin) > -self.values.real
-        of = self.values.imag[(self.values.imag > near) & vibrates]
+        of = self.values.imag[(self.values.imag > near) & (vibrates | (self.spin == 0))]
         return np.sort(of[np.abs(of - abs(self.spin)) > near] if self.spin else of)
 
 
