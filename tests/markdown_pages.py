@@ -136,7 +136,7 @@ def run_page(page: Path, tree: Path) -> dict[Block, str]:
         if block.comment.startswith("file: "):
             (tree / block.comment.removeprefix("file: ")).write_text(block.text)
         elif block.comment == "output":
-            assert block.text == last
+            assert block.text == last, f"shown:\n{block.text}\nprinted:\n{last}"
         elif block.language == "python":
             done = run_python(block.text, tree, namespace)
             assert done.code == 0, done.err
