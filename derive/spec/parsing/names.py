@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Collection
 
 from derive.errors import quoted
 
@@ -81,12 +82,25 @@ def _why_not(text: str) -> str | None:
     return None
 
 
+def free_name(text: str, taken: Collection[str]) -> str:
+    """A name like `text` that is allowed and, also in lower case, not taken."""
+    name = text if _why_not(text) is None else _similar(text) or "part"
+    number, stem = 2, name[: MAX_LENGTH - 4].rstrip("_")
+    while name.lower() in taken:
+        name, number = f"{stem}_{number}", number + 1
+    return name
+
+
 def _suggestion(text: str) -> str:
+    name = _similar(text)
+    return f'try "{name}"' if name else 'write one such as "beam_1"'
+
+
+def _similar(text: str) -> str:
+    """A name that resembles a text; empty where the text has no letters or digits."""
     ascii_text = unicodedata.normalize("NFKD", text[: 4 * MAX_LENGTH]).encode("ascii", "ignore").decode()
     words = re.findall("[A-Za-z0-9]+", ascii_text)
     name = "_".join(words)[: MAX_LENGTH - 2].rstrip("_")
     if name and not name[0].isalpha():
         name = f"n{name}"
-    if name in _RESERVED:
-        name = f"{name}_0"
-    return f'try "{name}"' if name else 'write one such as "beam_1"'
+    return f"{name}_0" if name in _RESERVED else name

@@ -1,0 +1,183 @@
+"""Reading of a URDF: all faults at once, each with its line; what is not read is counted."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterable
+from typing import TypeVar
+
+from derive.errors import Problem, SpecError, quoted
+from derive.urdf.robot import Inertia, JointKind, Limits, Link, Mimic, Origin, Robot, RobotJoint
+from derive.urdf.tree import root_of_tree
+from derive.urdf.xml_tree import Element, read_xml
+
+Named = TypeVar("Named", Link, RobotJoint)
+
+READ = {
+    "robot": ("link", "joint"),
+    "link": ("inertial",),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
+    "inertial": ("origin", "mass", "inertia"),
+}
+"""The elements that are read, by the tag around them."""
+
+TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def read_robot(path: str | os.PathLike[str]) -> Robot:
+    """The robot of a URDF file. Raises SpecError with all faults of the file and their lines."""
+    return robot_of(read_xml(path), os.fsdecode(path))
+
+
+def robot_of(root: Element, source: str | None = None) -> Robot:
+    """The robot of an XML tree; `source` is the file that errors show. Raises SpecError."""
+    if root.tag != "robot":
+        message = f"a URDF is needed, whose outermost element is <robot>, not <{root.tag[:40]}>"
+        raise SpecError((Problem("", message, root.line),), source)
+    reader = _Reader()
+    name = reader.text(root, "name", "robot")
+    links = reader.by_name(reader.link(e) for e in root.all("link"))
+    joints = reader.by_name(reader.joint(e) for e in root.all("joint"))
+    if any(e.tag.startswith("xacro:") for e in root.children if e.tag.removeprefix("xacro:") in ("property", "macro")):
+        reader.fault(root, "", "these are macros of xacro; write their result to a file first: xacro FILE > robot.urdf")
+    if not links:
+        reader.fault(root, "", "there is no <link>")
+    tree_root = root_of_tree(links, joints, reader.problems)
+    if reader.problems:
+        raise SpecError(tuple(sorted(reader.problems, key=lambda p: p.line or 0)), source)
+    return Robot(name, tree_root, links, joints, dict(sorted(_unread(root).items())))
+
+
+class _Reader:
+    """Reads elements and collects their faults; what cannot be read is replaced, so that reading goes on."""
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def fault(self, element: Element, path: str, message: str) -> None:
+        """Note a fault at the line of an element."""
+        self.problems.append(Problem(path, message, element.line))
+
+    def text(self, element: Element, attribute: str, path: str) -> str:
+        """An attribute that is required."""
+        value = element.attributes.get(attribute, "").strip()
+        if not value:
+            self.fault(element, path, f'<{element.tag}> needs {attribute}="..."')
+        return value
+
+    def numbers(self, text: str, count: int, element: Element, path: str) -> list[float]:
+        """So many finite numbers of a text with blanks between them; zeros after a fault."""
+        try:
+            values = [float(part) for part in text.split()]
+        except ValueError:
+            values = []
+        if len(values) != count or not all(map(math.isfinite, values)):
+            number = "a number" if count == 1 else f"{count} numbers"
+            self.fault(element, path, f"{number} needed, not {quoted(text)}")
+            return [0.0] * count
+        return values
+
+    def number(self, element: Element | None, attribute: str, path: str, default: float | None) -> float | None:
+        """An attribute that is a number; `default` where it is not given."""
+        if element is None or attribute not in element.attributes:
+            return default
+        return self.numbers(element.attributes[attribute], 1, element, f"{path}.{element.tag}.{attribute}")[0]
+
+    def triple(
+        self, element: Element | None, attribute: str, path: str, default: tuple[float, float, float]
+    ) -> tuple[float, float, float]:
+        """An attribute of three numbers; `default` where it is not given."""
+        if element is None or attribute not in element.attributes:
+            return default
+        x, y, z = self.numbers(element.attributes[attribute], 3, element, f"{path}.{element.tag}.{attribute}")
+        return x, y, z
+
+    def origin(self, element: Element, path: str) -> Origin:
+        """The placement of a joint or of a centre of mass."""
+        origin = element.first("origin")
+        return Origin(*(self.triple(origin, key, path, (0.0, 0.0, 0.0)) for key in ("xyz", "rpy")))
+
+    def by_name(self, elements: Iterable[Named]) -> dict[str, Named]:
+        """Links or joints by their names, which have to be different."""
+        result: dict[str, Named] = {}
+        for element in elements:
+            if element.name in result:
+                kind = "link" if isinstance(element, Link) else "joint"
+                message = f"there is a {kind} of this name in line {result[element.name].line} already"
+                self.problems.append(Problem(f"{kind} {element.name}", message, element.line))
+            result[element.name] = element
+        return result
+
+    def link(self, element: Element) -> Link:
+        """A link; without <inertial> it is a frame alone."""
+        name = self.text(element, "name", "link")
+        inertial = element.first("inertial")
+        return Link(name, inertial and self.inertia(inertial, f"link {name}"), element.line)
+
+    def inertia(self, element: Element, path: str) -> Inertia | None:
+        """Mass, centre and tensor; None where all are zero."""
+        mass, tensor = element.first("mass"), element.first("inertia")
+        if mass is None or tensor is None:
+            self.fault(element, path, "<inertial> needs <mass value=...> and <inertia ixx=... iyy=... izz=...>")
+            return None
+        self.text(mass, "value", path)
+        value = self.number(mass, "value", path, 0.0) or 0.0
+        for key in ("ixx", "iyy", "izz"):
+            self.text(tensor, key, path)
+        entries = [self.number(tensor, key, path, 0.0) or 0.0 for key in TENSOR]
+        if value < 0:
+            self.fault(mass, f"{path}.mass", f"the mass is {value:g} kg; masses are not negative")
+        if value == 0 and not any(entries):
+            return None
+        xx, xy, xz, yy, yz, zz = entries
+        return Inertia(self.origin(element, path), value, (xx, xy, xz, yy, yz, zz))
+
+    def joint(self, element: Element) -> RobotJoint:
+        """A joint of any type."""
+        name, given = self.text(element, "name", "joint"), self.text(element, "type", "joint")
+        path = f"joint {name}"
+        kinds = {kind.value: kind for kind in JointKind}
+        if given and given not in kinds:
+            self.fault(element, path, f"the type is one of {', '.join(kinds)}, not {quoted(given)}")
+        kind = kinds.get(given, JointKind.FIXED)
+        parent, child = (self.of_link(element, tag, path) for tag in ("parent", "child"))
+        axis = self.triple(element.first("axis"), "xyz", path, (1.0, 0.0, 0.0))
+        if not any(axis) and kind not in (JointKind.FIXED, JointKind.FLOATING):
+            self.fault(element.first("axis") or element, f"{path}.axis", "the axis has no direction")
+            axis = (1.0, 0.0, 0.0)
+        limit, dynamics = element.first("limit"), element.first("dynamics")
+        limits = limit and Limits(*(self.number(limit, k, path, None) for k in ("lower", "upper", "effort", "velocity")))
+        damping, friction = (self.number(dynamics, key, path, 0.0) or 0.0 for key in ("damping", "friction"))
+        if damping < 0:
+            self.fault(dynamics or element, f"{path}.damping", f"damping is not negative, and this is {damping:g}")
+        mimic = element.first("mimic")
+        return RobotJoint(
+            name, kind, parent, child, self.origin(element, path), axis, limits, damping, friction,
+            mimic and self.mimic(mimic, path), element.line,
+        )  # fmt: skip
+
+    def mimic(self, element: Element, path: str) -> Mimic:
+        """The joint that is followed, with the ratio and the offset."""
+        multiplier, offset = self.number(element, "multiplier", path, 1.0), self.number(element, "offset", path, 0.0)
+        return Mimic(self.text(element, "joint", path), 1.0 if multiplier is None else multiplier, offset or 0.0)
+
+    def of_link(self, element: Element, tag: str, path: str) -> str:
+        """The name of the parent or the child of a joint."""
+        inner = element.first(tag)
+        if inner is None:
+            self.fault(element, path, f'a joint needs <{tag} link="..."/>')
+            return ""
+        return self.text(inner, "link", path)
+
+
+def _unread(root: Element) -> Counter[str]:
+    """The tags directly inside of elements that are read which are not read themselves, with the number of each."""
+    counts: Counter[str] = Counter()
+    for child in root.children:
+        if child.tag in READ.get(root.tag, ()):
+            counts += _unread(child)
+        elif root.tag in READ:
+            counts[child.tag] += 1
+    return counts

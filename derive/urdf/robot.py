@@ -1,0 +1,154 @@
+"""A robot as its URDF describes it: links with their inertia, and joints, which make a tree of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial.transform import Rotation
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+
+
+class JointKind(Enum):
+    """The types of joints, with the names that they have in a URDF."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+    FLOATING = "floating"
+    PLANAR = "planar"
+
+    @property
+    def turns(self) -> bool:
+        """Whether its only motion is a rotation."""
+        return self in (JointKind.REVOLUTE, JointKind.CONTINUOUS)
+
+    @property
+    def has_one_motion(self) -> bool:
+        """Whether it has one relative motion, which an actuator moves."""
+        return self.turns or self is JointKind.PRISMATIC
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """The position and the rotation matrix of a frame in another one."""
+
+    position: Vector
+    rotation: Matrix
+
+    def of(self, inner: Placement) -> Placement:
+        """The placement of a frame that `inner` places in this one."""
+        return Placement(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
+
+
+HERE = Placement(np.zeros(3), np.eye(3))
+"""The placement of a frame in itself."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The placement of a frame as it is written: a position, and rotations about the fixed axes x, y and z in turn."""
+
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def placement(self) -> Placement:
+        """Its position and its rotation matrix, in which rounding errors of right angles are zeros."""
+        rotation = Rotation.from_euler("xyz", self.rpy).as_matrix() if any(self.rpy) else np.eye(3)
+        rotation[abs(rotation) < 1e-15] = 0
+        return Placement(np.array(self.xyz), rotation)
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Mass, the centre of mass with the axes of the tensor, and the entries xx, xy, xz, yy, yz, zz of the tensor."""
+
+    origin: Origin
+    mass: float
+    tensor: tuple[float, float, float, float, float, float]
+
+    @property
+    def matrix(self) -> Matrix:
+        """The tensor of inertia about the centre of mass along the axes of the link."""
+        xx, xy, xz, yy, yz, zz = self.tensor
+        own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        rotation = self.origin.placement.rotation
+        return np.asarray(rotation @ own @ rotation.T)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link: a rigid body, or a frame alone where it has no inertia."""
+
+    name: str
+    inertia: Inertia | None
+    line: int
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the mechanism allows: positions, rad or m, effort, N m or N, and speed; None of what is not given."""
+
+    lower: float | None
+    upper: float | None
+    effort: float | None
+    velocity: float | None
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """The motion of a joint follows that of another one: multiplier * motion + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class RobotJoint:
+    """A joint: its frame in that of the parent link, which is that of the child link where the joint has not moved."""
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    origin: Origin
+    axis: tuple[float, float, float]
+    limits: Limits | None
+    damping: float
+    friction: float
+    mimic: Mimic | None
+    line: int
+
+    @property
+    def direction(self) -> Vector:
+        """The unit vector of its axis in its frame."""
+        axis = np.array(self.axis)
+        return np.asarray(axis / np.linalg.norm(axis))
+
+    def moved(self, position: float) -> Placement:
+        """The placement of the child in the frame of a joint with one motion, at a position, rad or m."""
+        if self.kind.turns:
+            return Placement(np.zeros(3), Rotation.from_rotvec(position * self.direction).as_matrix())
+        return Placement(position * self.direction, np.eye(3))
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot, with the link that is the root of its tree; `unread`: what is not read of the file, with its number."""
+
+    name: str
+    root: str
+    links: dict[str, Link]
+    joints: dict[str, RobotJoint]
+    unread: dict[str, int]
+
+    def joints_behind(self, link: str) -> list[RobotJoint]:
+        """The joints whose parent is this link, in the order of the file."""
+        return [joint for joint in self.joints.values() if joint.parent == link]

@@ -1,0 +1,297 @@
+"""The specification of a robot: a scene in space of rigid bodies as TOML, with notes on what its URDF has besides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from derive.errors import Problem, SpecError, printable, quoted
+from derive.spec.parsing.names import free_name
+from derive.urdf.rigid_bodies import RigidBody, joints_on, locked_joints, rigid_bodies
+from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint, Vector
+
+Base = Literal["fixed", "free"]
+BASES: tuple[Base, ...] = ("fixed", "free")
+"""How the root of a robot is held: fixed to the ground, or free."""
+
+KINDS = {
+    JointKind.REVOLUTE: "revolute",
+    JointKind.CONTINUOUS: "revolute",
+    JointKind.PRISMATIC: "prismatic",
+    JointKind.PLANAR: "planar",
+}
+"""The kinds of joints in scenes; bodies behind floating joints have none."""
+
+GEOMETRY = ("visual", "collision")
+
+
+@dataclass(frozen=True)
+class WrittenScene:
+    """The TOML text of a scene, and lines on what is left out of the robot, renamed or joined."""
+
+    name: str
+    text: str
+    notes: tuple[str, ...]
+
+
+def written_scene(robot: Robot, base: Base = "fixed", source: str | None = None) -> WrittenScene:
+    """The scene of a robot whose root is fixed to the ground or free.
+
+    The frame of a body is that of its first link; a body consists of the links that fixed joints connect. The z axis of
+    the markers of a joint is its axis. Each joint with a single motion has an input, its torque or force, and an
+    output, its position. `source` is the file that errors show. Raises SpecError where a body moves without mass.
+    """
+    return _Writer(robot, base, source).scene()
+
+
+class _Writer:
+    """Collects the tables of a scene and the notes on them."""
+
+    def __init__(self, robot: Robot, base: Base, source: str | None) -> None:
+        self.robot, self.base, self.source = robot, base, source
+        self.bodies = rigid_bodies(robot)
+        self.locked = locked_joints(robot)
+        self.notes: list[str] = []
+        self.taken: set[str] = {"ground", "scene"}
+        self.renamed: list[str] = []
+        self.links = {body.name: self.name(body.name) for body in self.bodies[self.held :]}
+        self.joints = {body.joint.name: self.name(body.joint.name) for body in self.bodies if body.joint}
+
+    @property
+    def held(self) -> int:
+        """The number of bodies that are part of the ground."""
+        return int(self.base == "fixed")
+
+    def name(self, text: str) -> str:
+        """A name that scenes allow and no other element has."""
+        name = free_name(text, self.taken)
+        self.taken.add(name.lower())
+        if name != text:
+            self.renamed.append(f"{quoted(text)} -> {name}")
+        return name
+
+    def scene(self) -> WrittenScene:
+        """All tables, in the order of a specification."""
+        self.check_masses()
+        name = self.name(self.robot.name)
+        tables = [*self.ground(), *self.body_tables(), *self.joint_tables(), *self.ports()]
+        self.note_rest()
+        head = [
+            f"# The robot {printable(self.robot.name)}, written by `tisserand import`.",
+            *(f"# {note}" for note in self.notes),
+            f'name = "{name}"',
+            "",
+            "[scene]",
+            "gravity = [0, 0, -9.81]",
+            "",
+        ]
+        tail = ["[simulation]", "duration = 1", "output = 0.01", ""]
+        return WrittenScene(name, "\n".join([*head, *tables, *tail]), tuple(self.notes))
+
+    def check_masses(self) -> None:
+        """Refuse bodies that move without mass: their joints are singular."""
+        problems = []
+        for body in self.bodies[self.held :]:
+            if body.mass:
+                continue
+            where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
+            text = f"moves and has no mass, so that {where} singular; give it an <inertial>"
+            problems.append(Problem(f"link {body.name}", text, body.parts[0].link.line))
+        if problems:
+            raise SpecError(tuple(problems), self.source)
+
+    def ground(self) -> Iterator[str]:
+        """The markers of the ground: what the fixed root carries."""
+        if not self.held:
+            return
+        root = self.bodies[0]
+        if root.mass:
+            self.notes.append(
+                f"link {printable(root.name)} ({root.mass:g} kg) is fixed to the ground, so that its mass has no effect; "
+                "import with --base free if it moves"
+            )
+        yield from ["[ground.markers]", *self.markers(root), ""]
+
+    def markers(self, body: RigidBody) -> Iterator[str]:
+        """The markers of a body as lines of a table: of the joint that moves it, of those on it, and of its links."""
+        if body.joint and body.joint.kind is not JointKind.FLOATING:
+            yield f"joint = {_frame(HERE, axes_along(body.joint.direction))}"
+        taken = {"joint"}
+        for joint, part in joints_on(self.robot, body):
+            if joint.kind is not JointKind.FLOATING:
+                placement = part.placement.of(joint.origin.placement)
+                taken.add(self.joints[joint.name])
+                yield f"{self.joints[joint.name]} = {_frame(placement, axes_along(joint.direction))}"
+        for part in body.parts[1:]:
+            name = free_name(part.link.name, taken)
+            taken.add(name.lower())
+            yield f"{name} = {_frame(part.placement, np.eye(3))}"
+
+    def body_tables(self) -> Iterator[str]:
+        """The bodies that move."""
+        for body in self.bodies[self.held :]:
+            name, tensor = self.links[body.name], body.tensor
+            (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
+            joined = [printable(part.link.name) for part in body.parts if part.link.inertia]
+            if len(joined) > 1:
+                yield f"# {', '.join(joined)}"
+            yield from [
+                f"[bodies.{name}]",
+                f"mass = {_number(body.mass)}",
+                f"centre = {_list(body.centre)}",
+                f"inertia = {_list((xx, yy, zz, xy, xz, yz))}",
+            ]
+            if body.joint is None or body.joint.kind is JointKind.FLOATING:
+                yield f"start = {self.start(body)}"
+            yield from ["", f"[bodies.{name}.markers]", *self.markers(body), ""]
+
+    def start(self, body: RigidBody) -> str:
+        """Where a free body is while all joints are in their zero positions."""
+        placement = self.zero_position(body)
+        return f"{{ position = {_list(placement.position)}, rotation = {_axes(placement.rotation)} }}"
+
+    def zero_position(self, body: RigidBody) -> Placement:
+        """The placement of a body in the frame of the root while all joints are in their zero positions."""
+        if body.joint is None:
+            return HERE
+        carrier = next(b for b in self.bodies if any(p.link.name == body.joint.parent for p in b.parts))
+        part = next(p for p in carrier.parts if p.link.name == body.joint.parent)
+        return self.zero_position(carrier).of(part.placement).of(body.joint.origin.placement)
+
+    def joint_tables(self) -> Iterator[str]:
+        """Joints, dampers and what makes a joint follow another one."""
+        for body in self.bodies:
+            joint = body.joint
+            if joint is None or joint.kind is JointKind.FLOATING:
+                continue
+            name = self.joints[joint.name]
+            yield from self.limits(joint)
+            yield from [f"[joints.{name}]", f'kind = "{KINDS[joint.kind]}"', f"between = {self.between(body)}"]
+            if joint.kind.has_one_motion and not joint.mimic:
+                yield f"start = {{ {'angle' if joint.kind.turns else 'displacement'} = 0 }}"
+            yield ""
+            if joint.damping and joint.kind.has_one_motion:
+                yield from self.damper(joint, body)
+        for joint in self.robot.joints.values():
+            if joint.mimic and joint.name not in self.locked:
+                leader, follower = self.joints[joint.mimic.joint], self.joints[joint.name]
+                yield from [
+                    f"[gears.{self.name(f'{follower}_follows')}]",
+                    f'joints = ["{leader}", "{follower}"]',
+                    f"ratio = {_number(joint.mimic.multiplier)}",
+                    *([f"offset = {_number(joint.mimic.offset)}"] if joint.mimic.offset else []),
+                    "",
+                ]
+
+    def between(self, body: RigidBody) -> str:
+        """The two markers of the joint that moves a body."""
+        assert body.joint
+        carrier = next(b for b in self.bodies if any(p.link.name == body.joint.parent for p in b.parts))
+        first = self.links.get(carrier.name, "ground")
+        return f'["{first}.{self.joints[body.joint.name]}", "{self.links[body.name]}.joint"]'
+
+    def damper(self, joint: RobotJoint, body: RigidBody) -> Iterator[str]:
+        """The viscous damping of a joint."""
+        yield f"[springs.{self.name(f'{self.joints[joint.name]}_damping')}]"
+        if joint.kind.turns:
+            yield from ['kind = "rotational"', "stiffness = 0", f"damping = {_number(joint.damping)}"]
+        else:
+            yield from ['kind = "bushing"', f"stiffness = {_list([0] * 6)}"]
+            yield f"damping = {_list([0, 0, joint.damping, 0, 0, 0])}"
+        yield from [f"between = {self.between(body)}", ""]
+
+    def limits(self, joint: RobotJoint) -> Iterator[str]:
+        """The limits of a joint as a comment."""
+        if joint.limits is None:
+            return
+        unit, effort = ("rad", "N m") if joint.kind.turns else ("m", "N")
+        limits, parts = joint.limits, []
+        if joint.kind is not JointKind.CONTINUOUS and not (limits.lower is None and limits.upper is None):
+            parts.append(f"{limits.lower or 0:g} to {limits.upper or 0:g} {unit}")
+        if limits.velocity:
+            parts.append(f"{limits.velocity:g} {unit}/s")
+        if limits.effort:
+            parts.append(f"{limits.effort:g} {effort}")
+        if parts:
+            yield f"# limits, which nothing enforces: {', '.join(parts)}"
+
+    def ports(self) -> Iterator[str]:
+        """An input for each joint with one motion that does not follow another one, and an output, its position."""
+        moved = [b.joint for b in self.bodies if b.joint and b.joint.kind.has_one_motion]
+        for joint in moved:
+            if joint.mimic:
+                continue
+            name, load = self.joints[joint.name], "torque" if joint.kind.turns else "force"
+            port = self.name(f"{load}_{name}")
+            yield from [f"[inputs.{port}]", "value = 0", "", f"[{load}s.{self.name(f'{name}_motor')}]"]
+            yield from [f'joint = "{name}"', f'value = {{ input = "{port}" }}', ""]
+        for joint in moved:
+            name = self.joints[joint.name]
+            yield from [f"[outputs.{self.name(f'q_{name}')}]", 'kind = "joint"', f'joint = "{name}"', ""]
+
+    def note_rest(self) -> None:
+        """Note what is left out and renamed."""
+        if self.renamed:
+            self.notes.append(f"renamed: {', '.join(self.renamed)}")
+        locked = [j for j in self.robot.joints.values() if j.name in self.locked and j.kind is not JointKind.FIXED]
+        if locked:
+            self.notes.append(f"do not move, since the joints that they follow do not: {_names(locked)}")
+        rubbing = [j for j in self.robot.joints.values() if j.friction and j.name not in self.locked]
+        if rubbing:
+            self.notes.append(f"friction is left out, of {_names(rubbing)}")
+        damped = [j for j in self.robot.joints.values() if j.damping and not j.kind.has_one_motion and j.name in self.joints]
+        if damped:
+            self.notes.append(f"damping of joints with several motions is left out, of {_names(damped)}")
+        outside = [j for b in self.bodies if (j := b.joint) and j.kind.has_one_motion and _outside(j)]
+        if outside:
+            self.notes.append(f"the zero position, where the motion begins, is outside of the limits of {_names(outside)}")
+        drawn = [f"{self.robot.unread[tag]} <{tag}>" for tag in GEOMETRY if tag in self.robot.unread]
+        rest = [f"{n} <{printable(tag)}>" for tag, n in self.robot.unread.items() if tag not in GEOMETRY]
+        if unread := [*drawn, *rest]:
+            self.notes.append(f"not read: {', '.join(unread)}")
+
+
+def axes_along(direction: Vector) -> Matrix:
+    """A rotation matrix whose z axis has a direction: none for z itself, and no rounding for x and y."""
+    if direction[2] == 1:
+        return np.eye(3)
+    across = np.eye(3)[(int(np.argmax(abs(direction))) + 1) % 3]
+    x = across - (across @ direction) * direction
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(direction, x), direction])
+
+
+def _frame(placement: Placement, axes: Matrix) -> str:
+    """A marker: its point, and its rotation where there is one."""
+    rotation = placement.rotation @ axes
+    at = _list(placement.position)
+    return at if np.array_equal(rotation, np.eye(3)) else f"{{ at = {at}, rotation = {_axes(rotation)} }}"
+
+
+def _axes(rotation: Matrix) -> str:
+    """A rotation by two axes of the frame."""
+    return f"{{ x = {_list(rotation[:, 0])}, z = {_list(rotation[:, 2])} }}"
+
+
+def _list(values: Iterable[float] | Vector) -> str:
+    return f"[{', '.join(_number(float(x)) for x in values)}]"
+
+
+def _number(value: float) -> str:
+    """A number with all its digits; a whole one without a point."""
+    return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
+
+
+def _names(joints: Sequence[RobotJoint]) -> str:
+    return ", ".join(printable(joint.name) for joint in joints)
+
+
+def _outside(joint: RobotJoint) -> bool:
+    if joint.limits is None or joint.kind is JointKind.CONTINUOUS or joint.mimic:
+        return False
+    lower, upper = joint.limits.lower, joint.limits.upper
+    return not ((lower if lower is not None else -math.inf) <= 0 <= (upper if upper is not None else math.inf))

@@ -1,0 +1,86 @@
+"""XML as a tree of elements with their lines, read by the parser of the standard library without entities of documents.
+
+What a document declares in a DTD is refused: entities can name files and grow without bound.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from derive.errors import Problem, SpecError, printable
+from derive.spec.files.file_content import regular_file_start, why_unreadable
+
+MAX_BYTES = 20_000_000
+MAX_DEPTH = 100
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element: its tag, its attributes, its line from 1, and the elements inside. Text inside is not kept."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """The elements with this tag directly inside."""
+        return (child for child in self.children if child.tag == tag)
+
+    def first(self, tag: str) -> Element | None:
+        """The first element with this tag directly inside; None if there is none."""
+        return next(self.all(tag), None)
+
+
+class _Refused(Exception):  # noqa: N818
+    """Ends the parser of expat, which has no other way to stop; never leaves this module."""
+
+
+def read_xml(path: str | os.PathLike[str]) -> Element:
+    """The root element of a file. Raises SpecError: no file, no XML, too large, too deep, or with a DTD."""
+    source = os.fsdecode(path)
+    try:
+        content = regular_file_start(Path(source), MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
+    if len(content) > MAX_BYTES:
+        raise SpecError((Problem("", f"the file has more than {MAX_BYTES // 1_000_000} MB"),), source)
+    return parse_xml(content, source)
+
+
+def parse_xml(content: bytes, source: str | None = None) -> Element:
+    """The root element of a document; `source` is the file that errors show. Raises SpecError as `read_xml`."""
+    parser = expat.ParserCreate()
+    parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
+    open_elements: list[Element] = []
+    roots: list[Element] = []
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if len(open_elements) == MAX_DEPTH:
+            raise _Refused(f"elements are nested more than {MAX_DEPTH} deep")
+        element = Element(tag, attributes, parser.CurrentLineNumber)
+        (open_elements[-1].children if open_elements else roots).append(element)
+        open_elements.append(element)
+
+    def end(_: str) -> None:
+        open_elements.pop()
+
+    def doctype(*_: object) -> None:
+        raise _Refused("a document type (<!DOCTYPE ...>) is not read, since its entities may name files; remove it")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        text = f"this is no XML: {printable(expat.errors.messages[error.code])}, column {error.offset + 1}"
+        raise SpecError((Problem("", text, error.lineno),), source) from None
+    except (_Refused, ValueError) as error:  # ValueError: an encoding that the parser does not know
+        raise SpecError((Problem("", str(error), parser.CurrentLineNumber),), source) from None
+    (root,) = roots
+    return root
