@@ -21,6 +21,9 @@ from derive.terminal import show_progress, timed_stages
 FORKING = ("study", "choose", "sweep")
 """The commands that fork processes, beside which no thread may run."""
 
+MODULES = {"import": "importing"}
+"""The modules of commands whose names are words of Python."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code; without a command print the help.
@@ -46,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
-        command = import_module(f"derive.cli.{options.command}")
+        command = import_module(f"derive.cli.{MODULES.get(options.command, options.command)}")
         show_progress()
         timed = nullcontext() if options.command in FORKING else timed_stages()
         with timed, no_cache(getattr(options, "no_cache", False)):

@@ -16,6 +16,7 @@ from derive.export.octave import OCTAVE
 from derive.export.petsc import PETSC
 from derive.export.rust import RUST
 from derive.export.sundials import SUNDIALS
+from derive.export.urdf.description import URDF
 from derive.registry import Registry
 from derive.spec.model.specification import Specification
 
@@ -37,6 +38,7 @@ INTERFACES: Registry[Interface] = Registry(
         "exudyn": EXUDYN,
         "exudyn-ffrf": EXUDYN_FFRF,
         "petsc": PETSC,
+        "urdf": URDF,
     },
 )
 

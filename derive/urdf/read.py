@@ -114,7 +114,7 @@ class _Reader:
         """A link; without <inertial> it is a frame alone."""
         name = self.text(element, "name", "link")
         inertial = element.first("inertial")
-        return Link(name, inertial and self.inertia(inertial, f"link {name}"), element.line)
+        return Link(name, self.inertia(inertial, f"link {name}") if inertial else None, element.line)
 
     def inertia(self, element: Element, path: str) -> Inertia | None:
         """Mass, centre and tensor; None where all are zero."""
@@ -148,14 +148,15 @@ class _Reader:
             self.fault(element.first("axis") or element, f"{path}.axis", "the axis has no direction")
             axis = (1.0, 0.0, 0.0)
         limit, dynamics = element.first("limit"), element.first("dynamics")
-        limits = limit and Limits(*(self.number(limit, k, path, None) for k in ("lower", "upper", "effort", "velocity")))
+        keys = ("lower", "upper", "effort", "velocity")
+        limits = Limits(*(self.number(limit, key, path, None) for key in keys)) if limit else None
         damping, friction = (self.number(dynamics, key, path, 0.0) or 0.0 for key in ("damping", "friction"))
         if damping < 0:
             self.fault(dynamics or element, f"{path}.damping", f"damping is not negative, and this is {damping:g}")
         mimic = element.first("mimic")
         return RobotJoint(
             name, kind, parent, child, self.origin(element, path), axis, limits, damping, friction,
-            mimic and self.mimic(mimic, path), element.line,
+            self.mimic(mimic, path) if mimic else None, element.line,
         )  # fmt: skip
 
     def mimic(self, element: Element, path: str) -> Mimic:

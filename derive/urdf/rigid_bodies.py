@@ -92,7 +92,7 @@ def joints_on(robot: Robot, body: RigidBody) -> Iterator[tuple[RobotJoint, Part]
 
 
 def locked_joints(robot: Robot) -> Mapping[str, float]:
-    """The joints without motion, with the position in which they stay: fixed ones, and those that follow such joints."""
+    """The joints without motion, with the position in which they stay: fixed ones, and those that follow these."""
     locked = {joint.name: 0.0 for joint in robot.joints.values() if joint.kind is JointKind.FIXED}
     before = -1
     while len(locked) > before:

@@ -31,10 +31,8 @@ def root_of_tree(links: Mapping[str, Link], joints: Mapping[str, RobotJoint], pr
     roots = [name for name in links if name not in above]
     if len(roots) > 1:
         first, *others = roots
-        problems += (
-            Problem(f"link {name}", f"a second root beside link {quoted(first)}; a joint connects them", links[name].line)
-            for name in others
-        )
+        text = f"a second root beside link {quoted(first)}; a joint has to connect them"
+        problems += (Problem(f"link {name}", text, links[name].line) for name in others)
     if len(problems) == before:
         _check_cycles(links, above, problems)
     return roots[0] if roots else ""
@@ -64,10 +62,9 @@ def _check_mimics(joints: Mapping[str, RobotJoint], problems: list[Problem]) -> 
             problems.append(Problem(path, f"there is no joint {quoted(joint.mimic.joint)}", joint.line))
         elif name in _followed(joints, leader):
             problems.append(Problem(path, "the joint follows itself", joint.line))
-        elif JointKind.FIXED not in (joint.kind, leader.kind):
-            if not (joint.kind.has_one_motion and leader.kind.has_one_motion):
-                message = f"joints with several motions follow no others: these are {leader.kind.value} and "
-                problems.append(Problem(path, f"{message}{joint.kind.value}", joint.line))
+        elif any(j.kind in (JointKind.FLOATING, JointKind.PLANAR) for j in (joint, leader)):
+            kinds = f"these are {leader.kind.value} and {joint.kind.value}"
+            problems.append(Problem(path, f"joints with several motions do not follow each other: {kinds}", joint.line))
 
 
 def _followed(joints: Mapping[str, RobotJoint], joint: RobotJoint) -> set[str]:

@@ -5,13 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 import numpy as np
 
 from derive.errors import Problem, SpecError, printable, quoted
+from derive.short_text import counted
+from derive.spec.checks.name_clashes import OWN_MARKERS
+from derive.spec.model.instances import identifier
+from derive.spec.model.markers import GROUND
 from derive.spec.parsing.names import free_name
-from derive.urdf.rigid_bodies import RigidBody, joints_on, locked_joints, rigid_bodies
+from derive.spec.parsing.values import WrongValueError
+from derive.spec.tables.inertia_tensor import check_tensor
+from derive.urdf.rigid_bodies import Part, RigidBody, joints_on, locked_joints, rigid_bodies
 from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint, Vector
 
 Base = Literal["fixed", "free"]
@@ -26,14 +33,18 @@ KINDS = {
 }
 """The kinds of joints in scenes; bodies behind floating joints have none."""
 
+OWN_MARKER = "joint"
+"""The marker at which the joint that moves a body acts on it."""
+
 GEOMETRY = ("visual", "collision")
 
 
 @dataclass(frozen=True)
 class WrittenScene:
-    """The TOML text of a scene, and lines on what is left out of the robot, renamed or joined."""
+    """The TOML text of a scene, its size in words, and lines on what is left out of the robot, renamed or fixed."""
 
     name: str
+    doc: str
     text: str
     notes: tuple[str, ...]
 
@@ -60,6 +71,13 @@ class _Writer:
         self.renamed: list[str] = []
         self.links = {body.name: self.name(body.name) for body in self.bodies[self.held :]}
         self.joints = {body.joint.name: self.name(body.joint.name) for body in self.bodies if body.joint}
+        self.carriers = {part.link.name: (body, part) for body in self.bodies for part in body.parts}
+        self.taken_by_markers: set[str] = set()
+        self.first_markers = {
+            joint.name: self.marker_name(body, self.joints[joint.name])
+            for body in self.bodies
+            for joint, _ in joints_on(self.robot, body)
+        }
 
     @property
     def held(self) -> int:
@@ -72,6 +90,19 @@ class _Writer:
         self.taken.add(name.lower())
         if name != text:
             self.renamed.append(f"{quoted(text)} -> {name}")
+        return name
+
+    def scene_name(self, body: RigidBody) -> str:
+        """The name by which markers of a body are referred to."""
+        return self.links.get(body.name, GROUND)
+
+    def marker_name(self, body: RigidBody, text: str) -> str:
+        """A name that no other marker has, also not together with the name of its body."""
+        owner = self.scene_name(body)
+        name, taken = text, {*OWN_MARKERS, OWN_MARKER}
+        while identifier(owner, name := free_name(text, taken)).lower() in self.taken_by_markers:
+            taken.add(name.lower())
+        self.taken_by_markers.add(identifier(owner, name).lower())
         return name
 
     def scene(self) -> WrittenScene:
@@ -90,17 +121,20 @@ class _Writer:
             "",
         ]
         tail = ["[simulation]", "duration = 1", "output = 0.01", ""]
-        return WrittenScene(name, "\n".join([*head, *tables, *tail]), tuple(self.notes))
+        moving = counted(len(self.bodies) - self.held, "moving body", "moving bodies")
+        doc = f"{moving} of {counted(len(self.robot.links), 'link')}, {counted(len(self.joints), 'joint')}"
+        return WrittenScene(name, doc, "\n".join([*head, *tables, *tail]), tuple(self.notes))
 
     def check_masses(self) -> None:
-        """Refuse bodies that move without mass: their joints are singular."""
-        problems = []
-        for body in self.bodies[self.held :]:
-            if body.mass:
-                continue
-            where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
-            text = f"moves and has no mass, so that {where} singular; give it an <inertial>"
-            problems.append(Problem(f"link {body.name}", text, body.parts[0].link.line))
+        """Refuse bodies that no scene can have: without mass, or with a tensor that no mass has."""
+        problems = [
+            Problem(f"link {body.name}", why, body.parts[0].link.line)
+            for body in self.bodies[self.held :]
+            if (why := _why_no_body(body))
+        ]
+        if len(self.bodies) == self.held:
+            text = "nothing moves: all links are fixed to the root, and this to the ground; import it with --base free"
+            problems.append(Problem("", text))
         if problems:
             raise SpecError(tuple(problems), self.source)
 
@@ -111,7 +145,7 @@ class _Writer:
         root = self.bodies[0]
         if root.mass:
             self.notes.append(
-                f"link {printable(root.name)} ({root.mass:g} kg) is fixed to the ground, so that its mass has no effect; "
+                f"{_heavy(root)} ({root.mass:g} kg) is fixed to the ground, so that its mass has no effect; "
                 "import with --base free if it moves"
             )
         yield from ["[ground.markers]", *self.markers(root), ""]
@@ -119,26 +153,20 @@ class _Writer:
     def markers(self, body: RigidBody) -> Iterator[str]:
         """The markers of a body as lines of a table: of the joint that moves it, of those on it, and of its links."""
         if body.joint and body.joint.kind is not JointKind.FLOATING:
-            yield f"joint = {_frame(HERE, axes_along(body.joint.direction))}"
-        taken = {"joint"}
+            yield f"{OWN_MARKER} = {_frame(HERE, axes_along(body.joint.direction))}"
         for joint, part in joints_on(self.robot, body):
             if joint.kind is not JointKind.FLOATING:
-                placement = part.placement.of(joint.origin.placement)
-                taken.add(self.joints[joint.name])
-                yield f"{self.joints[joint.name]} = {_frame(placement, axes_along(joint.direction))}"
+                yield f"{self.first_markers[joint.name]} = {_frame_of_joint(joint, part)}"
         for part in body.parts[1:]:
-            name = free_name(part.link.name, taken)
-            taken.add(name.lower())
-            yield f"{name} = {_frame(part.placement, np.eye(3))}"
+            yield f"{self.marker_name(body, part.link.name)} = {_frame(part.placement, np.eye(3))}"
 
     def body_tables(self) -> Iterator[str]:
         """The bodies that move."""
         for body in self.bodies[self.held :]:
             name, tensor = self.links[body.name], body.tensor
             (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
-            joined = [printable(part.link.name) for part in body.parts if part.link.inertia]
-            if len(joined) > 1:
-                yield f"# {', '.join(joined)}"
+            if len(body.parts) > 1 and "," in _heavy(body):
+                yield f"# one body: {_heavy(body)}"
             yield from [
                 f"[bodies.{name}]",
                 f"mass = {_number(body.mass)}",
@@ -147,7 +175,8 @@ class _Writer:
             ]
             if body.joint is None or body.joint.kind is JointKind.FLOATING:
                 yield f"start = {self.start(body)}"
-            yield from ["", f"[bodies.{name}.markers]", *self.markers(body), ""]
+            markers = list(self.markers(body))
+            yield from ["", *([f"[bodies.{name}.markers]", *markers, ""] if markers else [])]
 
     def start(self, body: RigidBody) -> str:
         """Where a free body is while all joints are in their zero positions."""
@@ -158,8 +187,7 @@ class _Writer:
         """The placement of a body in the frame of the root while all joints are in their zero positions."""
         if body.joint is None:
             return HERE
-        carrier = next(b for b in self.bodies if any(p.link.name == body.joint.parent for p in b.parts))
-        part = next(p for p in carrier.parts if p.link.name == body.joint.parent)
+        carrier, part = self.carriers[body.joint.parent]
         return self.zero_position(carrier).of(part.placement).of(body.joint.origin.placement)
 
     def joint_tables(self) -> Iterator[str]:
@@ -190,9 +218,9 @@ class _Writer:
     def between(self, body: RigidBody) -> str:
         """The two markers of the joint that moves a body."""
         assert body.joint
-        carrier = next(b for b in self.bodies if any(p.link.name == body.joint.parent for p in b.parts))
-        first = self.links.get(carrier.name, "ground")
-        return f'["{first}.{self.joints[body.joint.name]}", "{self.links[body.name]}.joint"]'
+        carrier, _ = self.carriers[body.joint.parent]
+        first = f"{self.scene_name(carrier)}.{self.first_markers[body.joint.name]}"
+        return f'["{first}", "{self.links[body.name]}.{OWN_MARKER}"]'
 
     def damper(self, joint: RobotJoint, body: RigidBody) -> Iterator[str]:
         """The viscous damping of a joint."""
@@ -243,16 +271,37 @@ class _Writer:
         rubbing = [j for j in self.robot.joints.values() if j.friction and j.name not in self.locked]
         if rubbing:
             self.notes.append(f"friction is left out, of {_names(rubbing)}")
-        damped = [j for j in self.robot.joints.values() if j.damping and not j.kind.has_one_motion and j.name in self.joints]
+        several = [j for j in self.robot.joints.values() if j.name in self.joints and not j.kind.has_one_motion]
+        damped = [j for j in several if j.damping]
         if damped:
             self.notes.append(f"damping of joints with several motions is left out, of {_names(damped)}")
         outside = [j for b in self.bodies if (j := b.joint) and j.kind.has_one_motion and _outside(j)]
         if outside:
-            self.notes.append(f"the zero position, where the motion begins, is outside of the limits of {_names(outside)}")
+            where = f"outside of the limits of {_names(outside)}"
+            self.notes.append(f"the zero position, in which the motion begins, is {where}")
         drawn = [f"{self.robot.unread[tag]} <{tag}>" for tag in GEOMETRY if tag in self.robot.unread]
         rest = [f"{n} <{printable(tag)}>" for tag, n in self.robot.unread.items() if tag not in GEOMETRY]
         if unread := [*drawn, *rest]:
             self.notes.append(f"not read: {', '.join(unread)}")
+
+
+def _heavy(body: RigidBody) -> str:
+    """The links of a body that have mass."""
+    return ", ".join(printable(part.link.name) for part in body.parts if part.link.inertia)
+
+
+def _why_no_body(body: RigidBody) -> str:
+    """The reason why a body of a scene cannot be this one; empty if it can."""
+    if not body.mass:
+        where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
+        return f"it moves and has no mass, so that {where} singular; give it an <inertial>, or make its joint fixed"
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor.tolist()
+    try:
+        check_tensor(tuple(map(Fraction, (xx, yy, zz, xy, xz, yz))))
+    except WrongValueError as error:
+        parts = " and what is fixed to it" if len(body.parts) > 1 else ""
+        return f"{error}; correct the <inertia> of this link{parts}"
+    return ""
 
 
 def axes_along(direction: Vector) -> Matrix:
@@ -263,6 +312,16 @@ def axes_along(direction: Vector) -> Matrix:
     x = across - (across @ direction) * direction
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(direction, x), direction])
+
+
+def _frame_of_joint(joint: RobotJoint, part: Part) -> str:
+    """The marker of a joint on the body that carries it, by the angles of the robot where no others are added."""
+    axes = axes_along(joint.direction)
+    if part.placement is HERE and any(joint.origin.rpy) and np.array_equal(axes, np.eye(3)):
+        roll, pitch, yaw = joint.origin.rpy
+        angles = f'{{ angles = {_list((yaw, pitch, roll))}, sequence = "zyx" }}'
+        return f"{{ at = {_list(joint.origin.xyz)}, rotation = {angles} }}"
+    return _frame(part.placement.of(joint.origin.placement), axes)
 
 
 def _frame(placement: Placement, axes: Matrix) -> str:

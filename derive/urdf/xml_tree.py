@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from derive.errors import Problem, SpecError, printable
+from derive.errors import Problem, SpecError, TisserandError, printable
 from derive.spec.files.file_content import regular_file_start, why_unreadable
 
 MAX_BYTES = 20_000_000
@@ -36,7 +36,7 @@ class Element:
         return next(self.all(tag), None)
 
 
-class _Refused(Exception):  # noqa: N818
+class _RefusedError(TisserandError):
     """Ends the parser of expat, which has no other way to stop; never leaves this module."""
 
 
@@ -61,7 +61,7 @@ def parse_xml(content: bytes, source: str | None = None) -> Element:
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(open_elements) == MAX_DEPTH:
-            raise _Refused(f"elements are nested more than {MAX_DEPTH} deep")
+            raise _RefusedError(f"elements are nested more than {MAX_DEPTH} deep")
         element = Element(tag, attributes, parser.CurrentLineNumber)
         (open_elements[-1].children if open_elements else roots).append(element)
         open_elements.append(element)
@@ -70,7 +70,9 @@ def parse_xml(content: bytes, source: str | None = None) -> Element:
         open_elements.pop()
 
     def doctype(*_: object) -> None:
-        raise _Refused("a document type (<!DOCTYPE ...>) is not read, since its entities may name files; remove it")
+        raise _RefusedError(
+            "a document type (<!DOCTYPE ...>) is not read, since its entities may name files; remove it"
+        )
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end
@@ -80,7 +82,7 @@ def parse_xml(content: bytes, source: str | None = None) -> Element:
     except expat.ExpatError as error:
         text = f"this is no XML: {printable(expat.errors.messages[error.code])}, column {error.offset + 1}"
         raise SpecError((Problem("", text, error.lineno),), source) from None
-    except (_Refused, ValueError) as error:  # ValueError: an encoding that the parser does not know
+    except (_RefusedError, ValueError) as error:  # ValueError: an encoding that the parser does not know
         raise SpecError((Problem("", str(error), parser.CurrentLineNumber),), source) from None
     (root,) = roots
     return root

@@ -91,6 +91,7 @@ def parser() -> argparse.ArgumentParser:
     _add_choose(commands)
     _add_report(commands)
     _add_export(commands)
+    _add_import(commands)
     _add_check(commands)
     _add_sid(commands)
     _add_schema(commands)
@@ -195,12 +196,27 @@ def _add_export(commands: Any) -> None:
         "casadi (CasADi, with exact derivatives), "
         "acados (an AcadosModel), jax (a Python module for JAX), sundials (CVODE, CVODES, ARKODE and IDA in C), "
         "exudyn (an object of Exudyn with user functions in C), exudyn-ffrf (integrals for its floating-frame body), "
-        "petsc (TS of PETSc in C)",
+        "petsc (TS of PETSc in C), urdf (the description of a robot)",
     )
     add_folder(export, "exported")
     add_set(export)
     add_no_cache(export)
     export.add_argument("--json", action="store_true", help="print ports, start values and files as JSON")
+
+
+def _add_import(commands: Any) -> None:
+    importing = add_command(commands, "import", "write the specification of a robot from its description (URDF)")
+    importing.add_argument("robot", type=Path, metavar="ROBOT", help="description of a robot (.urdf)")
+    importing.add_argument(
+        "--base",
+        choices=("fixed", "free"),
+        default="fixed",
+        help="how the root link is held: fixed to the ground, or free (default: fixed)",
+    )
+    importing.add_argument(
+        "--out", type=Path, metavar="FILE", help="specification to write (default: the name of the robot, .toml)"
+    )
+    importing.add_argument("--json", action="store_true", help="print the notes as JSON")
 
 
 def _add_check(commands: Any) -> None:

@@ -82,8 +82,8 @@ def _notes(scene: SpatialScene, native: NativeScene, k: Vector, t: Vector, q: Ma
 
 
 def uncounted(scene: SpatialScene, native: NativeScene) -> Iterator[SpatialSpring]:
-    """The rotational springs whose turns nothing counts."""
-    for spring in (spring for spring in scene.springs if spring.kind == "rotational"):
+    """The rotational springs whose turns nothing counts; a damper alone has no torque that could jump."""
+    for spring in (spring for spring in scene.springs if spring.kind == "rotational" and spring.values["stiffness"] != 0):
         joint = scene.joint_between(spring.first, spring.second)
         if joint is not None:
             of = SPATIAL_JOINTS[joint.kind]

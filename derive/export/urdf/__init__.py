@@ -1,0 +1,1 @@
+"""The description of a tree of rigid bodies as a robot (URDF)."""

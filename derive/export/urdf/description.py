@@ -1,0 +1,181 @@
+"""`--to urdf`: a tree of rigid bodies as a robot description."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+
+import numpy as np
+
+from derive.artifacts import MARK, File
+from derive.export.host_model import HostModel
+from derive.export.interface import Interface
+from derive.export.urdf.rigid_tree import KINDS, Branch, placement_in_link, rigid_tree
+from derive.short_text import counted
+from derive.simulation.observables.motion import si_value
+from derive.simulation.space.marker_frames import own_frame
+from derive.spec.model.instances import identifier
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.quantity import Parameter
+from derive.spec.model.spatial_bodies import FrameMarker
+from derive.spec.model.spatial_forces import SpatialSpring
+from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
+from derive.spec.model.specification import Specification
+from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Vector
+
+WORLD = "world"
+"""The link of the ground."""
+
+
+def urdf_files(host: HostModel) -> tuple[File, ...]:
+    """The description of a scene. Raises SpecError where it is no tree of rigid bodies."""
+    return (File(f"{host.name}.urdf", urdf_text(host.spec)),)
+
+
+def urdf_text(scene: Specification) -> str:
+    """The URDF of a scene: its ground is the link `world`; links lie at their joints, about whose z axes they move.
+
+    Markers at which no joint acts are links without mass. Raises SpecError where the scene is no tree of rigid bodies.
+    """
+    branches = rigid_tree(scene)
+    assert isinstance(scene, SpatialScene)
+    by_name = {branch.body.name: branch for branch in branches}
+    of_joints = {end for joint in scene.joints for end in (joint.first, joint.second)}
+    robot = ET.Element("robot", name=scene.name)
+    ET.SubElement(robot, "link", name=WORLD)
+    for marker in scene.ground:
+        if MarkerRef(GROUND, marker.name) not in of_joints:
+            _frame_link(robot, WORLD, identifier(GROUND, marker.name), _placement(marker))
+    for branch in branches:
+        _link(robot, branch)
+        _joint(robot, scene, branch, by_name)
+        for marker in branch.body.markers:
+            if MarkerRef(branch.body.name, marker.name) not in of_joints:
+                name = identifier(branch.body.name, marker.name)
+                _frame_link(robot, identifier(branch.body.name), name, placement_in_link(branch, _placement(marker)))
+    ET.indent(robot)
+    return f"<!-- {MARK} from {scene.name}. -->\n{ET.tostring(robot, encoding='unicode')}\n"
+
+
+def _link(robot: ET.Element, branch: Branch) -> None:
+    body = branch.body
+    link = ET.SubElement(robot, "link", name=identifier(body.name))
+    assert body.mass is not None
+    assert body.inertia is not None
+    inertial = ET.SubElement(link, "inertial")
+    centre = placement_in_link(branch, Placement(np.array([si_value(x) for x in body.centre]), np.eye(3)))
+    ET.SubElement(inertial, "origin", xyz=_numbers(centre.position), rpy="0 0 0")
+    ET.SubElement(inertial, "mass", value=_number(si_value(body.mass)))
+    xx, yy, zz, xy, xz, yz = (si_value(entry) for entry in body.inertia)
+    tensor = centre.rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ centre.rotation.T
+    entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    ET.SubElement(inertial, "inertia", {name: _number(tensor[at]) for name, at in entries.items()})
+
+
+def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict[str, Branch]) -> None:
+    own = branch.joint
+    kind = KINDS[own.kind] if own else JointKind.FLOATING
+    name = identifier(own.name) if own else f"{identifier(branch.body.name)}_free"
+    joint = ET.SubElement(robot, "joint", name=name, type=kind.value)
+    at = HERE
+    if branch.on:
+        markers = scene.ground if branch.carrier == GROUND else by_name[branch.carrier].body.markers
+        at = _placement(next(m for m in markers if m.name == branch.on.marker))
+        at = at if branch.carrier == GROUND else placement_in_link(by_name[branch.carrier], at)
+    ET.SubElement(joint, "origin", xyz=_numbers(at.position), rpy=_numbers(roll_pitch_yaw(at.rotation)))
+    ET.SubElement(joint, "parent", link=WORLD if branch.carrier == GROUND else identifier(branch.carrier))
+    ET.SubElement(joint, "child", link=identifier(branch.body.name))
+    if own is None or kind is JointKind.FIXED:
+        return
+    ET.SubElement(joint, "axis", xyz=f"0 0 {branch.sign}")
+    if kind is JointKind.PRISMATIC:  # limits are required of it, and nothing limits it
+        ET.SubElement(joint, "limit", lower="-1e9", upper="1e9", effort="1e9", velocity="1e9")
+    if damping := sum(map(_damping, _dampers(scene, own))):
+        ET.SubElement(joint, "dynamics", damping=_number(damping))
+    if gear := _first_of(scene, own.name):
+        leader, (ratio, offset) = identifier(gear.joints[0]), map(si_value, (gear.ratio, gear.offset))
+        ET.SubElement(joint, "mimic", joint=leader, multiplier=_number(ratio), offset=_number(offset))
+
+
+def _first_of(scene: SpatialScene, joint: str) -> Gear | None:
+    """The gear by which a joint follows another one: the first of several."""
+    return next((gear for gear in scene.gears if gear.joints[1] == joint), None)
+
+
+def _frame_link(robot: ET.Element, parent: str, name: str, at: Placement) -> None:
+    """A marker as a link without mass."""
+    ET.SubElement(robot, "link", name=name)
+    joint = ET.SubElement(robot, "joint", name=f"{name}_fixed", type="fixed")
+    ET.SubElement(joint, "origin", xyz=_numbers(at.position), rpy=_numbers(roll_pitch_yaw(at.rotation)))
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=name)
+
+
+def _placement(marker: FrameMarker) -> Placement:
+    frame = own_frame(marker)
+    return Placement(frame.position, frame.axes)
+
+
+def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
+    """The rotations about the fixed axes x, y and z in turn that make a rotation matrix."""
+    sine = -rotation[2, 0]
+    cosine = math.hypot(rotation[0, 0], rotation[1, 0])
+    pitch = math.atan2(sine, cosine)
+    if cosine < 1e-9:  # x and z turn about one line
+        return 0.0, pitch, math.atan2(-rotation[0, 1], rotation[1, 1])
+    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])
+
+
+def _dampers(scene: SpatialScene, joint: SpatialJoint) -> Iterator[SpatialSpring]:
+    """The dampers without stiffness between the markers of a joint that its bodies turn about."""
+    if KINDS.get(joint.kind) is JointKind.CONTINUOUS:
+        ends = {joint.first, joint.second}
+        of_joint = (spring for spring in scene.springs if {spring.first, spring.second} == ends)
+        yield from (spring for spring in of_joint if spring.kind == "rotational" and spring.values["stiffness"] == 0)
+
+
+def _damping(spring: SpatialSpring) -> float:
+    damping = spring.values.get("damping", 0)
+    assert isinstance(damping, (Parameter, Fraction, int))
+    return float(damping.default if isinstance(damping, Parameter) else damping)
+
+
+def _numbers(values: Iterable[float] | Vector) -> str:
+    return " ".join(_number(float(x)) for x in values)
+
+
+def _number(value: float) -> str:
+    """A number with all its digits; a whole one without a point."""
+    return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
+
+
+def _notes(host: HostModel) -> tuple[str, ...]:
+    """What the description leaves out."""
+    scene = host.spec
+    if not isinstance(scene, SpatialScene):
+        return ()
+    dampers = {spring.name for joint in scene.joints for spring in _dampers(scene, joint)}
+    lost = {
+        "force": len(scene.forces),
+        "torque": len(scene.torques),
+        "spring": len(scene.springs) - len(dampers),
+        "gear": sum(_first_of(scene, gear.joints[1]) is not gear for gear in scene.gears),
+        "input": len(scene.inputs),
+        "output": len(scene.outputs),
+    }
+    left = [counted(number, what) for what, number in lost.items() if number]
+    texts = ["initial values and gravity, which a URDF does not have", *([", ".join(left)] if left else [])]
+    if host.parameters:
+        names = ", ".join(f"{p.name} = {p.start:g}" for p in host.parameters if p.start is not None)
+        return (f"left out: {'; '.join(texts)}", f"parameters have their defaults: {names}")
+    return (f"left out: {'; '.join(texts)}",)
+
+
+URDF = Interface(
+    "robot description of a tree of rigid bodies",
+    urdf_files,
+    "read {folder}/{name}.urdf with Pinocchio, MuJoCo, ROS or another program for robots",
+    notes=_notes,
+)

@@ -1,0 +1,1 @@
+"""Descriptions of robots (URDF): reading, and the scene that one describes."""
