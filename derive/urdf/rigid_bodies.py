@@ -68,17 +68,22 @@ def _centre(part: Part) -> Vector:
 
 
 def rigid_bodies(robot: Robot) -> list[RigidBody]:
-    """The rigid bodies from the root on, each behind the one that carries it."""
+    """The rigid bodies from the root on, each behind the one that carries it, limb by limb."""
     locked = locked_joints(robot)
-    bodies = [RigidBody(None, [Part(robot.links[robot.root], HERE)])]
-    for body in bodies:  # grows at its end
-        for part in body.parts:  # so does this one
+    waiting = [RigidBody(None, [Part(robot.links[robot.root], HERE)])]
+    bodies = []
+    while waiting:
+        body = waiting.pop()
+        bodies.append(body)
+        carried = []
+        for part in body.parts:  # grows at its end
             for joint in robot.joints_behind(part.link.name):
                 link = robot.links[joint.child]
                 if joint.name in locked:
                     body.parts.append(Part(link, part.placement.of(_locked_placement(joint, locked[joint.name]))))
                 else:
-                    bodies.append(RigidBody(joint, [Part(link, HERE)]))
+                    carried.append(RigidBody(joint, [Part(link, HERE)]))
+        waiting += reversed(carried)
     return bodies
 
 

@@ -138,9 +138,11 @@ def pinocchio_model(pin: ModuleType, text: str, closing: tuple[str, ...] = ()) -
     connections = [table for name, table in scene["joints"].items() if name not in closing]
     inward = {ends(joint)[1].split(".")[0]: joint for joint in connections}
     rest = [*scene["bodies"]]
-    while rest:  # a body after that which carries it
-        rest.sort(key=lambda name: name in inward and ends(inward[name])[0].split(".")[0] not in result.joints)
-        _add(result, rest.pop(0), inward)
+    while rest:  # a body after that which carries it, and limb by limb, as mass matrices of Pinocchio need it
+        carriers = ((name, ends(inward[name])[0].split(".")[0] if name in inward else "ground") for name in rest)
+        ready = next(name for name, carrier in carriers if carrier in result.joints)
+        rest.remove(ready)
+        _add(result, ready, inward)
     return result
 
 

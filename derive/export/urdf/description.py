@@ -14,16 +14,17 @@ from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.urdf.rigid_tree import KINDS, Branch, placement_in_link, rigid_tree
 from derive.short_text import counted
+from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.marker_frames import own_frame
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.spatial_bodies import FrameMarker
+from derive.spec.model.spatial_bodies import NO_ROTATION, FrameMarker, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.specification import Specification
-from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Vector
+from derive.urdf.robot import JointKind, Matrix, Placement, Vector
 
 WORLD = "world"
 """The link of the ground."""
@@ -79,7 +80,7 @@ def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict
     kind = KINDS[own.kind] if own else JointKind.FLOATING
     name = identifier(own.name) if own else f"{identifier(branch.body.name)}_free"
     joint = ET.SubElement(robot, "joint", name=name, type=kind.value)
-    at = HERE
+    at = _start(branch.body)
     if branch.on:
         markers = scene.ground if branch.carrier == GROUND else by_name[branch.carrier].body.markers
         at = _placement(next(m for m in markers if m.name == branch.on.marker))
@@ -113,6 +114,12 @@ def _frame_link(robot: ET.Element, parent: str, name: str, at: Placement) -> Non
     ET.SubElement(joint, "child", link=name)
 
 
+def _start(body: SpatialRigidBody) -> Placement:
+    """Where a free body begins its motion."""
+    position, rotation = body.start.position or (0.0, 0.0, 0.0), body.start.rotation or NO_ROTATION
+    return Placement(np.array(position), rotation_matrix(np.array(rotation)))
+
+
 def _placement(marker: FrameMarker) -> Placement:
     frame = own_frame(marker)
     return Placement(frame.position, frame.axes)
@@ -120,12 +127,10 @@ def _placement(marker: FrameMarker) -> Placement:
 
 def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
     """The rotations about the fixed axes x, y and z in turn that make a rotation matrix."""
-    sine = -rotation[2, 0]
-    cosine = math.hypot(rotation[0, 0], rotation[1, 0])
-    pitch = math.atan2(sine, cosine)
-    if cosine < 1e-9:  # x and z turn about one line
-        return 0.0, pitch, math.atan2(-rotation[0, 1], rotation[1, 1])
-    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])
+    pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
+    roll = math.atan2(rotation[2, 1], rotation[2, 2])
+    y = rotation[:, 1] * math.cos(roll) - rotation[:, 2] * math.sin(roll)  # the y axis without the roll
+    return roll, pitch, math.atan2(-y[0], y[1])  # exact also where roll and yaw turn about one line
 
 
 def _dampers(scene: SpatialScene, joint: SpatialJoint) -> Iterator[SpatialSpring]:
