@@ -11,7 +11,7 @@ from typing import TypeVar
 from derive.errors import Problem, SpecError, quoted
 from derive.urdf.robot import Inertia, JointKind, Limits, Link, Mimic, Origin, Robot, RobotJoint
 from derive.urdf.tree import root_of_tree
-from derive.urdf.xml_tree import Element, read_xml
+from derive.urdf.xml_tree import XmlElement, read_xml
 
 Named = TypeVar("Named", Link, RobotJoint)
 
@@ -31,7 +31,7 @@ def read_robot(path: str | os.PathLike[str]) -> Robot:
     return robot_of(read_xml(path), os.fsdecode(path))
 
 
-def robot_of(root: Element, source: str | None = None) -> Robot:
+def robot_of(root: XmlElement, source: str | None = None) -> Robot:
     """The robot of an XML tree; `source` is the file that errors show. Raises SpecError."""
     if root.tag != "robot":
         message = f"a URDF is needed, whose outermost element is <robot>, not <{root.tag[:40]}>"
@@ -56,18 +56,18 @@ class _Reader:
     def __init__(self) -> None:
         self.problems: list[Problem] = []
 
-    def fault(self, element: Element, path: str, message: str) -> None:
+    def fault(self, element: XmlElement, path: str, message: str) -> None:
         """Note a fault at the line of an element."""
         self.problems.append(Problem(path, message, element.line))
 
-    def text(self, element: Element, attribute: str, path: str) -> str:
+    def text(self, element: XmlElement, attribute: str, path: str) -> str:
         """An attribute that is required."""
         value = element.attributes.get(attribute, "").strip()
         if not value:
             self.fault(element, path, f'<{element.tag}> needs {attribute}="..."')
         return value
 
-    def numbers(self, text: str, count: int, element: Element, path: str) -> list[float]:
+    def numbers(self, text: str, count: int, element: XmlElement, path: str) -> list[float]:
         """So many finite numbers of a text with blanks between them; zeros after a fault."""
         try:
             values = [float(part) for part in text.split()]
@@ -79,14 +79,14 @@ class _Reader:
             return [0.0] * count
         return values
 
-    def number(self, element: Element | None, attribute: str, path: str, default: float | None) -> float | None:
+    def number(self, element: XmlElement | None, attribute: str, path: str, default: float | None) -> float | None:
         """An attribute that is a number; `default` where it is not given."""
         if element is None or attribute not in element.attributes:
             return default
         return self.numbers(element.attributes[attribute], 1, element, f"{path}.{element.tag}.{attribute}")[0]
 
     def triple(
-        self, element: Element | None, attribute: str, path: str, default: tuple[float, float, float]
+        self, element: XmlElement | None, attribute: str, path: str, default: tuple[float, float, float]
     ) -> tuple[float, float, float]:
         """An attribute of three numbers; `default` where it is not given."""
         if element is None or attribute not in element.attributes:
@@ -94,7 +94,7 @@ class _Reader:
         x, y, z = self.numbers(element.attributes[attribute], 3, element, f"{path}.{element.tag}.{attribute}")
         return x, y, z
 
-    def origin(self, element: Element, path: str) -> Origin:
+    def origin(self, element: XmlElement, path: str) -> Origin:
         """The placement of a joint or of a centre of mass."""
         origin = element.first("origin")
         return Origin(*(self.triple(origin, key, path, (0.0, 0.0, 0.0)) for key in ("xyz", "rpy")))
@@ -110,13 +110,13 @@ class _Reader:
             result[element.name] = element
         return result
 
-    def link(self, element: Element) -> Link:
+    def link(self, element: XmlElement) -> Link:
         """A link; without <inertial> it is a frame alone."""
         name = self.text(element, "name", "link")
         inertial = element.first("inertial")
         return Link(name, self.inertia(inertial, f"link {name}") if inertial else None, element.line)
 
-    def inertia(self, element: Element, path: str) -> Inertia | None:
+    def inertia(self, element: XmlElement, path: str) -> Inertia | None:
         """Mass, centre and tensor; None where all are zero."""
         mass, tensor = element.first("mass"), element.first("inertia")
         if mass is None or tensor is None:
@@ -134,7 +134,7 @@ class _Reader:
         xx, xy, xz, yy, yz, zz = entries
         return Inertia(self.origin(element, path), value, (xx, xy, xz, yy, yz, zz))
 
-    def joint(self, element: Element) -> RobotJoint:
+    def joint(self, element: XmlElement) -> RobotJoint:
         """A joint of any type."""
         name, given = self.text(element, "name", "joint"), self.text(element, "type", "joint")
         path = f"joint {name}"
@@ -159,12 +159,12 @@ class _Reader:
             self.mimic(mimic, path) if mimic else None, element.line,
         )  # fmt: skip
 
-    def mimic(self, element: Element, path: str) -> Mimic:
+    def mimic(self, element: XmlElement, path: str) -> Mimic:
         """The joint that is followed, with the ratio and the offset."""
         multiplier, offset = self.number(element, "multiplier", path, 1.0), self.number(element, "offset", path, 0.0)
         return Mimic(self.text(element, "joint", path), 1.0 if multiplier is None else multiplier, offset or 0.0)
 
-    def of_link(self, element: Element, tag: str, path: str) -> str:
+    def of_link(self, element: XmlElement, tag: str, path: str) -> str:
         """The name of the parent or the child of a joint."""
         inner = element.first(tag)
         if inner is None:
@@ -173,7 +173,7 @@ class _Reader:
         return self.text(inner, "link", path)
 
 
-def _unread(root: Element) -> Counter[str]:
+def _unread(root: XmlElement) -> Counter[str]:
     """The tags directly inside of elements that are read which are not read themselves, with the number of each."""
     counts: Counter[str] = Counter()
     for child in root.children:

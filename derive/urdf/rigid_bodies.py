@@ -11,7 +11,7 @@ from derive.urdf.robot import HERE, JointKind, Link, Matrix, Placement, Robot, R
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class LinkPart:
     """A link of a rigid body, with its placement in the frame of the body."""
 
     link: Link
@@ -19,11 +19,11 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBody:
+class RobotBody:
     """Links that move as one body, whose frame is that of the first; `joint` moves it, None of the root."""
 
     joint: RobotJoint | None
-    parts: list[Part] = field(default_factory=list)
+    parts: list[LinkPart] = field(default_factory=list)
 
     @property
     def name(self) -> str:
@@ -57,20 +57,20 @@ class RigidBody:
         return result
 
 
-def _mass(part: Part) -> float:
+def _mass(part: LinkPart) -> float:
     assert part.link.inertia
     return part.link.inertia.mass
 
 
-def _centre(part: Part) -> Vector:
+def _centre(part: LinkPart) -> Vector:
     assert part.link.inertia
     return part.placement.of(part.link.inertia.origin.placement).position
 
 
-def rigid_bodies(robot: Robot) -> list[RigidBody]:
+def rigid_bodies(robot: Robot) -> list[RobotBody]:
     """The rigid bodies from the root on, each behind the one that carries it, limb by limb."""
     locked = locked_joints(robot)
-    waiting = [RigidBody(None, [Part(robot.links[robot.root], HERE)])]
+    waiting = [RobotBody(None, [LinkPart(robot.links[robot.root], HERE)])]
     bodies = []
     while waiting:
         body = waiting.pop()
@@ -80,14 +80,14 @@ def rigid_bodies(robot: Robot) -> list[RigidBody]:
             for joint in robot.joints_behind(part.link.name):
                 link = robot.links[joint.child]
                 if joint.name in locked:
-                    body.parts.append(Part(link, part.placement.of(_locked_placement(joint, locked[joint.name]))))
+                    body.parts.append(LinkPart(link, part.placement.of(_locked_placement(joint, locked[joint.name]))))
                 else:
-                    carried.append(RigidBody(joint, [Part(link, HERE)]))
+                    carried.append(RobotBody(joint, [LinkPart(link, HERE)]))
         waiting += reversed(carried)
     return bodies
 
 
-def joints_on(robot: Robot, body: RigidBody) -> Iterator[tuple[RobotJoint, Part]]:
+def joints_on(robot: Robot, body: RobotBody) -> Iterator[tuple[RobotJoint, LinkPart]]:
     """The joints that move other bodies on this one, with the link that carries each."""
     locked = locked_joints(robot)
     for part in body.parts:

@@ -93,7 +93,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the mechanism allows: positions, rad or m, effort, N m or N, and speed; None of what is not given."""
+    """Limits of a joint: positions, rad or m, effort, N m or N, and speed; None of those that are not given."""
 
     lower: float | None
     upper: float | None

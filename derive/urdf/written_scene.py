@@ -18,7 +18,7 @@ from derive.spec.model.markers import GROUND
 from derive.spec.parsing.names import free_name
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.inertia_tensor import check_tensor
-from derive.urdf.rigid_bodies import Part, RigidBody, joints_on, locked_joints, rigid_bodies
+from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, locked_joints, rigid_bodies
 from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint, Vector
 
 Base = Literal["fixed", "free"]
@@ -92,11 +92,11 @@ class _Writer:
             self.renamed.append(f"{quoted(text)} -> {name}")
         return name
 
-    def scene_name(self, body: RigidBody) -> str:
+    def scene_name(self, body: RobotBody) -> str:
         """The name by which markers of a body are referred to."""
         return self.links.get(body.name, GROUND)
 
-    def marker_name(self, body: RigidBody, text: str) -> str:
+    def marker_name(self, body: RobotBody, text: str) -> str:
         """A name that no other marker has, also not together with the name of its body."""
         owner = self.scene_name(body)
         name, taken = text, {*OWN_MARKERS, OWN_MARKER}
@@ -150,7 +150,7 @@ class _Writer:
             )
         yield from ["[ground.markers]", *self.markers(root), ""]
 
-    def markers(self, body: RigidBody) -> Iterator[str]:
+    def markers(self, body: RobotBody) -> Iterator[str]:
         """The markers of a body as lines of a table: of the joint that moves it, of those on it, and of its links."""
         if body.joint and body.joint.kind is not JointKind.FLOATING:
             yield f"{OWN_MARKER} = {_frame(HERE, axes_along(body.joint.direction))}"
@@ -178,12 +178,12 @@ class _Writer:
             markers = list(self.markers(body))
             yield from ["", *([f"[bodies.{name}.markers]", *markers, ""] if markers else [])]
 
-    def start(self, body: RigidBody) -> str:
+    def start(self, body: RobotBody) -> str:
         """Where a free body is while all joints are in their zero positions."""
         placement = self.zero_position(body)
         return f"{{ position = {_list(placement.position)}, rotation = {_axes(placement.rotation)} }}"
 
-    def zero_position(self, body: RigidBody) -> Placement:
+    def zero_position(self, body: RobotBody) -> Placement:
         """The placement of a body in the frame of the root while all joints are in their zero positions."""
         if body.joint is None:
             return HERE
@@ -215,14 +215,14 @@ class _Writer:
                     "",
                 ]
 
-    def between(self, body: RigidBody) -> str:
+    def between(self, body: RobotBody) -> str:
         """The two markers of the joint that moves a body."""
         assert body.joint
         carrier, _ = self.carriers[body.joint.parent]
         first = f"{self.scene_name(carrier)}.{self.first_markers[body.joint.name]}"
         return f'["{first}", "{self.links[body.name]}.{OWN_MARKER}"]'
 
-    def damper(self, joint: RobotJoint, body: RigidBody) -> Iterator[str]:
+    def damper(self, joint: RobotJoint, body: RobotBody) -> Iterator[str]:
         """The viscous damping of a joint."""
         yield f"[springs.{self.name(f'{self.joints[joint.name]}_damping')}]"
         if joint.kind.turns:
@@ -285,12 +285,12 @@ class _Writer:
             self.notes.append(f"not read: {', '.join(unread)}")
 
 
-def _heavy(body: RigidBody) -> str:
+def _heavy(body: RobotBody) -> str:
     """The links of a body that have mass."""
     return ", ".join(printable(part.link.name) for part in body.parts if part.link.inertia)
 
 
-def _why_no_body(body: RigidBody) -> str:
+def _why_no_body(body: RobotBody) -> str:
     """The reason why a body of a scene cannot be this one; empty if it can."""
     if not body.mass:
         where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
@@ -314,7 +314,7 @@ def axes_along(direction: Vector) -> Matrix:
     return np.column_stack([x, np.cross(direction, x), direction])
 
 
-def _frame_of_joint(joint: RobotJoint, part: Part) -> str:
+def _frame_of_joint(joint: RobotJoint, part: LinkPart) -> str:
     """The marker of a joint on the body that carries it, by the angles of the robot where no others are added."""
     axes = axes_along(joint.direction)
     if part.placement is HERE and any(joint.origin.rpy) and np.array_equal(axes, np.eye(3)):

@@ -19,19 +19,19 @@ MAX_DEPTH = 100
 
 
 @dataclass(frozen=True)
-class Element:
+class XmlElement:
     """An element: its tag, its attributes, its line from 1, and the elements inside. Text inside is not kept."""
 
     tag: str
     attributes: dict[str, str]
     line: int
-    children: list[Element] = field(default_factory=list)
+    children: list[XmlElement] = field(default_factory=list)
 
-    def all(self, tag: str) -> Iterator[Element]:
+    def all(self, tag: str) -> Iterator[XmlElement]:
         """The elements with this tag directly inside."""
         return (child for child in self.children if child.tag == tag)
 
-    def first(self, tag: str) -> Element | None:
+    def first(self, tag: str) -> XmlElement | None:
         """The first element with this tag directly inside; None if there is none."""
         return next(self.all(tag), None)
 
@@ -40,7 +40,7 @@ class _RefusedError(TisserandError):
     """Ends the parser of expat, which has no other way to stop; never leaves this module."""
 
 
-def read_xml(path: str | os.PathLike[str]) -> Element:
+def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     """The root element of a file. Raises SpecError: no file, no XML, too large, too deep, or with a DTD."""
     source = os.fsdecode(path)
     try:
@@ -52,17 +52,17 @@ def read_xml(path: str | os.PathLike[str]) -> Element:
     return parse_xml(content, source)
 
 
-def parse_xml(content: bytes, source: str | None = None) -> Element:
+def parse_xml(content: bytes, source: str | None = None) -> XmlElement:
     """The root element of a document; `source` is the file that errors show. Raises SpecError as `read_xml`."""
     parser = expat.ParserCreate()
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
-    open_elements: list[Element] = []
-    roots: list[Element] = []
+    open_elements: list[XmlElement] = []
+    roots: list[XmlElement] = []
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(open_elements) == MAX_DEPTH:
             raise _RefusedError(f"elements are nested more than {MAX_DEPTH} deep")
-        element = Element(tag, attributes, parser.CurrentLineNumber)
+        element = XmlElement(tag, attributes, parser.CurrentLineNumber)
         (open_elements[-1].children if open_elements else roots).append(element)
         open_elements.append(element)
 

@@ -157,7 +157,7 @@ def _number(value: float) -> str:
 
 
 def _notes(host: HostModel) -> tuple[str, ...]:
-    """What the description leaves out."""
+    """Lines on all that the description leaves out."""
     scene = host.spec
     if not isinstance(scene, SpatialScene):
         return ()

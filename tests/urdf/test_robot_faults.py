@@ -1,0 +1,128 @@
+"""Descriptions of robots that cannot be read: all faults at once, each with its line, and nothing beyond the limits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.errors import SpecError
+from derive.urdf import xml_tree
+from derive.urdf.read import read_robot, robot_of
+from derive.urdf.robot import Robot
+from derive.urdf.written_scene import written_scene
+from derive.urdf.xml_tree import parse_xml
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+
+
+def robot(*lines: str) -> Robot:
+    """The robot of lines inside of <robot>, of which the first is line 2."""
+    return robot_of(parse_xml("\n".join(['<robot name="r">', *lines, "</robot>"]).encode()))
+
+
+def links(*names: str) -> list[str]:
+    return [f'<link name="{name}">{INERTIAL}</link>' for name in names]
+
+
+def joint(name: str, parent: str, child: str, kind: str = "revolute", inside: str = "") -> str:
+    ends = f'<parent link="{parent}"/><child link="{child}"/>'
+    return f'<joint name="{name}" type="{kind}">{ends}{inside}</joint>'
+
+
+def faults(*lines: str) -> list[tuple[int | None, str]]:
+    """The faults of a robot, with their lines."""
+    with pytest.raises(SpecError) as caught:
+        written_scene(robot(*lines))
+    return [(problem.line, f"{problem.path}: {problem.message}") for problem in caught.value.problems]
+
+
+def test_all_faults_are_told_at_once() -> None:
+    found = faults(
+        *links("a", "b", "b"),
+        joint("j", "a", "c"),
+        joint("k", "a", "b", "screw"),
+        joint("l", "a", "b", "revolute", '<axis xyz="0 0 0"/><origin xyz="1 2"/><mimic joint="none"/>'),
+        '<link name="d"><inertial><mass value="-1"/><inertia ixx="1" iyy="x" izz="nan"/></inertial></link>',
+    )
+    assert [line for line, _ in found] == sorted(line or 0 for line, _ in found)
+    text = "\n".join(f"{line}: {message}" for line, message in found)
+    for expected in (
+        "4: link b: there is a link of this name in line 3 already",
+        '5: joint j: there is no link "c"',
+        '6: joint k: the type is one of revolute, continuous, prismatic, fixed, floating, planar, not "screw"',
+        "7: joint l.axis: the axis has no direction",
+        '7: joint l.origin.xyz: 3 numbers needed, not "1 2"',
+        '7: joint l.mimic: there is no joint "none"',
+        'link "b" has a parent already, by joint "k" in line 6',
+        "8: link d.mass: the mass is -1 kg; masses are not negative",
+        '8: link d.inertia.iyy: a number needed, not "x"',
+        '8: link d.inertia.izz: a number needed, not "nan"',
+    ):
+        assert expected in text
+
+
+def test_a_cycle_beside_the_tree() -> None:
+    ((line, text),) = faults(*links("a", "b", "c"), joint("j", "b", "c"), joint("k", "c", "b"))
+    assert line == 3 and 'the links "b" -> "c" -> "b" make a cycle' in text
+
+
+def test_two_roots() -> None:
+    ((line, text),) = faults(*links("a", "b", "c"), joint("j", "a", "b"))
+    assert line == 4 and text.startswith('link c: a second root beside link "a"')
+
+
+def test_a_joint_that_follows_itself() -> None:
+    followed = ('<mimic joint="k"/>', '<mimic joint="j"/>')
+    found = faults(
+        *links("a", "b", "c"), *(joint(n, "a", c, inside=m) for n, c, m in zip("jk", "bc", followed, strict=True))
+    )
+    assert [text for _, text in found] == [
+        "joint j.mimic: the joint follows itself",
+        "joint k.mimic: the joint follows itself",
+    ]
+
+
+def test_bodies_without_mass_name_the_joint_that_is_singular() -> None:
+    ((line, text),) = faults(*links("a"), '<link name="b"/>', joint("j", "a", "b"))
+    assert line == 3 and 'moves and has no mass, so that joint "j" becomes singular' in text
+
+
+def test_a_tensor_that_no_body_has() -> None:
+    flat = INERTIAL.replace('izz="1"', 'izz="9"')
+    ((line, text),) = faults(*links("a"), f'<link name="b">{flat}</link>', joint("j", "a", "b"))
+    assert line == 3 and "the largest is at most the sum of the other two; correct the <inertia> of this link" in text
+
+
+def test_nothing_moves() -> None:
+    ((_, text),) = faults(*links("a"))
+    assert "import it with --base free" in text
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "this is no XML: no element found"),
+        ("<robot", "this is no XML: unclosed token"),
+        ("<scene/>", "a URDF is needed, whose outermost element is <robot>, not <scene>"),
+        ('<robot name="r"/>', "there is no <link>"),
+        ("<robot/>", '<robot> needs name="..."'),
+        ('<robot name="r" xmlns:xacro="x"><xacro:macro name="m"/></robot>', "xacro FILE > robot.urdf"),
+        ('<!DOCTYPE r [<!ENTITY e SYSTEM "/etc/passwd">]><robot name="&e;"/>', "a document type"),
+        (f"{'<a>' * 101}{'</a>' * 101}", "nested more than 100 deep"),
+    ],
+)
+def test_what_is_no_description(content: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(content)
+    with pytest.raises(SpecError, match=r"robot\.urdf") as caught:
+        read_robot(path)
+    assert message in str(caught.value)
+
+
+def test_large_files_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xml_tree, "MAX_BYTES", 10)
+    path = tmp_path / "robot.urdf"
+    path.write_text("<robot>     </robot>")
+    with pytest.raises(SpecError, match="the file has more than"):
+        read_robot(path)
