@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
@@ -19,7 +19,8 @@ from derive.spec.parsing.names import free_name
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, locked_joints, rigid_bodies
-from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint, Vector
+from derive.urdf.robot import HERE, JointKind, Placement, Robot, RobotJoint
+from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, number_text
 
 Base = Literal["fixed", "free"]
 BASES: tuple[Base, ...] = ("fixed", "free")
@@ -153,12 +154,12 @@ class _Writer:
     def markers(self, body: RobotBody) -> Iterator[str]:
         """The markers of a body as lines of a table: of the joint that moves it, of those on it, and of its links."""
         if body.joint and body.joint.kind is not JointKind.FLOATING:
-            yield f"{OWN_MARKER} = {_frame(HERE, axes_along(body.joint.direction))}"
+            yield f"{OWN_MARKER} = {frame_text(HERE, axes_along(body.joint.direction))}"
         for joint, part in joints_on(self.robot, body):
             if joint.kind is not JointKind.FLOATING:
                 yield f"{self.first_markers[joint.name]} = {_frame_of_joint(joint, part)}"
         for part in body.parts[1:]:
-            yield f"{self.marker_name(body, part.link.name)} = {_frame(part.placement, np.eye(3))}"
+            yield f"{self.marker_name(body, part.link.name)} = {frame_text(part.placement, np.eye(3))}"
 
     def body_tables(self) -> Iterator[str]:
         """The bodies that move."""
@@ -169,9 +170,9 @@ class _Writer:
                 yield f"# one body: {_heavy(body)}"
             yield from [
                 f"[bodies.{name}]",
-                f"mass = {_number(body.mass)}",
-                f"centre = {_list(body.centre)}",
-                f"inertia = {_list((xx, yy, zz, xy, xz, yz))}",
+                f"mass = {number_text(body.mass)}",
+                f"centre = {list_text(body.centre)}",
+                f"inertia = {list_text((xx, yy, zz, xy, xz, yz))}",
             ]
             if body.joint is None or body.joint.kind is JointKind.FLOATING:
                 yield f"start = {self.start(body)}"
@@ -181,7 +182,7 @@ class _Writer:
     def start(self, body: RobotBody) -> str:
         """Where a free body is while all joints are in their zero positions."""
         placement = self.zero_position(body)
-        return f"{{ position = {_list(placement.position)}, rotation = {_axes(placement.rotation)} }}"
+        return f"{{ position = {list_text(placement.position)}, rotation = {axes_text(placement.rotation)} }}"
 
     def zero_position(self, body: RobotBody) -> Placement:
         """The placement of a body in the frame of the root while all joints are in their zero positions."""
@@ -210,8 +211,8 @@ class _Writer:
                 yield from [
                     f"[gears.{self.name(f'{follower}_follows')}]",
                     f'joints = ["{leader}", "{follower}"]',
-                    f"ratio = {_number(joint.mimic.multiplier)}",
-                    *([f"offset = {_number(joint.mimic.offset)}"] if joint.mimic.offset else []),
+                    f"ratio = {number_text(joint.mimic.multiplier)}",
+                    *([f"offset = {number_text(joint.mimic.offset)}"] if joint.mimic.offset else []),
                     "",
                 ]
 
@@ -226,10 +227,10 @@ class _Writer:
         """The viscous damping of a joint."""
         yield f"[springs.{self.name(f'{self.joints[joint.name]}_damping')}]"
         if joint.kind.turns:
-            yield from ['kind = "rotational"', "stiffness = 0", f"damping = {_number(joint.damping)}"]
+            yield from ['kind = "rotational"', "stiffness = 0", f"damping = {number_text(joint.damping)}"]
         else:
-            yield from ['kind = "bushing"', f"stiffness = {_list([0] * 6)}"]
-            yield f"damping = {_list([0, 0, joint.damping, 0, 0, 0])}"
+            yield from ['kind = "bushing"', f"stiffness = {list_text([0] * 6)}"]
+            yield f"damping = {list_text([0, 0, joint.damping, 0, 0, 0])}"
         yield from [f"between = {self.between(body)}", ""]
 
     def limits(self, joint: RobotJoint) -> Iterator[str]:
@@ -304,45 +305,14 @@ def _why_no_body(body: RobotBody) -> str:
     return ""
 
 
-def axes_along(direction: Vector) -> Matrix:
-    """A rotation matrix whose z axis has a direction: none for z itself, and no rounding for x and y."""
-    if direction[2] == 1:
-        return np.eye(3)
-    across = np.eye(3)[(int(np.argmax(abs(direction))) + 1) % 3]
-    x = across - (across @ direction) * direction
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(direction, x), direction])
-
-
 def _frame_of_joint(joint: RobotJoint, part: LinkPart) -> str:
     """The marker of a joint on the body that carries it, by the angles of the robot where no others are added."""
     axes = axes_along(joint.direction)
     if part.placement is HERE and any(joint.origin.rpy) and np.array_equal(axes, np.eye(3)):
         roll, pitch, yaw = joint.origin.rpy
-        angles = f'{{ angles = {_list((yaw, pitch, roll))}, sequence = "zyx" }}'
-        return f"{{ at = {_list(joint.origin.xyz)}, rotation = {angles} }}"
-    return _frame(part.placement.of(joint.origin.placement), axes)
-
-
-def _frame(placement: Placement, axes: Matrix) -> str:
-    """A marker: its point, and its rotation where there is one."""
-    rotation = placement.rotation @ axes
-    at = _list(placement.position)
-    return at if np.array_equal(rotation, np.eye(3)) else f"{{ at = {at}, rotation = {_axes(rotation)} }}"
-
-
-def _axes(rotation: Matrix) -> str:
-    """A rotation by two axes of the frame."""
-    return f"{{ x = {_list(rotation[:, 0])}, z = {_list(rotation[:, 2])} }}"
-
-
-def _list(values: Iterable[float] | Vector) -> str:
-    return f"[{', '.join(_number(float(x)) for x in values)}]"
-
-
-def _number(value: float) -> str:
-    """A number with all its digits; a whole one without a point."""
-    return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
+        angles = f'{{ angles = {list_text((yaw, pitch, roll))}, sequence = "zyx" }}'
+        return f"{{ at = {list_text(joint.origin.xyz)}, rotation = {angles} }}"
+    return frame_text(part.placement.of(joint.origin.placement), axes)
 
 
 def _names(joints: Sequence[RobotJoint]) -> str:

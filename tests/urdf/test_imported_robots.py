@@ -53,14 +53,15 @@ def falling(_: float, state: np.ndarray) -> np.ndarray:
 def test_an_arm_falls_as_the_equations_of_textbooks_say() -> None:
     """Also where its second joint, which is damped, turns by more than half a turn."""
     text = written_scene(robot_of(parse_xml(TWO_LINKS.encode()))).text
-    before, after = text.rsplit("start = { angle = 0 }", 1)
-    scene = parse(f"{before}start = {{ angle = 0, speed = 120 }}{after}")
+    for speed in (-14, 60):
+        text = text.replace("start = { angle = 0 }", f"start = {{ angle = 0, speed = {speed} }}", 1)
+    scene = parse(text)
     run = derive.simulate(scene, duration=1, output=0.02, tolerance=1e-10)
-    start, rows = np.array([0.0, 0, 0, 120]), np.arange(51) * 0.02
+    start, rows = np.array([0.0, 0, -14, 60]), np.arange(51) * 0.02
     expected = solve_ivp(falling, (0, 1), start, "DOP853", rows, rtol=1e-11, atol=1e-11).y
     assert abs(expected[1]).max() > 3.2
     for name, angle in zip(("q_a", "q_b"), expected[:2], strict=True):
-        assert abs(np.exp(1j * run[name]) - np.exp(1j * angle)).max() < 1e-7
+        assert abs(np.exp(1j * run[name]) - np.exp(1j * angle)).max() < 1e-6
 
 
 def test_links_that_are_fixed_to_each_other_are_one_body() -> None:

@@ -25,6 +25,7 @@ from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.specification import Specification
 from derive.urdf.robot import JointKind, Matrix, Placement, Vector
+from derive.urdf.texts import number_text
 
 WORLD = "world"
 """The link of the ground."""
@@ -68,11 +69,11 @@ def _link(robot: ET.Element, branch: Branch) -> None:
     inertial = ET.SubElement(link, "inertial")
     centre = placement_in_link(branch, Placement(np.array([si_value(x) for x in body.centre]), np.eye(3)))
     ET.SubElement(inertial, "origin", xyz=_numbers(centre.position), rpy="0 0 0")
-    ET.SubElement(inertial, "mass", value=_number(si_value(body.mass)))
+    ET.SubElement(inertial, "mass", value=number_text(si_value(body.mass)))
     xx, yy, zz, xy, xz, yz = (si_value(entry) for entry in body.inertia)
     tensor = centre.rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ centre.rotation.T
     entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-    ET.SubElement(inertial, "inertia", {name: _number(tensor[at]) for name, at in entries.items()})
+    ET.SubElement(inertial, "inertia", {name: number_text(tensor[at]) for name, at in entries.items()})
 
 
 def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict[str, Branch]) -> None:
@@ -94,10 +95,10 @@ def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict
     if kind is JointKind.PRISMATIC:  # limits are required of it, and nothing limits it
         ET.SubElement(joint, "limit", lower="-1e9", upper="1e9", effort="1e9", velocity="1e9")
     if damping := sum(map(_damping, _dampers(scene, own))):
-        ET.SubElement(joint, "dynamics", damping=_number(damping))
+        ET.SubElement(joint, "dynamics", damping=number_text(damping))
     if gear := _first_of(scene, own.name):
         leader, (ratio, offset) = identifier(gear.joints[0]), map(si_value, (gear.ratio, gear.offset))
-        ET.SubElement(joint, "mimic", joint=leader, multiplier=_number(ratio), offset=_number(offset))
+        ET.SubElement(joint, "mimic", joint=leader, multiplier=number_text(ratio), offset=number_text(offset))
 
 
 def _first_of(scene: SpatialScene, joint: str) -> Gear | None:
@@ -148,12 +149,7 @@ def _damping(spring: SpatialSpring) -> float:
 
 
 def _numbers(values: Iterable[float] | Vector) -> str:
-    return " ".join(_number(float(x)) for x in values)
-
-
-def _number(value: float) -> str:
-    """A number with all its digits; a whole one without a point."""
-    return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
+    return " ".join(number_text(float(x)) for x in values)
 
 
 def _notes(host: HostModel) -> tuple[str, ...]:
