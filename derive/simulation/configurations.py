@@ -6,6 +6,7 @@ plane it is a change of the coordinates. Iterations and perturbations change con
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Protocol
 
@@ -136,8 +137,9 @@ def blocks(native: Configured) -> Iterator[tuple[int, int, Role]]:
 
 def quaternion_product(p: Vector, q: Vector) -> Vector:
     """The product of two quaternions."""
-    u, v = p[1:], q[1:]
-    return np.array([p[0] * q[0] - u @ v, *(p[0] * v + q[0] * u + np.cross(u, v))])
+    (a, b, c, d), (e, f, g, h) = np.asarray(p).tolist(), np.asarray(q).tolist()  # faster than arrays
+    product = (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g)
+    return np.array((*product, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e))
 
 
 def conjugate(p: Vector) -> Vector:
@@ -147,10 +149,11 @@ def conjugate(p: Vector) -> Vector:
 
 def turned(p: Vector, rotation: Vector) -> Vector:
     """The quaternion of a frame after a rotation about a vector (rad) that is given in this frame; of unit length."""
-    angle = float(np.linalg.norm(rotation))
-    small = np.sinc(angle / (2 * np.pi)) / 2  # sin(angle/2)/angle
-    result = quaternion_product(p, np.array([np.cos(angle / 2), *(small * rotation)]))
-    return np.asarray(result / np.linalg.norm(result))
+    x, y, z = np.asarray(rotation).tolist()
+    angle = math.hypot(x, y, z)
+    small = math.sin(angle / 2) / angle if angle else 0.5
+    result = quaternion_product(p, np.array((math.cos(angle / 2), small * x, small * y, small * z)))
+    return np.asarray(result / math.hypot(*result.tolist()))
 
 
 def rotation_vector(p: Vector) -> Vector:
