@@ -19,6 +19,9 @@ from derive.ir.loop_nests import BlockProduct, For, LoopKind, Sines, every
 
 Lines = list[str]
 
+TOGETHER = "TISSERAND_TOGETHER"
+"""The macro before functions that run one after the other for a block of states."""
+
 
 class StateBlock:
     """The function of a kernel for a block of at most `width` states.
@@ -61,12 +64,14 @@ class StateBlock:
 
     def functions(self) -> list[Lines]:
         """The type of the local arrays of a block in parts, and the static functions of its long parts."""
-        if not self._is_divided:
+        if not self.is_divided:
             return []
         members = declarations(f"{name}{_brackets(shape)}" for name, shape in self._shapes.items())
         return [["typedef struct {", *members, f"}} {self._work};", ""]] + [
             [
-                *signature(f"TISSERAND_SHARED void {self._name(number)}", [p for p, _ in self._parameters(part)]),
+                *signature(
+                    f"{TOGETHER} TISSERAND_SHARED void {self._name(number)}", [p for p, _ in self._parameters(part)]
+                ),
                 "{",
                 f"    const int count = {self.width};",
                 *self._shared(part.names),
@@ -99,7 +104,7 @@ class StateBlock:
         return f"{self.model}_{self.kernel.name}_part{sum(part.apart for part in self.parts[: number + 1])}"
 
     @property
-    def _is_divided(self) -> bool:
+    def is_divided(self) -> bool:
         """Whether there are functions of parts."""
         return any(part.apart for part in self.parts)
 
@@ -152,9 +157,9 @@ class StateBlock:
         lines = [f"    (void) {name};" for name in (*unused, *([] if self._has_rows() else ["all"]))]
         shared = [a for name in SHARED for a in kernel.arguments if a.name == name]
         lines += [f"    (void) {a.name};" for a in reversed(shared) if used.isdisjoint(a.names)]
-        lines += ["    (void) count;"] if self._is_divided else []
+        lines += ["    (void) count;"] if self.is_divided else []
         codes = ["    unsigned long long failures = 0;"] if self.checked else []
-        if not self._is_divided:
+        if not self.is_divided:
             zeros = {"codes": " = {0.0}"} if self.repeats else {}
             arrays = (f"{name}{_brackets(shape)}{zeros.get(name, '')}" for name, shape in self._shapes.items())
             return [*lines, *declarations(arrays), *codes]
@@ -165,7 +170,7 @@ class StateBlock:
     @property
     def _used_here(self) -> frozenset[str]:
         """The names that statements outside of functions of parts read."""
-        if not self._is_divided:
+        if not self.is_divided:
             return self.kernel.used
         return frozenset(name for part in self.parts if not part.apart for name in part.names)
 
