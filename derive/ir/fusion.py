@@ -21,7 +21,7 @@ from derive.ir.shared_places import with_shared_places
 from derive.ir.statements import Let, Require
 
 FEW = 2
-"""The number of iterations that are worth the text of a loop that is divided for them."""
+"""The number of iterations that are worth the text of a loop that is divided for them; one is, among so few steps."""
 
 
 def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
@@ -34,14 +34,14 @@ def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
     if not any(isinstance(node, For) and node.overlaps for node in result) or not are_plain(result):
         return result
     known, codes = Accesses(), codes_in_order(result)
-    moves = 0
+    whole = result
     while True:
-        others = (move.made(result) for move in _moves(result, known))
+        others = (move.made(result) for move in _moves(result, known, whole))
         moved = next((nodes for nodes in others if codes_in_order(nodes) == codes), None)
         if moved is None:
             break
-        result, moves = moved, moves + 1
-    if not moves:
+        result = moved
+    if result is whole:
         return result
     result = tuple(
         forwarded(_at_place(node)) if isinstance(node, For) and is_ordered(node) else node for node in result
@@ -165,18 +165,20 @@ def _renamed(lines: Iterable[Node], taken: set[str], suffix: str) -> Iterator[No
         yield replace(result, name=names.get(result.name, result.name)) if isinstance(result, Let) else result
 
 
-def _moves(nodes: tuple[Node, ...], known: Accesses) -> Iterator[_Move]:
-    """The moves of iterations that are possible, long runs of them first."""
+def _moves(nodes: tuple[Node, ...], known: Accesses, whole: Sequence[Node]) -> Iterator[_Move]:
+    """The moves of iterations that are possible, long runs of them first; whole: the nodes before any move."""
+    undivided = {id(node) for node in whole}
     for least in (FEW, 1):
         for number, node in enumerate(nodes):
             if isinstance(node, For) and node.overlaps:
                 for to, steps in _destinations(nodes, number, node, known):
                     into = nodes[to]
+                    most = FEW if id(into) in undivided else 1
                     if is_ordered(into):
                         yield from (
                             _Move(number, to, *run)
                             for run in _runs(steps)
-                            if run[2] >= least and (least > 1 or iterations(into) == 1)
+                            if run[2] >= least and (least > 1 or iterations(into) <= most)
                         )
 
 

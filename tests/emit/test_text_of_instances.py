@@ -66,6 +66,12 @@ def test_the_text_besides_numbers_does_not_depend_on_the_number_of_bodies(ending
     assert many_numbers - few_numbers <= BYTES_OF_A_BODY * (MANY - FEW)
 
 
+def test_a_short_chain_has_the_text_of_long_ones() -> None:
+    """Blocks of four bodies leave up to three, and pairs of joints one or none: chains that leave the same."""
+    (few, _), (many, _) = sizes(5, ".c"), sizes(13, ".c")
+    assert abs(many / few - 1) < SAME / 2
+
+
 @pytest.mark.parametrize("language", ["c", "python"])
 def test_composed_names_are_those_of_the_model(language: str) -> None:
     model = chain(FEW)[0]

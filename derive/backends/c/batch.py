@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from derive.backends.c.batch_block import StateBlock
+from derive.backends.c.batch_block import TOGETHER, StateBlock
 from derive.backends.c.linear_sums import NO_SUMS, KernelSums, LinearSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.signatures import names, parameters, signature
@@ -105,6 +105,7 @@ def batch_function(block: StateBlock) -> BatchFunction:
         "body": "\n".join(block.body()),
         "checked": block.checked,
         "counted": not block.repeats,
+        "together": f"{TOGETHER} " if block.is_divided else "",
         "copies": [_copying(kernel, count) for count in counts],
         "spacing": _spacing(block),
         "known": KNOWN if short else (),

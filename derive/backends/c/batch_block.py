@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from copy import copy
 from functools import cached_property
 
@@ -18,6 +18,9 @@ from derive.ir.kernel import Kernel
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, Sines, every
 
 Lines = list[str]
+
+TOGETHER = "TISSERAND_TOGETHER"
+"""The macro before functions that run one after the other for a block of states."""
 
 
 class StateBlock:
@@ -60,13 +63,19 @@ class StateBlock:
         return [line for lines in (*parts[:first], self._shared(self._used_here), *parts[first:]) for line in lines]
 
     def functions(self) -> list[Lines]:
-        """The static functions of its long parts."""
-        return [
+        """The type of the local arrays of a block in parts, and the static functions of its long parts."""
+        if not self.is_divided:
+            return []
+        members = declarations(f"{name}{_brackets(shape)}" for name, shape in self._shapes.items())
+        return [["typedef struct {", *members, f"}} {self._work};", ""]] + [
             [
-                *signature(f"TISSERAND_SHARED void {self._name(number)}", [p for p, _ in self._parameters(part)]),
+                *signature(
+                    f"{TOGETHER} TISSERAND_SHARED void {self._name(number)}", [p for p, _ in self._parameters(part)]
+                ),
                 "{",
                 f"    const int count = {self.width};",
                 *self._shared(part.names),
+                *self._named({*part.names, *(["codes"] if part.checked else [])}, "work->"),
                 *self._lines[number],
                 "}",
                 "",
@@ -94,6 +103,30 @@ class StateBlock:
     def _name(self, number: int) -> str:
         return f"{self.model}_{self.kernel.name}_part{sum(part.apart for part in self.parts[: number + 1])}"
 
+    @property
+    def is_divided(self) -> bool:
+        """Whether there are functions of parts."""
+        return any(part.apart for part in self.parts)
+
+    @property
+    def _work(self) -> str:
+        """The type of the local arrays, of which a part gets one address: compilers keep none for each array."""
+        return f"{self.model}_{self.kernel.name}_work"
+
+    @property
+    def _shapes(self) -> dict[str, tuple[int, ...]]:
+        """The shapes of the local arrays by their names."""
+        scalars = sorted(self.batch.scalars, key=lambda name: (len(name), name))
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(scalars, (self.width,))
+        shapes |= {name: (rows, self.width) for name, rows in self.batch.arrays.items()}
+        return shapes | ({"codes": (self.width,)} if self.checked else {})
+
+    def _named(self, used: Collection[str], work: str) -> Lines:
+        """The lines that name members of the local arrays."""
+        shapes = {name: shape for name, shape in self._shapes.items() if name in used}
+        pointers = {name: f"(*const {name})" if shape[1:] else f"*const {name}" for name, shape in shapes.items()}
+        return [f"    double {pointers[name]}{_brackets(shape[1:])} = {work}{name};" for name, shape in shapes.items()]
+
     def _call(self, number: int) -> Lines:
         """The call of a part, if it has a function."""
         if not self.parts[number].apart:
@@ -112,11 +145,7 @@ class StateBlock:
             if used & {argument.name, *argument.names}:
                 result.append((kind, argument.name))
         result += [(f"double *TISSERAND_RESTRICT {name}", name) for name in sorted(outputs & used)]
-        scalars = sorted(self.batch.scalars & used, key=lambda name: (len(name), name))
-        result += [(f"double *TISSERAND_RESTRICT {name}", name) for name in scalars]
-        arrays = [name for name in self.batch.arrays if name in used]
-        result += [(f"double (*TISSERAND_RESTRICT {name})[{self.width}]", name) for name in arrays]
-        return [*result, *([("double *TISSERAND_RESTRICT codes", "codes")] if part.checked else [])]
+        return [*result, (f"{self._work} *TISSERAND_RESTRICT work", "&work")]
 
     def declarations(self) -> Lines:
         """The lines before the statements, which declare their arrays."""
@@ -128,20 +157,20 @@ class StateBlock:
         lines = [f"    (void) {name};" for name in (*unused, *([] if self._has_rows() else ["all"]))]
         shared = [a for name in SHARED for a in kernel.arguments if a.name == name]
         lines += [f"    (void) {a.name};" for a in reversed(shared) if used.isdisjoint(a.names)]
-        lines += ["    (void) count;"] if any(part.apart for part in self.parts) else []
-        scalars = sorted(self.batch.scalars, key=lambda name: (len(name), name))
-        lines += declarations([f"{name}[{self.width}]" for name in scalars])
-        lines += declarations([f"{name}[{n}][{self.width}]" for name, n in self.batch.arrays.items()])
-        codes = [
-            f"    double codes[{self.width}]{' = {0.0}' if self.repeats else ''};",
-            "    unsigned long long failures = 0;",
-        ]
-        return [*lines, *(codes if self.checked else [])]
+        lines += ["    (void) count;"] if self.is_divided else []
+        codes = ["    unsigned long long failures = 0;"] if self.checked else []
+        if not self.is_divided:
+            zeros = {"codes": " = {0.0}"} if self.repeats else {}
+            arrays = (f"{name}{_brackets(shape)}{zeros.get(name, '')}" for name, shape in self._shapes.items())
+            return [*lines, *declarations(arrays), *codes]
+        lines += [f"    {self._work} work;", *self._named({*self._used_here, "codes"}, "work.")]
+        zero = f"    for (int b = 0; b < {self.width}; b++) codes[b] = 0.0;"
+        return [*lines, *codes, *([zero] if self.checked else [])]
 
     @property
     def _used_here(self) -> frozenset[str]:
         """The names that statements outside of functions of parts read."""
-        if not any(part.apart for part in self.parts):
+        if not self.is_divided:
             return self.kernel.used
         return frozenset(name for part in self.parts if not part.apart for name in part.names)
 
@@ -161,3 +190,7 @@ class StateBlock:
         later = any(element.index and element.index.offset for name, element in elements if name in self.kernel.used)
         several = any(o.size > 1 for o in self.kernel.outputs)
         return later or several or self.checked or bool(state_views(self.kernel))
+
+
+def _brackets(shape: Iterable[int]) -> str:
+    return "".join(f"[{size}]" for size in shape)

@@ -7,7 +7,7 @@ amplitudes, Phi c8^-1 Phi^T; else M is factorised.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -21,6 +21,7 @@ from derive.lowering.flat.schedule import NamedValue, StepItem
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import local
+from derive.mechanics.terms import Intermediate
 
 
 @dataclass(frozen=True)
@@ -77,9 +78,10 @@ def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
             inverse.append(symbol)
         else:
             inverse.append(1 / sp.expand(entry.xreplace(numbers)))
+    multiples = _multiples(eq.definitions, numbers)
     free: list[sp.Expr] = []
     for k, row in enumerate(rows):
-        value = sp.expand(inverse[k] * right.forces[k].xreplace(numbers))
+        value = _common_factor_first(sp.expand(inverse[k] * right.forces[k].xreplace(numbers).xreplace(multiples)))
         if value.is_number or value.is_Symbol:
             free.append(value)
             continue
@@ -101,7 +103,7 @@ def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     for symbol in later.values():
         symbols.input(symbol, ScalarRef(symbol.name))
     factors_of = [later.get(value, value) for value in inverse]
-    unknowns = [symbols(_with_reactions(free[k], factors_of[k], total)) for k, total in enumerate(reactions)]
+    unknowns = [_with_reactions(symbols, free[k], factors_of[k], total) for k, total in enumerate(reactions)]
     rest = (
         sp.expand(gamma.xreplace(numbers) - sp.Add(*(f * free[k] for k, f in row.items())))
         for gamma, row in zip(right.bias, G, strict=True)
@@ -110,10 +112,37 @@ def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     return LocalSystem(compliance, floor, [symbols(e) for e in rest], unknowns, tuple(checks), opaque)
 
 
-def _with_reactions(free: sp.Expr, inverse: sp.Expr, reactions: sp.Expr) -> sp.Expr:
-    """The motion without reactions and that due to them; an inverse that varies multiplies their sum once."""
-    total = sp.expand(reactions if inverse.is_Symbol else inverse * reactions)
-    return free + (inverse * total if inverse.is_Symbol else total)
+def _multiples(definitions: Iterable[Intermediate], numbers: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+    """The intermediates that are a number times a symbol: the number then combines with others."""
+    values = {d.symbol: d.expr.xreplace(numbers) for d in definitions}
+    return {symbol: value for symbol, value in values.items() if value.is_Mul and value.as_coeff_Mul()[1].is_Symbol}
+
+
+def _common_factor_first(expr: sp.Expr) -> sp.Expr:
+    """A sum with a symbol that all terms have in front of it."""
+    common = set.intersection(
+        *({s for s, n in t.as_powers_dict().items() if s.is_Symbol and n == 1} for t in sp.Add.make_args(expr))
+    )
+    factor = sp.Mul(*common)
+    return factor * sp.Add(*(term / factor for term in sp.Add.make_args(expr))) if expr.is_Add else expr
+
+
+def _with_reactions(symbols: Symbols, free: sp.Expr, inverse: sp.Expr, reactions: sp.Expr) -> ca.SX:
+    """The motion without reactions and that due to them; an inverse that varies multiplies their sum once.
+
+    A number that several terms have multiplies their sum, where this takes fewer operations.
+    """
+    if inverse.is_Symbol:
+        return symbols(free + inverse * sp.expand(reactions))
+    whole = free + sp.expand(inverse * reactions)
+    groups: dict[sp.Expr, list[sp.Expr]] = {}
+    for term in sp.Add.make_args(whole):
+        number, factors = term.as_coeff_Mul()
+        groups.setdefault(abs(number), []).append(sp.sign(number) * factors)
+    common = {number: terms for number, terms in groups.items() if number != 1 and len(terms) > 1}
+    rest = sp.Add(*(number * term for number, terms in groups.items() if number not in common for term in terms))
+    grouped = [symbols(number) * symbols(sp.Add(*terms)) for number, terms in common.items()]
+    return min(symbols(whole), sum(grouped, start=symbols(rest)), key=ca.n_nodes)
 
 
 def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
