@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from derive.terminal import duration_text
+from derive.durations import duration_text
 
 SOON = 1.0
 """The time (s) for which nothing is stated: the first steps are too short for an estimate."""

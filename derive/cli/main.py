@@ -10,16 +10,12 @@ import io
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
 from importlib import import_module
 
 from derive.cache import no_cache
 from derive.cli.arguments.command_line import parser
 from derive.errors import TisserandError, printable
-from derive.terminal import show_progress, timed_stages
-
-FORKING = ("study", "choose", "sweep")
-"""The commands that fork processes, beside which no thread may run."""
+from derive.progress_line import show_progress, timed_stages
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -48,8 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
         command = import_module(f"derive.cli.{options.command}")
         show_progress()
-        timed = nullcontext() if options.command in FORKING else timed_stages()
-        with timed, no_cache(getattr(options, "no_cache", False)):
+        with no_cache(getattr(options, "no_cache", False)), timed_stages():
             code: int = command.run(options)
         sys.stdout.flush()
         return code

@@ -8,12 +8,12 @@ from pathlib import Path
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
+from derive.progress_line import timed_stages
 from derive.spec.model.specification import AnyScene
 from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import study_methods
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.methods_table import methods_data, methods_html, methods_text
-from derive.terminal import timed_stages
 
 NAME = "methods"
 EXPECTED_SIZE = 1_000_000
