@@ -41,10 +41,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command == "sweep":  # its workers share the processors, where threads of linear algebra only wait
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
-        command = import_module(f"derive.cli.{options.command}")
-        show_progress()
         with no_cache(getattr(options, "no_cache", False)), timed_stages():
+            show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
+            command = import_module(f"derive.cli.{options.command}")
+            show_progress()
             code: int = command.run(options)
         sys.stdout.flush()
         return code
