@@ -36,8 +36,14 @@ def show_progress(text: str = "", since: float | None = None) -> None:
         ended, passed = _STAGE.text, now - _STAGE.since
         _STAGE.text, _STAGE.since = text, now if since is None else since
         _write_progress(text)
-    if ended.endswith(UNFINISHED) and passed >= PATIENCE and sys.exc_info()[0] is None:
-        durations.keep(ended, passed)
+    if ended.endswith(UNFINISHED):
+        _keep(_STAGE.of + ended, passed)
+
+
+def _keep(name: str, passed: float) -> None:
+    """Keep the time of a stage or a task, if it is long and no error has ended it."""
+    if passed >= PATIENCE and sys.exc_info()[0] is None:
+        durations.keep(name, passed)
 
 
 def _write_progress(text: str) -> None:
@@ -57,13 +63,17 @@ def show_result(text: str) -> None:
 
 
 class _Stage:
-    """The line of progress that is there: its text, when it began, and the work whose duration follows from its size.
+    """The line of progress that is there: its text, and when it began.
 
-    work: what it is, when it began, and how long it takes (s).
+    of: what the stages belong to, with which their times are kept. task: a task of several stages whose time is stated
+    in place of theirs, and when it began. work: work whose duration follows from its size, when it began, and how long
+    it takes (s).
     """
 
     def __init__(self) -> None:
         self.text, self.since, self.lock = "", time.perf_counter(), threading.RLock()
+        self.of = ""
+        self.task: tuple[str, float] | None = None
         self.work: tuple[str, float, float] | None = None
         self.ticker: tuple[threading.Event, threading.Thread] | None = None
 
@@ -72,21 +82,36 @@ _STAGE = _Stage()
 
 
 @contextmanager
-def timed_stages() -> Iterator[None]:
+def timed_stages(of: str = "") -> Iterator[None]:
     """Meanwhile a line of progress that ends with " ..." states each second the remaining time, or the time so far.
 
     The remaining time follows from how long the same stage took last time; it is for stages without a count, such as a
     derivation. It needs a thread, which rests while a process is forked. Nothing is done where no line is seen.
+
+    of: what the stages belong to, such as a specification that their texts do not name.
     """
     if _STAGE.ticker is not None or not (in_notebook() or sys.stderr.isatty()):
         yield
         return
+    _STAGE.of = of
     _start_ticker()
     try:
         yield
     finally:
         _stop_ticker()
-        _STAGE.ticker = None
+        _STAGE.ticker, _STAGE.of = None, ""
+
+
+@contextmanager
+def timed_task(name: str) -> Iterator[None]:
+    """A task whose number of stages is not known: the line states its time in place of that of its stages."""
+    began = time.perf_counter()
+    _STAGE.task = name, began
+    try:
+        yield
+    finally:
+        _STAGE.task = None
+    _keep(name, time.perf_counter() - began)
 
 
 def _start_ticker() -> None:
@@ -127,16 +152,15 @@ def _state_times(ended: threading.Event) -> None:
 
 def _time_of_stage(now: float) -> str:
     """The remaining time, if the stage or its present work are known, or the time so far; empty in a short stage."""
-    passed, before = now - _STAGE.since, durations.earlier(_STAGE.text)
+    name, since = _STAGE.task or (_STAGE.of + _STAGE.text, _STAGE.since)
+    passed, before = now - since, durations.earlier(name)
     if before is not None:
-        time_of_it = (
-            f"about {duration_text(before - passed)} left" if passed < before else f"{duration_text(passed)} so far"
-        )
-        return f"{time_of_it} ({duration_text(before)} last time)"
+        left = f"about {duration_text(before - passed)} left" if passed < before else f"{duration_text(passed)} so far"
+        return f"{left} ({duration_text(before)} last time)"
     if _STAGE.work is not None:
-        name, began, expected = _STAGE.work
+        work, began, expected = _STAGE.work
         if now < began + expected:
-            return f"about {duration_text(began + expected - now)} of {name} left"
+            return f"about {duration_text(began + expected - now)} of {work} left"
     return f"{duration_text(passed)} so far" if passed >= PATIENCE else ""
 
 

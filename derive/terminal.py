@@ -135,18 +135,19 @@ Report = Callable[[str], None]
 
 
 @contextmanager
-def reports_of(given: Report | bool | None) -> Iterator[tuple[Report, Report]]:
+def reports_of(given: Report | bool | None, of: str) -> Iterator[tuple[Report, Report]]:
     """The functions to which a study reports what it does, and the results of its steps.
 
     given: one function for both; True for a line of progress, beside which results are lines of their own where stderr
     is no tty; None for a line in a notebook alone, after a while; False for none. The line is removed at the end.
+    of: the scene that is studied, which the texts do not name.
     """
     if callable(given):
         yield given, given
     elif given or (given is None and in_notebook()):
         line = DelayedLine(0.0 if given else PATIENCE)
         try:
-            with timed_stages():
+            with timed_stages(of):
                 yield line.show, show_result if given else line.show
         finally:
             line.end()

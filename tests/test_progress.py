@@ -17,7 +17,7 @@ from derive.durations import duration_text
 from derive.errors import TisserandError
 from derive.notebook_line import in_notebook
 from derive.progress_line import show_progress
-from derive.remaining_time import ElapsedTime, RemainingTime, remaining_seconds
+from derive.remaining_time import RemainingTime, remaining_seconds
 from derive.terminal import DelayedLine, SampleProgress, SimulationProgress, progress_of
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
@@ -102,13 +102,6 @@ def test_the_remaining_time_of_steps_follows_from_those_before(monkeypatch: pyte
         "model (4 of 8, about 20 s left)",
     ]
     assert RemainingTime(1).named("model") == "model"
-
-
-def test_work_without_a_number_of_steps_states_the_time_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter([10.0, 10.5, 85.0])
-    monkeypatch.setattr("derive.remaining_time.time.monotonic", lambda: next(clock))
-    elapsed = ElapsedTime()
-    assert [elapsed.text, elapsed.text] == ["", ", 1 min 15 s so far"]
 
 
 def test_the_first_short_steps_do_not_decide_the_estimate_alone() -> None:

@@ -16,7 +16,7 @@ import pytest
 from derive import durations
 from derive.cache import no_cache
 from derive.errors import TisserandError
-from derive.progress_line import show_progress, sized_work, timed_stages
+from derive.progress_line import show_progress, sized_work, timed_stages, timed_task
 
 
 class Terminal(io.StringIO):
@@ -96,6 +96,23 @@ def test_short_stages_and_those_that_an_error_ends_are_not_kept(terminal: Termin
     with no_cache():
         run("without the cache ...")
     assert [durations.earlier(f"{name} ...") for name in ("short", "wrong", "without the cache")] == [None] * 3
+
+
+def test_a_task_states_its_own_time_in_place_of_that_of_its_stages(terminal: Terminal) -> None:
+    durations.keep("choosing", 75.0)
+    with timed_task("choosing"):
+        run("model 1 ...", "model 2 ...")
+    assert "model 2, about 1 min 15 s left (1 min 15 s last time) ..." in lines(terminal)
+    assert (durations.earlier("choosing") or 75.0) < 10.0
+
+
+def test_stages_of_one_name_in_two_scenes_are_told_apart(terminal: Terminal) -> None:
+    for scene in ("pendulum", "crank"):
+        with timed_stages(scene):
+            show_progress("model 1 ...")
+            time.sleep(0.1)
+            show_progress()
+    assert not [text for text in lines(terminal) if "last time" in text]
 
 
 def test_a_new_text_is_known_by_the_compilers_time_per_byte(terminal: Terminal) -> None:

@@ -5,6 +5,7 @@ Only the module of the command is imported, so that `--help` answers at once.
 
 from __future__ import annotations
 
+import argparse
 import gc
 import io
 import os
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command == "sweep":  # its workers share the processors, where threads of linear algebra only wait
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        with no_cache(getattr(options, "no_cache", False)), timed_stages():
+        with no_cache(getattr(options, "no_cache", False)), timed_stages(_task(options)):
             show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
             command = import_module(f"derive.cli.{options.command}")
             show_progress()
@@ -59,6 +60,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         show_progress()
         print("\n".join(map(printable, _message(error).split("\n"))), file=sys.stderr)
         return 2
+
+
+def _task(options: argparse.Namespace) -> str:
+    """The command and its specifications, which take about the same time again."""
+    specifications = getattr(options, "specs", None) or [getattr(options, "spec", None)]
+    return " ".join(map(str, [options.command, *specifications]))
 
 
 def _message(error: TisserandError | OSError) -> str:

@@ -8,7 +8,6 @@ from pathlib import Path
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import planned_files, print_result, study_files
-from derive.progress_line import timed_stages
 from derive.spec.model.specification import AnyScene
 from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import study_methods
@@ -24,8 +23,7 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
     """Run the study and write its picture, page, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
-    with timed_stages():
-        study = study_methods(scene, **keywords(study_methods, options), progress=True)
+    study = study_methods(scene, **keywords(study_methods, options), progress=True)
     data, table = methods_data(study), failure_table(failures(study))
     files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})
     write(files, folder)
