@@ -71,6 +71,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
 
     (built,) = build_all([path])
     name = built.model.name
+    show_progress(f"{path}: making the page ...")
     text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
     if not isinstance(built.spec, (Scene, SpatialScene)):
         return name, built.model.doc, model_page(built, text)
