@@ -47,16 +47,25 @@ def _keep(name: str, passed: float) -> None:
 
 
 def _write_progress(text: str) -> None:
+    """Write a text where it is seen, that of an unfinished stage with its time."""
+    if not _is_seen():
+        return
+    if text.endswith(UNFINISHED) and (added := _time_of_stage(time.perf_counter())):
+        text = f"{text.removesuffix(UNFINISHED)}, {added}{UNFINISHED}"
     if in_notebook():
         LINE.show(text)
-    elif sys.stderr.isatty():
+    else:
         sys.stderr.write(f"\r{text}\x1b[K")
         sys.stderr.flush()
 
 
+def _is_seen() -> bool:
+    return in_notebook() or sys.stderr.isatty()
+
+
 def show_result(text: str) -> None:
     """Show the result of a step of long work: as the line of progress, or as a line on stderr if that is no tty."""
-    if in_notebook() or sys.stderr.isatty():
+    if _is_seen():
         show_progress(text)
     else:
         print(text, file=sys.stderr, flush=True)
@@ -90,7 +99,7 @@ def timed_stages(of: str = "") -> Iterator[None]:
 
     of: what the stages belong to, such as a specification that their texts do not name.
     """
-    if _STAGE.ticker is not None or not (in_notebook() or sys.stderr.isatty()):
+    if _STAGE.ticker is not None or not _is_seen():
         yield
         return
     _STAGE.of = of
@@ -143,11 +152,11 @@ if hasattr(os, "register_at_fork"):  # not on Windows, which has no forks
 
 
 def _state_times(ended: threading.Event) -> None:
-    """Add its time to a line of an unfinished stage, until the event."""
+    """Write a line of an unfinished stage again each second, with its time, until the event."""
     while not ended.wait(SECOND):
         with _STAGE.lock:
-            if _STAGE.text.endswith(UNFINISHED) and (added := _time_of_stage(time.perf_counter())):
-                _write_progress(f"{_STAGE.text.removesuffix(UNFINISHED)}, {added} ...")
+            if _STAGE.text.endswith(UNFINISHED):
+                _write_progress(_STAGE.text)
 
 
 def _time_of_stage(now: float) -> str:
