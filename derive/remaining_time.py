@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from derive.terminal import duration_text
+from derive.durations import duration_text
 
 SOON = 1.0
 """The time (s) for which nothing is stated: the first steps are too short for an estimate."""
@@ -43,16 +43,3 @@ def remaining_seconds(predicted: float, done: float, passed: float, prior: float
     finished in just this time, so that the first steps, which are short, do not decide alone.
     """
     return predicted * (passed + prior) / (done + prior)
-
-
-class ElapsedTime:
-    """The time since the begin of work whose number of steps is not known."""
-
-    def __init__(self) -> None:
-        self._began = time.monotonic()
-
-    @property
-    def text(self) -> str:
-        """The text of the elapsed time: ", 8 s so far"; empty at first."""
-        passed = time.monotonic() - self._began
-        return f", {duration_text(passed)} so far" if passed >= SOON else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import textwrap
 import threading
 import time
@@ -10,87 +9,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
-from derive.notebook_line import LINE, in_notebook
+from derive.durations import duration_text
+from derive.notebook_line import in_notebook
+from derive.progress_line import PATIENCE, show_progress, show_result, timed_stages
 
 WIDTH = 116
 """The characters of a line of prose."""
-
-
-PATIENCE = 2.0
-"""The time (s) after which a function that is called in Python shows its progress."""
-
-
-SECOND = 1.0
-"""The time (s) between two texts of `timed_stages`."""
-
-
-def show_progress(text: str = "") -> None:
-    """Replace the line of progress; an empty text removes it.
-
-    It is an output of the cell in a notebook, and a line on stderr otherwise; nothing is written where stderr is no
-    tty.
-    """
-    with _STAGE.lock:
-        _STAGE.text = text
-        _write_progress(text)
-
-
-def _write_progress(text: str) -> None:
-    if in_notebook():
-        LINE.show(text)
-    elif sys.stderr.isatty():
-        sys.stderr.write(f"\r{text}\x1b[K")
-        sys.stderr.flush()
-
-
-def show_result(text: str) -> None:
-    """Show the result of a step of long work: as the line of progress, or as a line on stderr if that is no tty."""
-    if in_notebook() or sys.stderr.isatty():
-        show_progress(text)
-    else:
-        print(text, file=sys.stderr, flush=True)
-
-
-class _Stage:
-    """The line of progress that is there."""
-
-    def __init__(self) -> None:
-        self.text, self.lock = "", threading.RLock()
-
-
-_STAGE = _Stage()
-
-
-@contextmanager
-def timed_stages() -> Iterator[None]:
-    """Meanwhile a line of progress that ends with " ..." states each second how long it has been there.
-
-    That is for stages whose duration is not known, such as a derivation. It needs a thread, and is not for commands
-    that fork processes. Nothing is done where no line is seen.
-    """
-    if not (in_notebook() or sys.stderr.isatty()):
-        yield
-        return
-    ended = threading.Event()
-    thread = threading.Thread(target=_state_times, args=(ended,), daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
-
-
-def _state_times(ended: threading.Event) -> None:
-    """Add the time so far to a line that has been there for `PATIENCE`, until the event."""
-    text, since = "", time.monotonic()
-    while not ended.wait(SECOND):
-        with _STAGE.lock:
-            if _STAGE.text is not text:
-                text, since = _STAGE.text, time.monotonic() - SECOND
-            passed = time.monotonic() - since
-            if text.endswith(" ...") and passed >= PATIENCE:
-                _write_progress(f"{text.removesuffix(' ...')}, {duration_text(passed)} so far ...")
 
 
 class SimulationProgress:
@@ -133,7 +57,8 @@ class DelayedLine:
     """A line of progress of which nothing is seen for the time `after` (s), so that short work shows none."""
 
     def __init__(self, after: float) -> None:
-        self._text, self._visible, self._lock = "", after <= 0.0, threading.Lock()
+        self._text, self._since = "", time.perf_counter()
+        self._visible, self._lock = after <= 0.0, threading.Lock()
         self._timer = threading.Timer(after, self._begin)
         self._timer.daemon = True
         if not self._visible:
@@ -142,14 +67,14 @@ class DelayedLine:
     def show(self, text: str) -> None:
         """Replace the text."""
         with self._lock:
-            self._text = text
+            self._text, self._since = text, time.perf_counter()
             if self._visible:
                 show_progress(text)
 
     def _begin(self) -> None:
         with self._lock:
             self._visible = True
-            show_progress(self._text)
+            show_progress(self._text, self._since)
 
     def end(self) -> None:
         """Remove the line, if it is there."""
@@ -197,7 +122,8 @@ def progress_of(given: Reported | bool | None, line: Callable[[], Reporter]) -> 
     if given is True or (given is None and in_notebook()):
         shown = line()
         try:
-            yield shown
+            with timed_stages():
+                yield shown
         finally:
             shown.end()
     else:
@@ -209,18 +135,20 @@ Report = Callable[[str], None]
 
 
 @contextmanager
-def reports_of(given: Report | bool | None) -> Iterator[tuple[Report, Report]]:
+def reports_of(given: Report | bool | None, of: str) -> Iterator[tuple[Report, Report]]:
     """The functions to which a study reports what it does, and the results of its steps.
 
     given: one function for both; True for a line of progress, beside which results are lines of their own where stderr
     is no tty; None for a line in a notebook alone, after a while; False for none. The line is removed at the end.
+    of: the scene that is studied, which the texts do not name.
     """
     if callable(given):
         yield given, given
     elif given or (given is None and in_notebook()):
         line = DelayedLine(0.0 if given else PATIENCE)
         try:
-            yield line.show, show_result if given else line.show
+            with timed_stages(of):
+                yield line.show, show_result if given else line.show
         finally:
             line.end()
     else:
@@ -229,16 +157,6 @@ def reports_of(given: Report | bool | None) -> Iterator[tuple[Report, Report]]:
 
 def _silent(_: str) -> None:
     """Report nothing."""
-
-
-def duration_text(seconds: float) -> str:
-    """A duration in words with one or two units: "8 s", "3 min 20 s", "2 h 5 min"."""
-    whole = max(1, round(seconds))
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
 def table(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:

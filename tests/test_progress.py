@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from collections.abc import Callable
 from html import escape
 from pathlib import Path
@@ -14,18 +13,12 @@ import pytest
 
 from conftest import ROOT
 from derive.cli.main import main
+from derive.durations import duration_text
 from derive.errors import TisserandError
 from derive.notebook_line import in_notebook
-from derive.remaining_time import ElapsedTime, RemainingTime, remaining_seconds
-from derive.terminal import (
-    DelayedLine,
-    SampleProgress,
-    SimulationProgress,
-    duration_text,
-    progress_of,
-    show_progress,
-    timed_stages,
-)
+from derive.progress_line import show_progress
+from derive.remaining_time import RemainingTime, remaining_seconds
+from derive.terminal import DelayedLine, SampleProgress, SimulationProgress, progress_of
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
 SLIDER = str(ROOT / "scenes/crank_slider_3.toml")
@@ -111,39 +104,10 @@ def test_the_remaining_time_of_steps_follows_from_those_before(monkeypatch: pyte
     assert RemainingTime(1).named("model") == "model"
 
 
-def test_work_without_a_number_of_steps_states_the_time_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter([10.0, 10.5, 85.0])
-    monkeypatch.setattr("derive.remaining_time.time.monotonic", lambda: next(clock))
-    elapsed = ElapsedTime()
-    assert [elapsed.text, elapsed.text] == ["", ", 1 min 15 s so far"]
-
-
 def test_the_first_short_steps_do_not_decide_the_estimate_alone() -> None:
     """A step predicted as 1 s of 20 s that takes 6 s, mostly of the start, does not make 114 s of the other 19 s."""
     assert 19 < remaining_seconds(19.0, 1.0, 6.0, 6.0) < 40
     assert remaining_seconds(10.0, 10.0, 20.0, 0.0) == 20.0
-
-
-def test_a_long_stage_states_the_time_so_far(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A line that ends with dots gets its time; others stay, and a pipe sees nothing."""
-
-    def shown() -> str:
-        with timed_stages():
-            for text in ("deriving ...", "simulating: 3 of 4 s"):
-                show_progress(text)
-                time.sleep(0.1)
-            show_progress()
-        return capsys.readouterr().err
-
-    monkeypatch.setattr("derive.terminal.SECOND", 0.02)
-    monkeypatch.setattr("derive.terminal.PATIENCE", 0.04)
-    assert shown() == ""
-    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    lines = [line.removesuffix("\x1b[K") for line in shown().split("\r")]
-    assert lines[1:3] == ["deriving ...", "deriving, 1 s so far ..."]
-    assert lines[-2:] == ["simulating: 3 of 4 s", ""]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from conftest import ROOT
 from derive.cli.main import main
 
 SCENE = """
@@ -24,6 +25,15 @@ bending_stiffness = 2
 frame = "mean"
 ansatz = ["1", "xi", "xi^2"]
 markers = { left = -1, middle = 0, right = 1 }
+[bodies.block]
+mass = 1
+inertia = 1
+markers = { centre = [0, 0] }
+[joints.slide]
+kind = "translational"
+between = ["ground.hook", "block.centre"]
+axis = [1, 2]
+start = { displacement = 0.1, speed = 1 }
 [joints.hinge]
 kind = "revolute"
 between = ["ground.hook", "rod.left"]
@@ -67,6 +77,59 @@ def test_a_kept_model_is_simulated_without_the_libraries_that_derive(tmp_path: P
     assert "casadi" in loaded(*arguments)  # to derive the model, which is then kept
     assert not set(UNUSED) & set(loaded(*arguments))
     assert "deviation" in (tmp_path / "out/swing/bending.svg").read_text()
+
+
+AT_REST = """
+name = "held"
+[scene]
+gravity = [0, -9.81]
+start = "equilibrium"
+[ground.markers]
+hook = [0, 0]
+[bodies.rod]
+length = 1
+mass = 1
+bending_stiffness = 20
+frame = "mean"
+ansatz = ["1", "xi", "xi^2"]
+markers = { left = -1 }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.hook", "rod.left"]
+[drives.motor]
+joint = "hinge"
+motion = "0.5 + t^3*sin(3*t)"
+[simulation]
+duration = 0.02
+output = 0.002
+"""
+
+
+def assert_kept(folder: Path, specification: Path, *options: str) -> None:
+    """A second run of a specification loads neither SymPy nor CasADi."""
+    arguments = ("simulate", str(specification), "--out", str(folder / "out"), *options)
+    assert main(arguments) == 0
+    assert not {"sympy", "casadi"} & set(loaded(*arguments))
+
+
+@pytest.mark.long
+def test_equilibria_with_drives_at_rest_are_found_without_them(tmp_path: Path) -> None:
+    (tmp_path / "held.toml").write_text(AT_REST)
+    assert_kept(tmp_path, tmp_path / "held.toml")
+
+
+SIMULATED = [
+    path.relative_to(ROOT)
+    for folder in ("scenes", "examples")
+    for path in sorted((ROOT / folder).glob("*.toml"))
+    if "[simulation]" in path.read_text() and path.name != "chain_1000.toml"  # that of 100 beams takes a tenth of it
+]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("specification", SIMULATED, ids=str)
+def test_no_second_run_of_a_scene_or_an_example_loads_them(specification: Path, tmp_path: Path) -> None:
+    assert_kept(tmp_path, ROOT / specification, "--duration", "0.002", "--output", "0.001")
 
 
 SPATIAL = """

@@ -53,10 +53,13 @@ def _row(stage: dict[str, object]) -> list[str]:
 
 def _stages(built: Built) -> Iterator[dict[str, object]]:
     """Yield the name, the wall-clock time (s) and the sizes of each stage."""
-    equations, model = built.equations, built.model
-    nonzeros = None if model.lowering == "loops" else sum(entry != 0 for entry in equations.mass)
+    model = built.model
+    terms = nonzeros = None
+    if model.lowering != "instances":  # those are derived once for each kind of body, and never written out
+        terms = len(built.equations.terms)
+        nonzeros = None if model.lowering == "loops" else sum(entry != 0 for entry in built.equations.mass)
     sizes: dict[str, tuple[int | None, ...]] = {
-        "derive": (len(equations.terms), None, nonzeros),
+        "derive": (terms, None, nonzeros),
         "lower": (None, model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz),
     }
     for name, seconds in built.seconds.items():

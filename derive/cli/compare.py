@@ -12,13 +12,13 @@ import numpy as np
 
 from derive.artifacts import File, write
 from derive.cli.specifications import build_all
+from derive.progress_line import show_progress
 from derive.remaining_time import RemainingTime
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import UNOPTIMISED
 from derive.runtime.loading import load
 from derive.runtime.native_call import ModelError, Vector
-from derive.terminal import show_progress
 from derive.visual.sparsity import mass_patterns
 
 APART = 0.1

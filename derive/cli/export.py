@@ -14,8 +14,8 @@ from derive.errors import SpecError
 from derive.export.host_model import HostModel, HostVariable, host_model
 from derive.export.interface import HostFile, Interface, export_folder, exported_files
 from derive.export.registry import INTERFACES
+from derive.progress_line import show_progress
 from derive.spec.toml.read import warnings, with_lines
-from derive.terminal import show_progress
 
 
 def run(options: argparse.Namespace) -> int:

@@ -5,21 +5,18 @@ Only the module of the command is imported, so that `--help` answers at once.
 
 from __future__ import annotations
 
+import argparse
 import gc
 import io
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
 from importlib import import_module
 
 from derive.cache import no_cache
 from derive.cli.arguments.command_line import parser
 from derive.errors import TisserandError, printable
-from derive.terminal import show_progress, timed_stages
-
-FORKING = ("study", "choose", "sweep")
-"""The commands that fork processes, beside which no thread may run."""
+from derive.progress_line import show_progress, timed_stages
 
 MODULES = {"import": "importing"}
 """The modules of commands whose names are words of Python."""
@@ -48,11 +45,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command == "sweep":  # its workers share the processors, where threads of linear algebra only wait
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
-        command = import_module(f"derive.cli.{MODULES.get(options.command, options.command)}")
-        show_progress()
-        timed = nullcontext() if options.command in FORKING else timed_stages()
-        with timed, no_cache(getattr(options, "no_cache", False)):
+        with no_cache(getattr(options, "no_cache", False)), timed_stages(_task(options)):
+            show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
+            command = import_module(f"derive.cli.{MODULES.get(options.command, options.command)}")
+            show_progress()
             code: int = command.run(options)
         sys.stdout.flush()
         return code
@@ -67,6 +63,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         show_progress()
         print("\n".join(map(printable, _message(error).split("\n"))), file=sys.stderr)
         return 2
+
+
+def _task(options: argparse.Namespace) -> str:
+    """The command and its specifications, which take about the same time again."""
+    specifications = getattr(options, "specs", None) or [getattr(options, "spec", None)]
+    return " ".join(map(str, [options.command, *specifications]))
 
 
 def _message(error: TisserandError | OSError) -> str:

@@ -13,7 +13,6 @@ from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import study_methods
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.methods_table import methods_data, methods_html, methods_text
-from derive.terminal import timed_stages
 
 NAME = "methods"
 EXPECTED_SIZE = 1_000_000
@@ -24,8 +23,7 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
     """Run the study and write its picture, page, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
-    with timed_stages():
-        study = study_methods(scene, **keywords(study_methods, options), progress=True)
+    study = study_methods(scene, **keywords(study_methods, options), progress=True)
     data, table = methods_data(study), failure_table(failures(study))
     files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})
     write(files, folder)

@@ -12,6 +12,7 @@ from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.notes.conditioning import condition_warnings
+from derive.progress_line import show_progress
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
@@ -20,7 +21,7 @@ from derive.spec.model.body import SymbolicBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import warnings, with_lines
-from derive.terminal import SimulationProgress, magnitude, show_progress, table, wrapped
+from derive.terminal import SimulationProgress, magnitude, table, wrapped
 from derive.visual.mode_pages import is_drawn, modes_page, modes_picture
 
 NEGLIGIBLE = 1e-6

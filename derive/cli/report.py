@@ -14,6 +14,7 @@ from derive.artifacts import MARK, File, ForeignFile, replace_file, settle, writ
 from derive.cli.result_files import picture_names
 from derive.cli.specifications import build_all, in_file_order
 from derive.errors import TisserandError
+from derive.progress_line import show_progress
 from derive.report.document.page import Page
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -23,7 +24,6 @@ from derive.simulation.scene_start import state_of
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
-from derive.terminal import show_progress
 
 PAPER = "paper"
 
@@ -71,6 +71,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
 
     (built,) = build_all([path])
     name = built.model.name
+    show_progress(f"{path}: making the page ...")
     text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
     if not isinstance(built.spec, (Scene, SpatialScene)):
         return name, built.model.doc, model_page(built, text)

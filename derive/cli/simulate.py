@@ -24,6 +24,7 @@ from derive.cli.simulation_summary import (
 )
 from derive.cli.specifications import in_file_order, read_changed, simulation_of
 from derive.errors import SpecError
+from derive.progress_line import show_progress
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.plots import plot_curves, plot_text
@@ -38,7 +39,7 @@ from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
-from derive.terminal import SimulationProgress, beam_count, show_progress
+from derive.terminal import SimulationProgress, beam_count
 from derive.visual.line_chart import svg
 from derive.visual.motion_page import motion_page
 from derive.visual.plot_chart import plot_chart

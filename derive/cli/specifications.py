@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
+from derive.progress_line import show_progress
 from derive.remaining_time import RemainingTime
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
@@ -21,7 +22,6 @@ from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines
 from derive.spec.toml.read import read, read_with_counts
-from derive.terminal import show_progress
 
 if TYPE_CHECKING:
     from derive.pipeline import Built

@@ -14,6 +14,7 @@ from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import print_result
 from derive.cli.specifications import read_planar_scene, read_scene
 from derive.errors import SpecError
+from derive.progress_line import show_progress
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
 from derive.study.frame_cost_chart import frame_cost_svg
@@ -21,7 +22,6 @@ from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
 from derive.study.frame_study import study_frames
 from derive.study.pivot_study import study_pivots
 from derive.study.pivot_table import pivot_data, pivot_text
-from derive.terminal import show_progress
 
 FRAMES, PIVOTS = "frames", "pivots"
 EXPECTED_SIZE = 100_000

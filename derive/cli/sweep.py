@@ -13,6 +13,7 @@ from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.result_files import planned_files, print_result, study_files
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
+from derive.progress_line import show_progress
 from derive.spec.toml.read import read_with_counts, with_lines
 from derive.study.sweep.cluster import dask_executor
 from derive.study.sweep.finished import IDENTITY, finished_sweep
@@ -22,7 +23,7 @@ from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, run_plan
 from derive.study.sweep.samples import parsed_samples
 from derive.study.sweep.table import sample_table, sweep_data, sweep_npz, sweep_text
-from derive.terminal import SampleProgress, show_progress
+from derive.terminal import SampleProgress
 
 NAME = "sweep"
 SAMPLE_SIZE = 500

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from derive import cache
 from derive.artifacts import File, check_files, write
+from derive.progress_line import sized_work
 from derive.runtime.compiler import FLAGS, OWN_SYMBOLS, compile_shared, compiler_identity
 from derive.runtime.native_scene import NativeScene
 
@@ -85,7 +86,9 @@ def _compiled(sources: Sequence[Path], folder: Path, flags: Sequence[str], link:
     name = None if link or any("native" in flag for flag in flags) else _key(sources, folder, flags)
     data = cache.read(name) if name else None
     if data is None:
-        compile_shared(sources, library, flags, link)
+        size = sum(path.stat().st_size for path in sources)
+        with sized_work("compiling", " ".join(flag for flag in flags if str(folder) not in flag), size):
+            compile_shared(sources, library, flags, link)
         if name:
             cache.write(name, library.read_bytes())
     else:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from derive.errors import Problem, SpecError
+from derive.progress_line import PATIENCE
 from derive.simulation.earlier_run import EarlierRun
 from derive.simulation.inputs import InputFunction
 from derive.simulation.integration.solution import Progress
@@ -18,7 +19,7 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.specification import AnyScene
-from derive.terminal import PATIENCE, SimulationProgress, progress_of
+from derive.terminal import SimulationProgress, progress_of
 
 Simulated = TypeVar("Simulated", bound=AnyScene | NodalBody)
 

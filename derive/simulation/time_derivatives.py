@@ -1,11 +1,16 @@
-"""The values of a function of time and of its first two derivatives, which are differentiated exactly, at a time."""
+"""The values of a function of time and of its first two derivatives, which are differentiated exactly, at a time.
+
+They are kept in the cache between runs, since SymPy and CasADi compute them.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import astuple
 
 from derive.algebra import sp
 from derive.ir.expressions import Number
+from derive.kept_objects import kept_object
 from derive.mechanics.quantity import finite_function, function_constant, time_derivatives
 from derive.mechanics.symbols import time
 from derive.spec.model.time_function import TimeFunction, parts
@@ -17,13 +22,19 @@ def derivatives_at(function: TimeFunction, t: float, path: str) -> tuple[float, 
     NaN or infinite where there is no value; at a kink the derivative is that of one side, as in the generated code.
     Raises SpecError at `path` for a function without a value at any t.
     """
-    value, first, second = (_number(expr, function, t) for expr in time_derivatives(finite_function(function, path)))
-    return value, first, second
+
+    def made() -> tuple[float, float, float]:
+        value, first, second = (
+            _number(expr, function, t) for expr in time_derivatives(finite_function(function, path))
+        )
+        return value, first, second
+
+    return kept_object("time derivatives", repr((astuple(function), t)), made)
 
 
 def _number(expr: sp.Expr, function: TimeFunction, t: float) -> float:
     """The value at t of an expression that was made from a function."""
-    import casadi as ca  # loaded here alone, since runs of kept models without drives do without it
+    import casadi as ca  # loaded here alone, since runs of kept models do without it
 
     from derive.lowering.flat.casadi_symbols import Symbols
     from derive.mechanics.time_functions import Lookup

@@ -122,6 +122,6 @@ def study_frames(
     rule = EliminationRule(*among("elimination", [elimination], ELIMINATIONS))
     counts, measurements = numbers("pieces", pieces, MAX_PIECES), whole("runs", runs)
     given = with_functions(planar_scene(scene, COMPARED.format("frames")), {})
-    with reports_of(progress) as (task, _):
+    with reports_of(progress, given.name) as (task, _):
         rows = compare_frames(given, counts, compared, measurements, rule, task)
     return FrameStudy(given.name, compared, rule, rows)

@@ -134,7 +134,7 @@ def study_pivots(
     given = with_functions(planar_scene(scene, COMPARED.format("pivots")), {})
     cut = cut or tuple(sorted({beam.pieces for beam in beam_bodies(given)}))
     remaining = RemainingTime(len(cut) * len(compared))
-    with reports_of(progress) as (task, _):
+    with reports_of(progress, given.name) as (task, _):
         rows = []
         for n in cut:
             first, second = (

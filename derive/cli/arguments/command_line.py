@@ -22,6 +22,7 @@ from derive.cli.arguments.types import (
     error_fraction,
     export_kind,
     number,
+    page_file,
     spec_file,
 )
 from derive.study.study_options import ERROR
@@ -150,7 +151,9 @@ def _add_report(commands: Any) -> None:
     subject = report.add_mutually_exclusive_group(required=True)
     subject.add_argument("spec", nargs="?", type=spec_file, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     subject.add_argument("--paper", action="store_true", help="write the audit of the paper instead")
-    report.add_argument("--out", type=Path, metavar="FILE", help="the page (default: results/NAME/NAME.report.html)")
+    report.add_argument(
+        "--out", type=page_file, metavar="FILE", help="the page (default: results/NAME/NAME.report.html)"
+    )
     add_no_cache(report)
     report.add_argument("--pdf", action="store_true", help="write a PDF beside the page")
     report.add_argument("--tex", action="store_true", help="write LaTeX beside the page")

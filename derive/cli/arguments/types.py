@@ -111,6 +111,15 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
+def page_file(text: str) -> Path:
+    """The path of an HTML page."""
+    if not text.endswith(".html"):
+        raise argparse.ArgumentTypeError(
+            f"expected an HTML file, such as report.html, not {text!r}; --pdf, --tex and --markdown write others too"
+        )
+    return Path(text)
+
+
 def export_kind(text: str) -> str:
     """The name of an interface to other programs, which the command looks up in its registry."""
     return text

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from pathlib import Path
 
-from derive.cli.arguments.types import export_kind, folder, integrator, spec_file
+from derive.cli.arguments.types import export_kind, folder, integrator, page_file, spec_file
 
 
 class Paths(Enum):
@@ -87,7 +87,12 @@ def _value(action: argparse.Action) -> Value:
     return PATHS.get(kind, ())
 
 
-PATHS: dict[object, Paths] = {spec_file: Paths.SPECIFICATIONS, folder: Paths.FOLDERS, Path: Paths.FILES}
+PATHS: dict[object, Paths] = {
+    spec_file: Paths.SPECIFICATIONS,
+    folder: Paths.FOLDERS,
+    Path: Paths.FILES,
+    page_file: Paths.FILES,
+}
 """The files that values of these types name."""
 
 

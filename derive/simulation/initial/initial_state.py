@@ -185,16 +185,17 @@ def _values(
     assembler: Assembler, q: Vector, v: Vector, every: Sequence[Target], misfits: Sequence[Misfit]
 ) -> tuple[InitialValue, ...]:
     """The values that the specification gives or guesses, and those of the state; rounding errors of zero are zero."""
-    still, moving = assembler.values(q), assembler.kinematics(q, moving=True)
+    stated = [target for target in every if target.strength is not Strength.DEFAULT]
+    still = assembler.values(q)  # gradients take a pose of all bodies for each coordinate, and rates alone need them
+    moving = assembler.kinematics(q, moving=True) if any(target.rate for target in stated) else still
     changed = {id(misfit.target) for misfit in misfits}
     result = []
-    for target in every:
-        if target.strength is not Strength.DEFAULT:
-            linear, guess = target.function(moving if target.rate else still), target.strength is Strength.GUESS
-            value = float(linear.gradient @ v) + linear.drift if target.rate else linear.value
-            scale = assembler.unit(target) * (max_norm(v) if target.rate else 1.0)
-            shown = 0.0 if abs(value) < ROUNDING * scale else value
-            result.append(InitialValue(target.name, target.unit, target.value, shown, guess, id(target) in changed))
+    for target in stated:
+        linear, guess = target.function(moving if target.rate else still), target.strength is Strength.GUESS
+        value = float(linear.gradient @ v) + linear.drift if target.rate else linear.value
+        scale = assembler.unit(target) * (max_norm(v) if target.rate else 1.0)
+        shown = 0.0 if abs(value) < ROUNDING * scale else value
+        result.append(InitialValue(target.name, target.unit, target.value, shown, guess, id(target) in changed))
     return tuple(result)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from dataclasses import astuple, replace
 
 import numpy as np
 
 from derive.algebra import sp
+from derive.lowering.kept_function import Expressions, kept_function
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.symbols import amplitude_of
@@ -21,53 +22,63 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, CustomJoint, Joint, Scene
+from derive.spec.model.scene import BeamBody, CustomJoint, Joint, JointInitialValues, Scene
 
 Function = Callable[[Kinematics], Linear]
+
+COMPONENTS = 6
+"""The number of positions and rotations of the two markers of a joint."""
+NOWHERE = MarkerRef(GROUND, "")
+"""A marker on which the rows of a joint do not depend."""
 
 
 def residuals(scene: Scene, joint: Joint, native: NativeScene) -> tuple[Function, ...]:
     """The residuals that a joint makes zero, in the order of its multipliers."""
-    motion = _RelativeMotion(scene, joint, native)
-    return tuple(motion.function(residual) for residual, *_ in motion.equations.residuals)
+    rows = range(len(JOINTS[joint.kind].removes))
+    return _functions(scene, joint, native, rows)
 
 
 def driven_coordinate(scene: Scene, joint: Joint, native: NativeScene) -> Function:
     """The relative coordinate that a drive of the joint prescribes; its type has one."""
-    motion = _RelativeMotion(scene, joint, native)
-    assert motion.equations.driven is not None, "a type with a driven coordinate has its equation"
-    return motion.function(motion.equations.driven[0])
+    (function,) = _functions(scene, joint, native, (len(JOINTS[joint.kind].removes),))
+    return function
 
 
-class _RelativeMotion:
-    """The equations of the type of a joint in the positions and rotations of its two markers."""
+def _functions(scene: Scene, joint: Joint, native: NativeScene, rows: Iterable[int]) -> tuple[Function, ...]:
+    """Rows of a joint as functions of the configuration: those that it removes, then that of a drive, by number."""
+    markers = [_marker(scene, marker, native) for marker in (joint.first, joint.second)]
+    if isinstance(joint, CustomJoint):
+        values = {key: si_value(x) if isinstance(x, Parameter) else x for key, x in joint.values.items()}
+        joint = replace(joint, values=values)
+    alike = replace(joint, name="joint", first=NOWHERE, second=NOWHERE, start=JointInitialValues())
+    evaluate = kept_function("joint", repr(astuple(alike)), lambda: _rows_with_gradients(alike), not JOINTS.extended)
 
-    def __init__(self, scene: Scene, joint: Joint, native: NativeScene) -> None:
-        from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
-
-        self._symbols = s = sp.symbols("x1 y1 phi1 x2 y2 phi2")
-        ends = [replace(fixed_point(sp.Matrix(s[3 * n : 3 * n + 2])), rotation=s[3 * n + 2]) for n in range(2)]
-        if isinstance(joint, CustomJoint):
-            values = {key: si_value(x) if isinstance(x, Parameter) else x for key, x in joint.values.items()}
-            joint = replace(joint, values=values)
-        self.equations = JOINTS[joint.kind].equations(joint, RelativeMotion(*ends))
-        self._markers = [_marker(scene, marker, native) for marker in (joint.first, joint.second)]
-
-    def function(self, of: sp.Expr) -> Function:
-        """An expression of the markers as a function of the configuration."""
-        known = {definition.symbol: definition.expr for definition in self.equations.definitions}
-        expression = sp.sympify(of).xreplace(known)
-        gradient = [expression.diff(symbol) for symbol in self._symbols]
-        evaluate = sp.lambdify([self._symbols], [expression, *gradient], "math")
+    def function(row: int) -> Function:
+        first = row * (1 + COMPONENTS)
 
         def linear(kinematics: Kinematics) -> Linear:
-            parts = [part for marker in self._markers for part in marker(kinematics)]
-            value, *factors = evaluate([part.value for part in parts])
-            rates = [part.scaled(float(factor)) for part, factor in zip(parts, factors, strict=True)]
+            parts = [part for marker in markers for part in marker(kinematics)]
+            value, *factors = evaluate([part.value for part in parts])[first : first + 1 + COMPONENTS]
+            rates = [part.scaled(factor) for part, factor in zip(parts, factors, strict=True)]
             total = sum(rates, start=kinematics.constant(0.0))
-            return Linear(float(value), total.gradient, total.drift)
+            return Linear(value, total.gradient, total.drift)
 
         return linear
+
+    return tuple(map(function, rows))
+
+
+def _rows_with_gradients(joint: Joint) -> Expressions:
+    """Positions and rotations of two markers, and each row of a joint of them with its derivatives by these."""
+    from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
+
+    symbols = sp.symbols("x1 y1 phi1 x2 y2 phi2")
+    ends = [replace(fixed_point(sp.Matrix(symbols[n : n + 2])), rotation=symbols[n + 2]) for n in (0, 3)]
+    equations = JOINTS[joint.kind].equations(joint, RelativeMotion(*ends))
+    known = {definition.symbol: definition.expr for definition in equations.definitions}
+    driven = () if equations.driven is None else (equations.driven,)
+    rows = [sp.sympify(of).xreplace(known) for of, *_ in (*equations.residuals, *driven)]
+    return symbols, [expr for row in rows for expr in (row, *(row.diff(symbol) for symbol in symbols))]
 
 
 def _marker(scene: Scene, marker: MarkerRef, native: NativeScene) -> Callable[[Kinematics], tuple[Linear, ...]]:

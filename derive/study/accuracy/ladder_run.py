@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from itertools import islice
 
+from derive.durations import duration_text
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.remaining_time import remaining_seconds
@@ -24,7 +25,6 @@ from derive.study.accuracy.measurement import (
 from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Reference
-from derive.terminal import duration_text
 
 DEARER = 2.0
 """A model is left out if its predicted operations exceed those of an equally accurate model by this factor."""

@@ -135,7 +135,7 @@ def study_accuracy(
     models = ladders((compared, *others), limits)
     foreign = read_peers(Path(peers)) if peers else ()
     sorted_tolerances = sorted(fractions, reverse=True)
-    with reports_of(progress) as (task, result), preparation(compared, available_workers()) as ahead:
+    with reports_of(progress, given.name) as (task, result), preparation(compared, available_workers()) as ahead:
         known = reference(
             compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.remaining_time import ElapsedTime
+from derive.progress_line import timed_task
 from derive.simulation.inputs import with_functions
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.reference import compared_plot
@@ -63,14 +63,8 @@ def choose(
     given = flexible_scene(scene, "nothing to choose")
     names = [plot] if plot is None or isinstance(plot, str) else plot
     plots = [compared_plot(given, name) for name in dict.fromkeys(names)]
-    elapsed = ElapsedTime()
-    with reports_of(progress) as (task, result):
-        runs = ModelRuns(
-            with_functions(given, {}),
-            plots,
-            lambda text: task(f"{text.removesuffix(' ...')}{elapsed.text} ..."),
-            available_workers(),
-        )
+    with timed_task(f"choose {given.name} {error}"), reports_of(progress, given.name) as (task, result):
+        runs = ModelRuns(with_functions(given, {}), plots, task, available_workers())
         try:
             return cheapest_model(runs, error, result, screening(runs))
         finally:

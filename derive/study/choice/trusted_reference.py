@@ -15,6 +15,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from derive.durations import duration_text
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.motion import si_value
@@ -29,7 +30,6 @@ from derive.study.accuracy.reference import Curves, reference_plots, rms_differe
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.rigid_shares import MATTERS
-from derive.terminal import duration_text
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""

@@ -197,7 +197,7 @@ def study_methods(
     chosen = [Method(name) for name in among("integrator of a study", integrators, METHODS)]
     counts = whole("steps", steps), whole("states", states, least=2)
     given = with_functions(studied_scene(scene), {})
-    with reports_of(progress) as (task, _):
+    with reports_of(progress, given.name) as (task, _):
         return method_study(given, chosen, *counts, task)
 
 

@@ -220,7 +220,7 @@ def study_stability(
     known = None if exact is None else KnownLoss(None if isinstance(exact, str) else exact)
     whole = flexible_scene(scene, COMPARED.format("stability"))
     given, models = studied(whole, values), ladder(limits, whole)
-    with reports_of(progress) as (task, _):
+    with reports_of(progress, whole.name) as (task, _):
         return ladder_stability(scene.name, given, models, known, task)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from derive.errors import TisserandError
+from derive.progress_line import PATIENCE
 from derive.spec.model.specification import Specification
 from derive.study.sweep.executors import KILLS, chunk_size, outcomes
 from derive.study.sweep.plan import Plan, RunOptions, make_plan
@@ -17,7 +18,7 @@ from derive.study.sweep.result import SweepResult
 from derive.study.sweep.samples import Samples, SamplesError
 from derive.study.sweep.store import SampleStore
 from derive.study.sweep.worker import Outcome, monitored
-from derive.terminal import PATIENCE, SampleProgress, progress_of
+from derive.terminal import SampleProgress, progress_of
 
 UNKNOWN_WORKERS = 8
 """The number of workers for which samples are divided where it is not known."""

@@ -26,6 +26,15 @@ def test_it_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert main(["report", MEAN]) == 0 and target.read_text() == text
 
 
+def test_a_page_is_no_other_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("page", "page.pdf", ""):
+        with pytest.raises(SystemExit) as refused:
+            main(["report", MEAN, "--out", str(tmp_path / name)])
+        assert refused.value.code == 2
+        assert "expected an HTML file, such as report.html, not" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_other_languages_stand_beside_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("typst")
     target = tmp_path / "here" / "beam.html"
