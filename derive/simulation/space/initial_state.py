@@ -21,6 +21,7 @@ from derive.simulation.initial.targets import Strength
 from derive.simulation.linear.steady_rotation import steady_rotation
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.assembly import SpatialAssembler, assembled
+from derive.simulation.space.bent_beams import initial_remainders
 from derive.simulation.space.attitudes import check_attitudes, misalignment, open_joints
 from derive.simulation.space.guess import guessed_configuration
 from derive.simulation.space.marker_frames import own_frame
@@ -87,7 +88,10 @@ def spatial_scene_state(
     check_constraints(native, constants, 0.0, q)
     check_accelerations(native, constants, 0.0, q, v)
     met = max_norm(native.constraints(0.0, q, constants))
-    return InitialState(0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance, steady=motion)
+    remainders = initial_remainders(scene)
+    return InitialState(
+        0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance, remainders=remainders, steady=motion
+    )
 
 
 def spatial_scene_size(scene: SpatialScene) -> float:

@@ -17,6 +17,7 @@ from derive.spec.checks.cross_references import (
     plot_faults,
     section_faults,
 )
+from derive.spec.checks.initial_values import spatial_start_faults
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
 from derive.spec.checks.scene_parameters import parameter_faults
@@ -63,7 +64,8 @@ def _shapes(view: SceneData) -> Iterator[Fault]:
     """Faults of the shapes of beams."""
     for name, body in view.bodies.items():
         if "ansatz" in body or "length" in body:
-            yield from spatial_shape_faults(("bodies", name), body)
+            faults = spatial_shape_faults(("bodies", name), body)
+            yield from faults or spatial_start_faults(view, name, body)
 
 
 def _joints(view: SceneData) -> Iterator[Fault]:

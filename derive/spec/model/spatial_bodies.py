@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
 from derive.short_text import record_text
-from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT, Polynomial
 from derive.spec.model.body import NodalBody
 from derive.spec.model.documentation import documented
 from derive.spec.model.forces import ForceFrame
@@ -19,6 +19,8 @@ from derive.spec.model.time_function import TimeFunction
 
 Triple = tuple[float, float, float]
 UnitQuaternion = tuple[float, float, float, float]
+Deflections = tuple[Polynomial, Polynomial]
+"""Two polynomials in xi, along e2 and e3 of a beam."""
 NO_ROTATION: UnitQuaternion = (1.0, 0.0, 0.0, 0.0)
 
 ROTATION_FORMS = (
@@ -80,14 +82,47 @@ class SpatialInitialValues:
     """
 
     position: Annotated[
-        Triple | None, key(KeyType.TRIPLE, "Position of the origin of the body frame in the inertial frame, m.")
+        Triple | None,
+        key(
+            KeyType.TRIPLE,
+            "Position of the origin of the body frame in the inertial frame, or of the centre of the straight axis of "
+            "a beam, m.",
+        ),
     ] = None
     rotation: Annotated[
-        UnitQuaternion | None, key(KeyType.ROTATION, f"Rotation of the body frame: {ROTATION_FORMS}.")
+        UnitQuaternion | None,
+        key(KeyType.ROTATION, f"Rotation of the body frame, or of the straight beam: {ROTATION_FORMS}."),
     ] = None
-    velocity: Annotated[Triple | None, key(KeyType.TRIPLE, "Velocity of the origin in the inertial frame, m/s.")] = None
+    velocity: Annotated[Triple | None, key(KeyType.TRIPLE, "Velocity of that point in the inertial frame, m/s.")] = None
     angular_velocity: Annotated[
-        Triple | None, key(KeyType.TRIPLE, "Angular velocity in the frame of the body, rad/s.")
+        Triple | None, key(KeyType.TRIPLE, "Angular velocity in that frame, rad/s.")
+    ] = None
+    deflection: Annotated[
+        Deflections | None,
+        key(
+            KeyType.DEFLECTIONS,
+            "Initial deflections from the straight axis along e2 and e3, m: polynomials in xi from -1 to 1 along the "
+            "whole beam, each a combination of 1, xi and the ansatz of its direction; by default the beam is straight "
+            "if possible.",
+            example='["0.01*(1 - xi^2)", 0]',
+        ),
+    ] = None
+    deflection_rate: Annotated[
+        Deflections | None,
+        key(KeyType.DEFLECTIONS, "Time derivatives of the deflections, m/s: polynomials in xi.", example='[0, "xi^2"]'),
+    ] = None
+    twist: Annotated[
+        Polynomial | None,
+        key(
+            KeyType.DEFLECTION,
+            "Initial rotation of the sections about the axis, rad: a polynomial in xi, a combination of 1 and the "
+            "ansatz of torsion; by default the beam is not twisted if possible.",
+            example='"0.1*xi"',
+        ),
+    ] = None
+    twist_rate: Annotated[
+        Polynomial | None,
+        key(KeyType.DEFLECTION, "Time derivative of the twist, rad/s: a polynomial in xi.", example='"xi"'),
     ] = None
     amplitudes: Annotated[
         tuple[float, ...] | None,
@@ -101,6 +136,9 @@ class SpatialInitialValues:
     __repr__ = record_text
 
 
+CURVES, CURVE_RATES = ("deflection", "twist"), ("deflection_rate", "twist_rate")
+OF_BENT_BEAMS = (*CURVES, *CURVE_RATES)
+"""The initial values that beams in space alone have: polynomials along the beam, and their rates."""
 SPATIAL_START = key(
     SpatialInitialValues, "Initial values; those that are not given adapt to the others and to the joints."
 )

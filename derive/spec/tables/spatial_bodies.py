@@ -14,6 +14,7 @@ from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
 from derive.spec.model.spatial_bodies import (
+    OF_BENT_BEAMS,
     FlexibleBody,
     FrameMarker,
     NodalLoad,
@@ -29,7 +30,8 @@ from derive.spec.tables.shared import ElementName, by_name, one_of
 from derive.spec.tables.spatial_beam import beam_in_space
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
-declare(SpatialInitialValues, "SpatialInitialValuesTable")
+_of_body = tuple(key for key in declared_keys(SpatialInitialValues) if key.name not in OF_BENT_BEAMS)
+declare(SpatialInitialValues, "SpatialInitialValuesTable", keys=_of_body)
 FRAME = declare(
     FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
 )
