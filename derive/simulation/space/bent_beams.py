@@ -154,9 +154,7 @@ class BentBody:
         S, lever = self.axes(poses), skew(self.displacement)
         turns, drifting = self._turn @ of_frame[3:], self._turn @ (drift[3:] - self._spin)
         moves = of_frame[:3] + S @ lever @ turns
-        return np.vstack([moves, turns]), np.concatenate(
-            [drift[:3] + S @ (lever @ drifting - self.velocity), drifting]
-        )
+        return np.vstack([moves, turns]), np.concatenate([drift[:3] + S @ (lever @ drifting - self.velocity), drifting])
 
 
 SMALL = 1e-4

@@ -21,8 +21,8 @@ from derive.simulation.initial.targets import Strength
 from derive.simulation.linear.steady_rotation import steady_rotation
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.assembly import SpatialAssembler, assembled
-from derive.simulation.space.bent_beams import initial_remainders
 from derive.simulation.space.attitudes import check_attitudes, misalignment, open_joints
+from derive.simulation.space.bent_beams import initial_remainders
 from derive.simulation.space.guess import guessed_configuration
 from derive.simulation.space.marker_frames import own_frame
 from derive.simulation.space.rotating_axes import rotating_axes_of

@@ -94,9 +94,7 @@ class SpatialInitialValues:
         key(KeyType.ROTATION, f"Rotation of the body frame, or of the straight beam: {ROTATION_FORMS}."),
     ] = None
     velocity: Annotated[Triple | None, key(KeyType.TRIPLE, "Velocity of that point in the inertial frame, m/s.")] = None
-    angular_velocity: Annotated[
-        Triple | None, key(KeyType.TRIPLE, "Angular velocity in that frame, rad/s.")
-    ] = None
+    angular_velocity: Annotated[Triple | None, key(KeyType.TRIPLE, "Angular velocity in that frame, rad/s.")] = None
     deflection: Annotated[
         Deflections | None,
         key(

@@ -106,4 +106,6 @@ _start = declare(
 def beam_in_space() -> DeclaredTable:
     """The table of a beam in space, after those of its parts are declared."""
     tables = {**TABLES, SpatialInitialValues: _start}
-    return declare(SpatialBeam, "SpatialBeamTable", keys=(*declared_keys(SpatialBeam), COUNT), make=_beam, tables=tables)
+    return declare(
+        SpatialBeam, "SpatialBeamTable", keys=(*declared_keys(SpatialBeam), COUNT), make=_beam, tables=tables
+    )
