@@ -104,11 +104,13 @@ def section_mass_blocks(spec: AnyScene) -> tuple[Block, ...]:
     for beam in {beam.name: beam for beam in beams}.values():
         for of in beam.masses:
             entries = zip(PRODUCTS, of.inertia or (), strict=False)
-            inertia = ", ".join(f"{name} = {value_text(entry, INERTIA)}" for name, entry in entries if entry != 0)
+            inertia = ", ".join(
+                f"{name}\u00a0=\u00a0{value_text(entry, INERTIA)}" for name, entry in entries if entry != 0
+            )
             centre = ", ".join(value_text(x, "") for x in of.centre)
             own = [value_text(of.mass, "kg"), inertia or "that of a point", f"[{centre}]\u00a0m"]
             rows.append([of.name, beam.name, f"{float(of.at):g}", *own])
-    head = ("name", "beam", "at ξ", "mass", "inertia about its centre", "centre")
+    head = ("name", "beam", "at\u00a0ξ", "mass", "inertia about its centre", "centre")
     text = "Attached masses, with components along the axes of their sections"
     return (table(text, head, rows),) if rows else ()
 

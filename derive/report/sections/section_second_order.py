@@ -15,9 +15,9 @@ from derive.report.document.formula import (
     Part,
     Quotient,
 )
-from derive.report.document.page import Block, EquationBlock, Paragraph
+from derive.report.document.page import Block, EquationBlock, Inline, Math, Paragraph
 from derive.report.notation.beam_functions import shape_name
-from derive.report.notation.formula_reader import formula, marked_text
+from derive.report.notation.formula_reader import formula
 from derive.spec.model.spatial_beam import SpatialBeam
 
 HALF = Quotient(NumberToken("1"), NumberToken("2"))
@@ -31,19 +31,29 @@ def section_fields_blocks(beams: Sequence[SpatialBeam]) -> tuple[Block, ...]:
     What no beam has, such as torsion, is left out.
     """
     twists, stretches = any(beam.torsion for beam in beams), any(beam.axial for beam in beams)
-    names = ["$v$ and $w$ are the deflections along $e_2$ and $e_3$"]
-    names += ["$theta$ is the twist, the rotation of the sections about the axis"] if twists else []
-    names += ["$u$ is the displacement along the axis"] if stretches else []
-    text = (
-        "A section of a beam in space is rigid. The shape i displaces the axis by $d_i$, and turns a section, whose "
-        "points have the position $p$ against the axis, by a small vector $t$ with the index i. At second order the "
-        "axis gets shorter as a beam bends, the sections turn as its tangent does, and by the vector $s$:"
+    letters: list[Inline] = [Math(Name("v")), " and ", Math(Name("w")), " are the deflections along e2 and e3"]
+    if twists:
+        letters += [", ", Math(Name("theta")), " is the twist, the rotation of the sections about the axis"]
+    if stretches:
+        letters += [", ", Math(Name("u")), " is the displacement along the axis"]
+    fields: tuple[Inline, ...] = (
+        "A section of a beam in space is rigid. The shape i displaces the axis by ",
+        Math(formula("d_i")),
+        ", and turns a section, whose points have the position ",
+        Math(OF_POINT),
+        " against the axis, by the small vector ",
+        Math(_rotation("i")),
+        ". At second order the axis gets shorter as a beam bends, and the sections turn as its tangent does, and "
+        "further by the vector ",
+        Math(Name("s", style="vector")),
+        ", to which two shapes add ",
+        Math(_rotation("i", "j")),
+        ":",
     )
-    legend = f"Here {', '.join(names)}; primes are derivatives by x."
     blocks: list[Block] = [
-        Paragraph(marked_text(text, scalars=False)),
+        Paragraph(fields),
         EquationBlock((_first(), _second(), _shortening())),
-        Paragraph(marked_text(legend, scalars=True)),
+        Paragraph(("Here ", *letters, "; primes are derivatives by x.")),
         EquationBlock(tuple(_turning(twists, stretches))),
     ]
     if any(beam.torsion and beam.bending_stiffnesses[0] != beam.bending_stiffnesses[1] for beam in beams):

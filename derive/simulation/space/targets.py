@@ -125,7 +125,7 @@ def _amplitudes(
     strength: Strength,
     rate: bool,
 ) -> Iterator[SpatialTarget]:
-    """The target of amplitudes, or of their rates: the names of their bodies, their numbers from 0, and their values."""
+    """The target of amplitudes, or of their rates, which are given with the names of bodies and numbers from 0."""
     if not amplitudes:
         return
     columns = [native.velocities.index(amplitude_of(body, i + 1, 1).name) for body, i, _ in amplitudes]

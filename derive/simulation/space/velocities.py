@@ -29,9 +29,9 @@ def spatial_velocities(
 ) -> Vector:
     """The velocities (nv,) in a configuration that meet the constraints, then given targets, then guesses.
 
-    Bodies deform only as targets say, unless the constraints and the given targets cannot be met otherwise. What is left free has the least
-    kinetic energy 1/2 v . M v + momentum . v. Demands that contradict earlier ones are met in the sense of least
-    squares.
+    Bodies deform only as targets say, unless the constraints and the given targets cannot be met otherwise. What is
+    left free has the least kinetic energy 1/2 v . M v + momentum . v. Demands that contradict earlier ones are met in
+    the sense of least squares.
     """
     native, t = assembler.native, assembler.t
     A = constraint_matrix(native, t, q, assembler.k)
