@@ -58,9 +58,9 @@ class InitialCurve:
         return [(self.first + i, float(value) * self.unit) for i, value in enumerate(values)]
 
 
-def initial_curves(beam: SpatialBeam) -> tuple[InitialCurve, ...]:
-    """The curves that the initial values of a whole beam give."""
-    shapes, start = section_shapes(beam), beam.start
+def initial_curves(beam: SpatialBeam, rigid: bool = False) -> tuple[InitialCurve, ...]:
+    """The curves that the initial values of a whole beam give; rigid: as a beam without shapes has them."""
+    shapes, start = () if rigid else section_shapes(beam), beam.start
     half, result = _half_length(beam), []
 
     def add(key: str, direction: Direction, curve: Polynomial | None) -> None:
@@ -86,9 +86,10 @@ def initial_remainders(scene: SpatialScene) -> tuple[str, ...]:
     return tuple(line for beam in wholes.values() for line in remainders_of(beam))
 
 
-def remainders_of(beam: SpatialBeam, what: str = "the shapes") -> Iterator[str]:
-    """The lines on a beam; what: the words for its shapes."""
-    for curve in initial_curves(beam):
+def remainders_of(beam: SpatialBeam, rigid: bool = False) -> Iterator[str]:
+    """The lines on a beam; rigid: as a rigid body."""
+    what = "the rigid motion" if rigid else "the shapes"
+    for curve in initial_curves(beam, rigid):
         part = "" if curve.angular else f" along e{PLACES[curve.direction][0] + 1}"
         if curve.nearest.remainder:
             yield remainder_line(beam.name, curve.key, curve.nearest.remainder, what, part)
@@ -105,6 +106,9 @@ def initial_amplitudes(body: SpatialBody) -> Iterator[tuple[int, float]]:
 
 
 # ---- frames ----
+
+SMALL = 1e-4
+"""rad: below, the series of the rotation is cut."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,13 +136,23 @@ class BentBody:
         """The angular velocity (3,) of the body frame against the straight beam, along its own axes."""
         angle, cross = float(np.linalg.norm(self.rotation)), skew(self.rotation)
         # (1 - cos x)/x^2 and (x - sin x)/x^3, which lose digits next to zero
-        first, second = (0.5, 1 / 6) if angle < SMALL else (_versine(angle), (angle - np.sin(angle)) / angle**3)
+        first, second = 0.5, 1 / 6
+        if angle > SMALL:
+            first, second = (1 - np.cos(angle)) / angle**2, (angle - np.sin(angle)) / angle**3
         return np.asarray(self.turning - first * cross @ self.turning + second * cross @ cross @ self.turning)
 
     def body_frame(self, straight: Pose) -> Pose:
         """The pose of the body frame for that of the straight beam."""
         position, S = straight
         return position + S @ self.displacement, S @ self._turn
+
+    def frame_twist(self, axes: Matrix, velocity: Vector, angular_velocity: Vector) -> tuple[Vector, Vector]:
+        """The velocity (3,) and the angular velocity (3,) of the body frame for those of the straight beam.
+
+        axes (3, 3): the rotation tensor of the straight beam.
+        """
+        moved = np.cross(angular_velocity, self.displacement) + self.velocity
+        return velocity + axes @ moved, self._turn.T @ angular_velocity + self._spin
 
     def position(self, poses: SpatialPoses) -> Vector:
         """The position (3,) of the straight beam."""
@@ -157,19 +171,12 @@ class BentBody:
         return np.vstack([moves, turns]), np.concatenate([drift[:3] + S @ (lever @ drifting - self.velocity), drifting])
 
 
-SMALL = 1e-4
-
-
-def _versine(angle: float) -> float:
-    return float((1 - np.cos(angle)) / angle**2)
-
-
-def bent_bodies(body: SpatialBody) -> tuple[BentBody, ...]:
-    """A body, or all pieces of the beam that it is a piece of, with the initial curves of that."""
+def bent_bodies(body: SpatialBody, rigid: bool = False) -> tuple[BentBody, ...]:
+    """A body, or all pieces of the beam that it is a piece of, with the initial curves of that, see there."""
     if not isinstance(body, SpatialBeam):
         return (BentBody(body.name, *np.zeros((4, 3))),)
     whole = whole_beam(body)
-    curves, half, result = initial_curves(whole), _half_length(whole), []
+    curves, half, result = initial_curves(whole, rigid), _half_length(whole), []
     for k in range(whole.pieces):
         placed = np.zeros((2, 2, 3))  # of the rates or not: displacement and rotation
         for curve in curves:
