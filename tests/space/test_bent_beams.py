@@ -11,6 +11,7 @@ import pytest
 
 import derive
 from derive.mechanics.bodies.section_fields import section_shapes
+from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.observables.beams import function_values
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.spatial_beam import SpatialBeam
@@ -158,3 +159,17 @@ def test_amplitudes_beside_curves_are_refused() -> None:
     start = {"amplitudes": [0.1], "deflection": ["xi^2", 0]}
     with pytest.raises(derive.SpecError, match="`amplitudes` and `deflection` describe the same"):
         derive.spatial_scene("free", bodies={"rod": ROD | IN_SPACE | {"start": start}})
+
+
+def test_joints_that_bend_a_beam_too_far_are_refused() -> None:
+    """A clamped rod whose other end is held 0.8 of its length beside its axis has no state, as in the plane."""
+    rod = ROD | {"rotary_inertia": "1/50", "frame": {"kind": "tangent", "at": -1}, "markers": POINTS}
+    joints = {
+        "clamp": {"kind": "fixed", "between": ["ground.o", "rod.left"]},
+        "ball": {"kind": "spherical", "between": ["ground.far", "rod.tip"]},
+    }
+    scene = derive.spatial_scene(
+        "far", ground={"o": (0, 0, 0), "far": (2, 0, "8/5")}, bodies={"rod": rod}, joints=joints
+    )
+    with pytest.raises(ExcessiveDeformation, match=r"only by bending rod by 0\.8 of the length"):
+        run(scene)

@@ -15,9 +15,14 @@ import numpy as np
 from derive.mechanics.bodies.deflection_projection import Projection, projection
 from derive.mechanics.bodies.reference_conditions import CONSTANT, LINE
 from derive.mechanics.bodies.section_fields import Direction, section_shapes
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix, skew, turned
+from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.initial.deflection_remainders import remainder_line
+from derive.simulation.initial.initial_state import MAX_DEFLECTION
+from derive.simulation.observables.beams import function_values
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.beam_parts import Polynomial
@@ -30,6 +35,8 @@ Pose = tuple[Vector, Matrix]
 PLACES = {Direction.ALONG_E2: (1, 2, 1.0), Direction.ALONG_E3: (2, 1, -1.0)}
 """Of each deflection: the axis along which it goes, and the axis and the sign of the rotation by its slope, from 0."""
 OF_DEFLECTIONS = tuple(PLACES)
+ALONG = np.linspace(-1, 1, 21)
+"""The points at which a deflection is compared with the length."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +110,22 @@ def initial_amplitudes(body: SpatialBody) -> Iterator[tuple[int, float]]:
     for curve in initial_curves(whole_beam(body)):
         if not curve.rate:
             yield from curve.amplitudes(number)
+
+
+def check_deflections(scene: SpatialScene, native: NativeScene, q: Vector) -> None:
+    """Raise ExcessiveDeformation if a configuration (nq,) bends a beam too far."""
+    largest: dict[str, float] = {}
+    for beam in (body for body in scene.bodies if isinstance(body, SpatialBeam)):
+        whole = whole_beam(beam)
+        bent = np.zeros((2, len(ALONG)))
+        for i, shape in enumerate(section_shapes(beam), 1):
+            if shape.direction in PLACES:
+                amplitude = q[native.coordinates.index(amplitude_of(beam.name, i).shown)]
+                bent[OF_DEFLECTIONS.index(shape.direction)] += amplitude * function_values(shape.of, ALONG)
+        value = float(np.abs(bent).max()) / (2 * _half_length(whole))
+        largest[whole.name] = max(value, largest.get(whole.name, 0.0))
+    if excessive := {name: value for name, value in largest.items() if value > MAX_DEFLECTION}:
+        raise ExcessiveDeformation(excessive)
 
 
 # ---- frames ----
