@@ -11,15 +11,15 @@ from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
-from derive.spec.model.spatial_beam import (
-    DEFLECTION_FIELDS,
+from derive.spec.model.spatial_beam import DEFLECTION_FIELDS, SpatialBeam
+from derive.spec.model.spatial_beam_parts import (
     LateralDeflection,
     SectionFrame,
-    SpatialBeam,
+    SpatialAttachedMass,
+    SpatialDistributedLoad,
     TorsionalDeformation,
 )
-from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
-from derive.spec.model.spatial_bodies import CURVE_RATES, CURVES, SpatialInitialValues
+from derive.spec.model.spatial_start import CURVE_RATES, CURVES, SpatialInitialValues
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.beam import assumed_deflection
 from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare

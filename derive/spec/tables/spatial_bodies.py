@@ -13,15 +13,8 @@ from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
-from derive.spec.model.spatial_bodies import (
-    OF_BENT_BEAMS,
-    FlexibleBody,
-    FrameMarker,
-    NodalLoad,
-    NodeFrame,
-    SpatialInitialValues,
-    SpatialRigidBody,
-)
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody
+from derive.spec.model.spatial_start import OF_BENT_BEAMS, SpatialInitialValues
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model

@@ -26,15 +26,9 @@ from derive.simulation.space.marker_frames import modal_frames_of
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_beam import SpatialBeam
-from derive.spec.model.spatial_bodies import (
-    NO_ROTATION,
-    OF_BENT_BEAMS,
-    FlexibleBody,
-    FrameMarker,
-    SpatialInitialValues,
-    SpatialRigidBody,
-)
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
+from derive.spec.model.spatial_start import NO_ROTATION, OF_BENT_BEAMS, SpatialInitialValues
 
 
 def rigid_in_space(body: SpatialBeam | FlexibleBody) -> SpatialRigidBody | FlexibleBody:
