@@ -31,7 +31,8 @@ from derive.spec.model.beam_parts import Frame
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_scene import SpatialScene
 
 PLACES = [Fraction(n, 2) for n in range(-2, 3)]

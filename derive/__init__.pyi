@@ -96,18 +96,10 @@ from derive.spec.model.simulation import (
     Simulation as Simulation,
     SpatialStart as SpatialStart,
 )
-from derive.spec.model.spatial_beam import (
-    LateralDeflection as LateralDeflection,
-)
-from derive.spec.model.spatial_beam import (
-    SectionFrame as SectionFrame,
-)
-from derive.spec.model.spatial_beam import (
-    SpatialBeam as SpatialBeam,
-)
-from derive.spec.model.spatial_beam import (
-    TorsionalDeformation as TorsionalDeformation,
-)
+from derive.spec.model.spatial_beam_parts import LateralDeflection as LateralDeflection
+from derive.spec.model.spatial_beam_parts import SectionFrame as SectionFrame
+from derive.spec.model.spatial_beam import SpatialBeam as SpatialBeam
+from derive.spec.model.spatial_beam_parts import TorsionalDeformation as TorsionalDeformation
 from derive.spec.model.spatial_beam_parts import (
     SpatialAttachedMass as SpatialAttachedMass,
 )
@@ -118,9 +110,9 @@ from derive.spec.model.spatial_bodies import (
     FlexibleBody as FlexibleBody,
     FrameMarker as FrameMarker,
     NodeFrame as NodeFrame,
-    SpatialInitialValues as SpatialInitialValues,
     SpatialRigidBody as SpatialRigidBody,
 )
+from derive.spec.model.spatial_start import SpatialInitialValues as SpatialInitialValues
 from derive.spec.model.spatial_forces import (
     SpatialForce as SpatialForce,
     SpatialJointForce as SpatialJointForce,

@@ -26,10 +26,16 @@ from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 PAPER = "paper"
+BESIDE = {".pdf": "--pdf", ".tex": "--tex", ".md": "--markdown"}
+"""The options that write other formats beside the page, by their suffixes."""
 
 
 def run(options: argparse.Namespace) -> int:
     """Make the page, then write it in every format requested."""
+    if options.out and options.out.suffix in BESIDE:
+        suffix = options.out.suffix
+        page = options.out.with_suffix(".html")
+        raise TisserandError(f"--out names the page, which is HTML; write --out {page} {BESIDE[suffix]}")
     show_progress("building ...")
     try:
         name, doc, page = _paper() if options.paper else _of_model(options.spec)

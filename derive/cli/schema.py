@@ -33,6 +33,7 @@ TITLES = {
     "SpatialRigidTable": "`[bodies.NAME]`, a rigid body in space",
     "SpatialJointTable": "`[joints.NAME]` in space",
     "SpatialInitialValuesTable": "Initial values of a body in space",
+    "SpatialBeamStartTable": "Initial values of a beam in space",
     "FrameMarkerTable": "Marker frame",
     "UnitsTable": "Units of files of nodes",
     "BodyFrameTable": "Frame of a finite-element body",

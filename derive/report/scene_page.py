@@ -37,7 +37,7 @@ from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -86,7 +86,7 @@ def scene_page(
         *specification_blocks(specification),
         *state_blocks(model, equations, written),
         *(initial_state_blocks(initial) if initial is not None else ()),
-        *(scene_second_order_blocks(spec) if isinstance(spec, Scene) else ()),
+        *scene_second_order_blocks(spec),
         *nomenclature_blocks(True, _orders(spec), isinstance(spec, SpatialScene)),
         *integral_blocks(shown, written),
         *value_blocks(once, written),

@@ -22,10 +22,12 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
-from derive.spec.model.spatial_bodies import NO_ROTATION, FlexibleBody, FrameMarker, NodeFrame
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_beam_parts import SectionFrame
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import TimeFunction
 

@@ -10,8 +10,9 @@ from derive.simulation.simulate import with_simulation
 from derive.spec.model.scene import BeamBody, CustomBody, Scene, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE, FlexibleBody
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_start import NOT_GIVEN_IN_SPACE
 from derive.spec.model.specification import AnyScene
 
 S = TypeVar("S", bound=AnyScene)

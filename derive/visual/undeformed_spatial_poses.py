@@ -15,7 +15,8 @@ from derive.mechanics.multibody.space.rows import RelativeFunction, row_variable
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.inputs import with_functions
 from derive.simulation.observables.motion import drive_values, si_value
-from derive.simulation.space.guess import Pose, laid_poses
+from derive.simulation.space.bent_beams import Pose
+from derive.simulation.space.guess import laid_poses
 from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_beam import SpatialBody

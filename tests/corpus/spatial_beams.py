@@ -230,3 +230,15 @@ def _shapes(draft: SpatialDraft) -> tuple[Table, int]:
 def _lateral(draft: SpatialDraft, ansatz: Any) -> Table:
     """Another ansatz of the deflection along e3 sometimes, if there may be one."""
     return {"lateral": {"ansatz": ansatz}} if ansatz is not None and draft.draws.chance(0.3) else {}
+
+
+def initial_curves(table: Table, size: float, rate: float) -> Table:
+    """The initial deflections and the twist of a beam that its shapes have: `size` (m, rad) and `rate` at the end."""
+    ansatz = table.get("ansatz")
+    polynomials = isinstance(ansatz, list) and {"1", "xi"} <= {*ansatz} and not {"ends", "pieces"} & {*table}
+    along_e2 = ansatz[-1] if polynomials else "xi"  # a straight line is in all shapes
+    curves: Table = {"deflection": [f"{size}*{along_e2} + {-size}", f"{size}*xi"]}
+    curves["deflection_rate"] = [0, f"{rate}*xi"]
+    if "torsion" in table and "pieces" not in table:
+        curves |= {"twist": f"{size}*{table['torsion']['ansatz'][-1]}", "twist_rate": f"{rate}"}
+    return curves

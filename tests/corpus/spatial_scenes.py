@@ -16,7 +16,7 @@ import numpy as np
 from corpus.draft import NAMES, Table
 from corpus.draws import Draws, rounded, words
 from corpus.spatial_actions import act_in_space, observe_in_space
-from corpus.spatial_beams import SHARE, beam_scene
+from corpus.spatial_beams import SHARE, beam_scene, initial_curves
 from corpus.steady_scenes import steady_scene
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.spec.model.body import NodalBody
@@ -361,7 +361,9 @@ def _starts(draft: SpatialDraft) -> None:
             start |= {"velocity": listed(draft.vector(draft.size)), "angular_velocity": listed(draft.vector(5))}
             if body.bends:
                 bent = [rounded(1e-3 * body.length * draws.between(-1, 1), 2) for _ in range(body.bends)]
-                start |= {"amplitudes": bent, "amplitude_rates": [rounded(draws.between(-0.1, 0.1), 2)]}
+                rate = rounded(draws.between(-0.1, 0.1), 2)
+                curves = initial_curves(draft.section("bodies")[body.name], bent[0], rate)
+                start |= curves if bent[0] < 0 else {"amplitudes": bent, "amplitude_rates": [rate]}
             if body.flexible:
                 start |= {"amplitudes": [1e-5], "amplitude_rates": [0.01]}
         draft.section("bodies")[body.name]["start"] = start

@@ -19,8 +19,14 @@ from derive.spec.model.beam_parts import AxialDeformation, BeamDamping, Frame, S
 from derive.spec.model.body import BodyFrame, Damping, NodalBody
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys
 from derive.spec.model.scene import Drive, SceneInput
-from derive.spec.model.spatial_beam import LateralDeflection, SectionFrame, SpatialBeam, TorsionalDeformation
-from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_beam_parts import (
+    LateralDeflection,
+    SectionFrame,
+    SpatialAttachedMass,
+    SpatialDistributedLoad,
+    TorsionalDeformation,
+)
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialJointForce, SpatialJointTorque, SpatialTorque
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene

@@ -18,8 +18,9 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.space.marker_frames import own_frame
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import SpatialBeam
-from derive.spec.model.spatial_bodies import FlexibleBody, SpatialInitialValues, SpatialRigidBody
+from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_start import SpatialInitialValues
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import model_scene

@@ -25,7 +25,8 @@ from derive.simulation.configurations import quaternion_of, rotation_matrix
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene

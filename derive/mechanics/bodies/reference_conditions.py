@@ -146,11 +146,16 @@ def _family(family: ShapeFamily, frame: Frame) -> tuple[BeamFunction, ...]:
     return shapes
 
 
+LINE, CONSTANT = (ONE, XI), (ONE,)
+"""The rigid motions in a deflection, and in a twist."""
+
+
 @dataclass(frozen=True)
 class PieceDeflection:
     """A deflection of a beam as one of its pieces has it: offset + slope xi + sum amplitudes_i phi_i, xi of the piece.
 
-    offset and slope, in the unit of the deflection, are its rigid-body part; amplitudes (shapes,) its deformation.
+    offset and slope, in the unit of the deflection, are its rigid-body part; amplitudes (shapes,) its deformation. A
+    twist has no slope.
     """
 
     offset: Fraction
@@ -159,19 +164,26 @@ class PieceDeflection:
 
 
 def piece_deflection(
-    deflection: Polynomial, shapes: tuple[BeamFunction, ...], pieces: int, k: int
+    deflection: Polynomial,
+    shapes: tuple[BeamFunction, ...],
+    pieces: int,
+    k: int,
+    rigid: tuple[BeamFunction, ...] = LINE,
 ) -> PieceDeflection | None:
     """The part of a deflection on piece k, from 0, of `pieces` of equal length; None if the shapes cannot describe it.
 
-    deflection: a polynomial in xi of the whole beam; shapes: the shapes of a piece, which contain no rigid motion.
+    deflection: a polynomial in xi of the whole beam; shapes: the shapes of a piece, which contain no rigid motion;
+    rigid: LINE, or CONSTANT of a twist.
     """
     local = on_piece(deflection, pieces, k)
     exact = [shape for shape in shapes if shape.is_exact]  # a polynomial holds nothing of the others
-    weights = next((w for w in _null_vectors([ONE, XI, *exact, local]) if w[-1]), None)
+    weights = next((w for w in _null_vectors([*rigid, *exact, local]) if w[-1]), None)
     if weights is None:
         return None
-    offset, slope, *amplitudes = (-w / weights[-1] for w in weights[:-1])
-    return PieceDeflection(offset, slope, tuple(amplitudes) if exact else (Fraction(0),) * len(shapes))
+    parts = [-w / weights[-1] for w in weights[:-1]]
+    offset, slope = (*parts[: len(rigid)], Fraction(0))[:2]
+    amplitudes = tuple(parts[len(rigid) :]) if exact else (Fraction(0),) * len(shapes)
+    return PieceDeflection(offset, slope, amplitudes)
 
 
 def on_piece(of_beam: Polynomial, pieces: int, k: int) -> BeamFunction:

@@ -15,13 +15,22 @@ from derive.mechanics.bodies.section_fields import section_shapes
 from derive.mechanics.bodies.section_masses import section_masses
 from derive.mechanics.bodies.section_moments import SectionMoments
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
+from derive.mechanics.symbols import Family
+from derive.mechanics.tables import PLANAR_DOCS
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import cut_into
 
 if TYPE_CHECKING:
-    from derive.mechanics.symbols import Family
     from derive.mechanics.terms import ModelConstant
     from derive.spec.model.spatial_beam import SpatialBeam
+
+
+DOCS_OF = {
+    DisplacementOrder.FIRST_ORDER: DOCS,
+    DisplacementOrder.TRUNCATED: SECOND_ORDER_DOCS,
+    DisplacementOrder.FULL: {**DOCS, Family.FIELD_WEIGHT: PLANAR_DOCS[Family.FIELD_WEIGHT]},
+}
+"""The descriptions and the units of the tables of each order."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,7 @@ def section_inertia(beam: SpatialBeam, start: Fraction = LEFT) -> SectionInertia
     return SectionInertia(
         mass=sp.Add(mass * rational(1 - start) / 2, *(m.mass for m in masses)),
         constants=(*moments.constants(), *family_weights(family, len(shapes), length)),
-        docs=SECOND_ORDER_DOCS if beam.order is DisplacementOrder.TRUNCATED else DOCS,
+        docs=DOCS_OF[beam.order],
         fields=len(family),
     )
 

@@ -41,7 +41,7 @@ CURVED = {Direction.ALONG_E2: 2, Direction.ALONG_E3: 2, Direction.TORSION: 1, Di
 """The order of the derivative of a shape in the strain energy."""
 OTHER_DOCS = {
     Family.CUBIC_STIFFNESS: ("stiffness of third order: int (EI_3 - EI_2) theta v'' w'' dx", "N/m^2"),
-    **{family: PLANAR_DOCS[family] for family in (Family.PRELOAD, Family.FIELD_WEIGHT)},
+    Family.PRELOAD: PLANAR_DOCS[Family.PRELOAD],
 }
 """The descriptions and units of tables that a finite-element body does not have."""
 DESCRIPTIONS = {

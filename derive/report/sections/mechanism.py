@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 
 from derive.ir.model import Kkt, Model, Variable
 from derive.ir.series import VariableSeries, variable_series
@@ -26,15 +25,11 @@ from derive.report.document.page import (
 )
 from derive.report.notation.expressions import Notation
 from derive.report.sections.alike_joints import ConstraintsShownOnce
+from derive.report.sections.body_values import body_kind, body_values, section_mass_blocks
 from derive.report.sections.instance_rows import enumeration_of_instances, merged_rows
-from derive.spec.model.beam_parts import AttachedMass
-from derive.spec.model.forces import SceneForce
+from derive.report.sections.loads import load_blocks
 from derive.spec.model.instances import instance_name, joined
-from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
-from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
-from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad, SpatialRigidBody
-from derive.spec.model.spatial_forces import SpatialAction, SpatialJointLoad
+from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.visual.kkt_matrix import kkt_picture
@@ -50,9 +45,6 @@ LEGEND = (
 LEGEND_OF_BEAMS = (
     " Flexible rods are drawn undeformed, as light bands that are cut where the rod is divided into beams."
 )
-
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-"""The digits of exponents."""
 
 COUNTED = (
     "mass_force",
@@ -96,7 +88,7 @@ def body_blocks(spec: AnyScene, model: Model, equations: Equations) -> tuple[Blo
     for body in spec.bodies:
         owners = {body.name, *((piece_name(body, k) for k in range(body.pieces)) if isinstance(body, BeamBody) else ())}
         kept = sum(identity(c.q).owner in owners for c in equations.coordinates)
-        rows.append([body.name, _kind(body), _weight(body), str(kept), reasons.get(body.name, "")])
+        rows.append([body.name, body_kind(body), body_values(body), str(kept), reasons.get(body.name, "")])
     others: list[list[Content]] = [[out.what, out.reason] for out in model.eliminated if out.what not in _names(spec)]
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),
@@ -107,6 +99,7 @@ def body_blocks(spec: AnyScene, model: Model, equations: Equations) -> tuple[Blo
             table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), _cells(rows), "lllrl"),
             "Bodies",
         ),
+        *section_mass_blocks(spec),
     ]
     return (*blocks, table("Also eliminated", ("what", "reason"), others)) if others else tuple(blocks)
 
@@ -118,67 +111,6 @@ def _cells(rows: Sequence[Sequence[str]]) -> list[list[Content]]:
 
 def _names(spec: AnyScene) -> set[str]:
     return {"ground", *(body.name for body in spec.bodies)}
-
-
-def _kind(body: SceneBody | SpatialBody) -> str:
-    if isinstance(body, FlexibleBody):
-        return f"flexible, {body.body.frame.kind} frame"
-    if isinstance(body, SpatialBeam):
-        piece = body.piece_of
-        of = f"piece {piece.number + 1} of {body.pieces} of {piece.rod.name}, a " if piece else ""
-        return f"{of}beam in space, {body.frame.kind} frame"
-    if not isinstance(body, BeamBody):
-        return body.kind
-    cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
-    return f"flexible{cut}, {body.beam.frame.kind} frame"
-
-
-def _weight(body: SceneBody | SpatialBody) -> str:
-    if isinstance(body, SpatialRigidBody) and body.mass is not None and body.inertia is not None:
-        inertia = ", ".join(_quantity(entry, "kg\u00a0m²") for entry in body.inertia[:3])
-        return f"{_quantity(body.mass, 'kg')}; {inertia} about its axes"
-    if isinstance(body, FlexibleBody):
-        return f"{len(body.body.data.positions)} nodes"
-    if isinstance(body, SpatialBeam):
-        both = " and ".join(_quantity(x, "N\u00a0m²") for x in dict.fromkeys(body.bending_stiffnesses))
-        inertia = _quantity(body.rotary_inertia, "kg\u00a0m²")
-        values = [
-            _quantity(body.mass, "kg"),
-            f"{inertia} about its axis",
-            _quantity(body.length, "m"),
-            f"bending stiffness {both}",
-        ]
-        if body.torsion:
-            values.append("torsional stiffness " + _quantity(body.torsion.stiffness, "N\u00a0m²"))
-        if body.axial:
-            values.append("axial stiffness " + _quantity(body.axial.stiffness, "N"))
-        return f"{'the whole beam: ' if body.piece_of else ''}{', '.join(values)}"
-    if isinstance(body, BeamBody):
-        beam = body.beam
-        stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")
-        values = [_quantity(beam.mass, "kg"), _quantity(beam.length, "m"), f"bending stiffness {stiffness}"]
-        return ", ".join((*values, *map(_attached, beam.masses)))
-    if not isinstance(body, RigidBody) or body.mass is None:
-        return ""
-    values = [_quantity(body.mass, "kg")]
-    if body.inertia is not None:
-        values.append(_quantity(body.inertia, "kg\u00a0m²"))
-    return ", ".join(values)
-
-
-def _attached(mass: AttachedMass) -> str:
-    """A mass that is attached to a beam, with its inertia if it has one."""
-    values = [_quantity(mass.mass, "kg"), *([_quantity(mass.inertia, "kg\u00a0m²")] if mass.inertia else [])]
-    return f"{' and '.join(values)} attached at ξ = {float(mass.at):g} ({mass.name})"
-
-
-def _quantity(quantity: Quantity, unit: str) -> str:
-    """A value with its unit, between which no line breaks: 2.194·10⁻⁶ kg m²."""
-    if isinstance(quantity, Parameter):
-        return f"{quantity.symbol}\u00a0{unit}"
-    mantissa, _, exponent = f"{float(quantity):g}".partition("e")
-    power = f"·10{str(int(exponent)).translate(SUPERSCRIPTS)}" if exponent else ""
-    return f"{mantissa}{power}\u00a0{unit}"
 
 
 def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
@@ -223,7 +155,7 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
             table("Joints", ("joint", "kind", "marker 1", "marker 2", "drive", "multipliers"), _cells(rows)), "Joints"
         ),
         *([Details(f"The {len(equations.constraints)} multipliers", (whole,))] if multipliers else []),
-        *_loads(spec),
+        *load_blocks(spec),
     )
 
 
@@ -234,35 +166,6 @@ def _multipliers(series: VariableSeries) -> Iterator[list[Content]]:
     for label in series.labels:
         name = joined(instance_name(series.table, "i"), label.name) if series.table else label.title
         yield [CodeSpan(name), label.unit, f"{label.doc}{instances}"]
-
-
-def _loads(spec: AnyScene) -> tuple[Block, ...]:
-    rows = [[f.name, _load(f, "force"), _where(f, "")] for f in spec.forces]
-    rows += [[t.name, _load(t, "torque"), _where(t, ", against ")] for t in spec.torques]
-    rows += [[s.name, _load(s, "spring"), _where(s, " to ")] for s in spec.springs]
-    flexible = (body for body in spec.bodies if isinstance(body, FlexibleBody))
-    rows += [[load.name, "nodal forces", _nodes(body, load)] for body in flexible for load in body.loads]
-    cells: list[list[Content]] = [[load, name, marker] for name, load, marker in merged_rows(rows)]
-    return (folded(table("Loads", ("load", "name", "marker"), cells), "Loads"),) if cells else ()
-
-
-def _where(load: SceneForce | SpatialAction, between: str) -> str:
-    """The markers at which a load acts, or its joint."""
-    if isinstance(load, SpatialJointLoad):
-        return f"joint {load.joint}"
-    return between.join(map(str, load.markers))
-
-
-def _nodes(body: FlexibleBody, load: NodalLoad) -> str:
-    """The nodes on which a load acts, and the sum of its forces without their factor."""
-    count = len(load.nodes)
-    where = f"node {load.nodes[0]}" if count == 1 else f"{count} nodes"
-    total = ", ".join(f"{float(sum((force[k] for force in load.forces), Fraction(0))):g}" for k in range(3))
-    return f"{where} of {body.name}, in sum [{total}] N in the {load.frame} frame"
-
-
-def _load(load: SceneForce | SpatialAction, noun: str) -> str:
-    return noun if load.kind == noun else f"{load.kind} {noun}"
 
 
 def constraint_blocks(once: ConstraintsShownOnce, written: Notation, spatial: bool = False) -> tuple[Block, ...]:

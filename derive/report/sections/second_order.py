@@ -9,10 +9,17 @@ from derive.report.document.formula import Equation, FormulaRow, Name, OperatorT
 from derive.report.document.page import Block, EquationBlock, Heading, Paragraph
 from derive.report.notation.beam_functions import shape_name
 from derive.report.notation.formula_reader import equation, formula, marked_text
+from derive.report.sections.section_second_order import section_fields_blocks
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame
+from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody, SceneBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.specification import AnyScene
+
+AnyBody = SceneBody | SpatialBody
 
 
 def beam_second_order_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
@@ -32,29 +39,54 @@ def _second_order(order: DisplacementOrder, beams: bool, fields: tuple[Block, ..
     return (*_displacement("Beyond the paper: the displacement is", beams), *fields, *_kept("The model", order))
 
 
-def scene_second_order_blocks(spec: Scene) -> tuple[Block, ...]:
-    """The blocks of the beams of a scene with displacements of second order; empty if there are none."""
-    by_order: dict[DisplacementOrder, list[BeamBody]] = {}
-    for body in spec.bodies:
-        if isinstance(body, BeamBody) and body.beam.order is not DisplacementOrder.FIRST_ORDER:
-            by_order.setdefault(body.beam.order, []).append(body)
-    beams = [body for some in by_order.values() for body in some]
-    if not beams:
+def scene_second_order_blocks(spec: AnyScene) -> tuple[Block, ...]:
+    """The blocks of the bodies of a scene with displacements of second order; empty if there are none."""
+    bodies = [body for body in map(_whole, spec.bodies) if _order(body) is not DisplacementOrder.FIRST_ORDER]
+    bodies = list({body.name: body for body in bodies}.values())
+    planar = [body for body in bodies if isinstance(body, BeamBody)]
+    in_space = [body for body in bodies if isinstance(body, SpatialBeam)]
+    if not bodies:
         return ()
+    frames = [*(body.beam.frame for body in planar), *(body.frame for body in in_space)]
+    by_order = {order: [body for body in bodies if _order(body) is order] for order in DisplacementOrder}
     return (
         Heading("Displacements of second order", "second_order"),
-        *_displacement(f"Beyond the paper: the displacement of {_names(beams)} is", beams=True),
-        *_constants(list(dict.fromkeys(body.beam.frame for body in beams))),
-        *(block for order, some in by_order.items() for block in _kept(f"The model of {_names(some)}", order)),
+        *_displacement(f"Beyond the paper: the displacement of {_names(bodies)} is", bool(frames), bool(planar)),
+        *(section_fields_blocks(in_space) if in_space else ()),
+        *(_constants(list(dict.fromkeys(frames))) if frames else ()),
+        *(_geometric_stiffness() if any(isinstance(body, FlexibleBody) for body in bodies) else ()),
+        *(
+            block
+            for order, some in by_order.items()
+            if some
+            for block in _kept(f"The model of {_names(some)}", order, sections=not planar)
+        ),
     )
 
 
-def _names(beams: Sequence[BeamBody]) -> str:
-    return ", ".join(body.name for body in beams)
+def _whole(body: AnyBody) -> AnyBody:
+    """The beam that a piece of a beam in space belongs to; another body itself."""
+    return whole_beam(body) if isinstance(body, SpatialBeam) else body
 
 
-def _displacement(subject: str, beams: bool) -> tuple[Block, ...]:
-    """The displacement, and its derivative by an amplitude."""
+def _order(body: AnyBody) -> DisplacementOrder:
+    match body:
+        case BeamBody():
+            return body.beam.order
+        case SpatialBeam():
+            return body.order
+        case FlexibleBody():
+            return body.body.order
+        case _:
+            return DisplacementOrder.FIRST_ORDER
+
+
+def _names(bodies: Sequence[AnyBody]) -> str:
+    return ", ".join(body.name for body in bodies)
+
+
+def _displacement(subject: str, beams: bool, in_plane: bool = True) -> tuple[Block, ...]:
+    """The displacement, its derivative by an amplitude, and the Psi_ij of planar beams."""
     return (
         Paragraph(
             (
@@ -71,7 +103,7 @@ def _displacement(subject: str, beams: bool) -> tuple[Block, ...]:
             (
                 equation("u = sum_i alpha_i Phi_i + 1/2 sum_{i j} alpha_i alpha_j Psi_{i j}"),
                 equation("partial r / partial alpha_i = Phi_i + sum_j alpha_j Psi_{i j}"),
-                *((_shortening(),) if beams else ()),
+                *((_shortening(),) if beams and in_plane else ()),
             )
         ),
     )
@@ -120,7 +152,8 @@ def _geometric_stiffness() -> tuple[Block, ...]:
     return (Paragraph(marked_text(text)),)
 
 
-def _kept(model: str, order: DisplacementOrder) -> tuple[Block, ...]:
+def _kept(model: str, order: DisplacementOrder, sections: bool = False) -> tuple[Block, ...]:
+    """What a model keeps; sections: whether fields of second order turn sections, as those of beams in space do."""
     match order:
         case DisplacementOrder.FIRST_ORDER:
             return ()
@@ -132,14 +165,15 @@ def _kept(model: str, order: DisplacementOrder) -> tuple[Block, ...]:
             )
             return (Paragraph((text,)),)
         case DisplacementOrder.FULL:
+            turning = ", and of fields that turn sections" if sections else ""
             text = (
                 f"{model} is full: nothing of this displacement is left out. The fields of second order are "
                 "combinations of fields along the axis: the Legendre polynomials, if all shapes are polynomials, "
-                "otherwise the fields of second order themselves. Their amplitudes depend on those of the shapes. They "
-                "are numbered behind the shapes, so that the integrals are those of one larger family."
+                f"otherwise the fields of second order themselves{turning}. Their amplitudes depend on those of the "
+                "shapes. They are numbered behind the shapes, so that the integrals are those of one larger family."
             )
             fields = (
-                equation("Psi_{i j} = sum_p z_{p i j} theta_p e_1"),
+                equation(f"Psi_{{i j}} = sum_p z_{{p i j}} theta_p{'' if sections else ' e_1'}"),
                 equation("beta_p = 1/2 sum_{i j} z_{p i j} alpha_i alpha_j", scalars=True),
                 equation("beta_{p,i} = partial beta_p / partial alpha_i = sum_j z_{p i j} alpha_j", scalars=True),
                 equation("beta''_p = sum_i beta_{p,i} alpha''_i + beta''_p^0", scalars=True),

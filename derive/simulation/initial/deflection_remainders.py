@@ -27,7 +27,12 @@ def remainder_lines(
     for key, curve in (("deflection", beam.start.deflection), ("deflection_rate", beam.start.deflection_rate)):
         remainder = projection(curve, shapes, pieces).remainder if curve else 0.0
         if remainder:
-            yield (
-                f"bodies.{beam.name}.start.{key}: {percent(remainder)} of it (rms) is not in {what} of "
-                f"{beam.name}; the motion starts with the nearest that is"
-            )
+            yield remainder_line(beam.name, key, remainder, what)
+
+
+def remainder_line(beam: str, key: str, remainder: float, what: str, part: str = "") -> str:
+    """The line on the remainder of a curve; part: the words for that part of the curve that has it."""
+    return (
+        f"bodies.{beam}.start.{key}: {percent(remainder)} of it{part} (rms) is not in {what} of {beam}; the motion "
+        "starts with the nearest that is"
+    )

@@ -14,15 +14,13 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import quaternion_of, rotation_matrix
 from derive.simulation.observables.motion import si_value, simulated_drive
+from derive.simulation.space.bent_beams import Pose, bent_bodies, initial_amplitudes
 from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND
 from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
-
-Pose = tuple[Vector, Matrix]
-"""The position (3,), m, and the rotation tensor (3, 3) of a body frame."""
 
 MAX_MODES = 200
 TRIALS = 16
@@ -39,7 +37,8 @@ def guessed_configuration(scene: SpatialScene, native: NativeScene, k: Vector, s
         own = [names[name] for name in _possible(body) if name in names]
         quaternion = [i for i in own if native.roles[i] is Role.QUATERNION]
         translation = [i for i in own if native.roles[i] is Role.TRANSLATION]
-        position, Q = wanted[body.name]
+        bent = {of.name: of for of in bent_bodies(body)}[body.name]
+        position, Q = bent.body_frame(wanted[body.name])
         if quaternion:
             q[quaternion] = quaternion_of(Q)
         if translation:
@@ -47,6 +46,8 @@ def guessed_configuration(scene: SpatialScene, native: NativeScene, k: Vector, s
         amplitudes = [i for i in own if native.roles[i] is Role.AMPLITUDE]
         given = body.start.amplitudes or ()
         q[amplitudes[: len(given)]] = given
+        for number, value in initial_amplitudes(body):
+            q[amplitudes[number]] = value
     for body in scene.bodies:  # fitted with the poses of all bodies, which need their quaternions
         own = [names[name] for name in _possible(body) if name in names]
         single = [i for i in own if native.roles[i] in (Role.ROTATION, Role.DISPLACEMENT)]

@@ -22,6 +22,7 @@ from derive.simulation.linear.steady_rotation import steady_rotation
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.assembly import SpatialAssembler, assembled
 from derive.simulation.space.attitudes import check_attitudes, misalignment, open_joints
+from derive.simulation.space.bent_beams import check_deflections, initial_remainders
 from derive.simulation.space.guess import guessed_configuration
 from derive.simulation.space.marker_frames import own_frame
 from derive.simulation.space.rotating_axes import rotating_axes_of
@@ -47,7 +48,8 @@ def spatial_scene_state(
     configuration (nq,) from which a steady rotation is sought, if not from the initial state.
 
     Raises SpecError with given values that contradict the joints or each other, with the joints that cannot be met, and
-    with joints that are met the wrong way round; InconsistentInitialState where it is velocities that cannot be met.
+    with joints that are met the wrong way round; InconsistentInitialState where it is velocities that cannot be met;
+    ExcessiveDeformation where joints bend a beam too far.
     """
     check_start(scene)
     constants = native.setup() if k is None else k
@@ -63,6 +65,7 @@ def spatial_scene_state(
         raise InconsistentInitialState("positions", unmet_constraints(native, state.g, CONSISTENT), 0.0)
     q = normalised(native, state.q)
     check_attitudes(scene, assembler.poses(q))
+    check_deflections(scene, native, q)
     balance, motion = None, None
     if scene.start == EQUILIBRIUM:
         check_rest(scene, native, constants)
@@ -87,7 +90,10 @@ def spatial_scene_state(
     check_constraints(native, constants, 0.0, q)
     check_accelerations(native, constants, 0.0, q, v)
     met = max_norm(native.constraints(0.0, q, constants))
-    return InitialState(0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance, steady=motion)
+    remainders = initial_remainders(scene)
+    return InitialState(
+        0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance, remainders=remainders, steady=motion
+    )
 
 
 def spatial_scene_size(scene: SpatialScene) -> float:

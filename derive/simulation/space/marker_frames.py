@@ -15,7 +15,8 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.space.beam_frames import beam_frames
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodeFrame
 from derive.spec.model.spatial_scene import SpatialScene
 

@@ -11,7 +11,7 @@ import numpy as np
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.configurations import displaced, quaternion_of, rotation_vector, velocities_with
+from derive.simulation.configurations import displaced, velocities_with
 
 DRIFT_STEP = 1e-4
 """s: the step of the differences by time; their errors are of its sixth power."""
@@ -72,10 +72,6 @@ class SpatialPoses:
     def rotation(self, body: str) -> Matrix:
         """The rotation tensor (3, 3) of a body frame."""
         return np.asarray(self.values[self._number(body), 3:].reshape(3, 3))
-
-    def rotation_from(self, body: str, reference: Matrix) -> Vector:
-        """The rotation vector (3,), rad, that turns a reference (3, 3) into the frame of a body."""
-        return rotation_vector(quaternion_of(reference.T @ self.rotation(body)))
 
     def twist(self, body: str) -> tuple[Matrix, Vector]:
         """The twist of a body by unit velocities (6, nv), and at rest (6,)."""

@@ -5,7 +5,7 @@ Rotations are compared by rotation vectors, so that no attitude is singular.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,9 +15,10 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.configurations import rotation_matrix
+from derive.simulation.configurations import quaternion_of, rotation_matrix, rotation_vector
 from derive.simulation.initial.targets import KeyOfTarget, Strength
 from derive.simulation.observables.motion import simulated_drive
+from derive.simulation.space.bent_beams import BentBody, bent_bodies, initial_curves
 from derive.simulation.space.joint_targets import (
     Linearised,
     attitude,
@@ -28,7 +29,7 @@ from derive.simulation.space.joint_targets import (
     rotation_of_frames,
 )
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.beam_pieces import piece_name, whole_beam
+from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
@@ -86,83 +87,85 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
 
 def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
     """The targets of a body; those of a beam in pieces belong to its first piece, and are means over all."""
-    names: tuple[str, ...] = (body.name,)
     of = body
     if isinstance(body, SpatialBeam) and body.piece_of is not None:
         if body.piece_of.number:
             return
         of = whole_beam(body)
-        names = tuple(piece_name(of.name, body.pieces, k) for k in range(body.pieces))
+    bodies = bent_bodies(body)
     start, table = of.start, f"bodies.{of.name}.start"
     given = Strength.GUESS if start.guess else Strength.GIVEN
     if start.position is not None:
-        function = _mean(names, partial(_position, value=np.array(start.position)))
+        function = _mean(bodies, partial(_position, value=np.array(start.position)))
         yield SpatialTarget(table, "position", start.position, given, False, False, function)
     if start.rotation is not None:
         quaternion = np.array(start.rotation)
         reference = rotation_matrix(quaternion / np.linalg.norm(quaternion))
-        function = _mean(names, partial(_rotation, reference=reference))
-        yield SpatialTarget(table, "rotation", start.rotation, given, True, False, function, body=names[0])
+        function = _mean(bodies, partial(_rotation, reference=reference))
+        yield SpatialTarget(table, "rotation", start.rotation, given, True, False, function, body=bodies[0].name)
     for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates)):
-        if values:
-            rate = key == "amplitude_rates"
-            columns = tuple(_amplitude(native, body.name, i) for i in range(1, len(values) + 1))
-            places = tuple(native.coordinates.index(amplitude_of(body.name, i).shown) for i, _ in enumerate(values, 1))
-            yield SpatialTarget(
-                table, key, values, given, False, rate, _amplitudes(places, columns, np.array(values), rate), columns
-            )
+        amplitudes = [(body.name, i, value) for i, value in enumerate(values or ())]
+        yield from _amplitudes(native, table, key, amplitudes, given, key == "amplitude_rates")
+    for curve in initial_curves(of) if isinstance(of, SpatialBeam) else ():
+        amplitudes = [(bent.name, *each) for k, bent in enumerate(bodies) for each in curve.amplitudes(k)]
+        yield from _amplitudes(native, table, curve.key, amplitudes, given, curve.rate)
     if start.velocity is not None:
-        function = _mean(names, partial(_twist, part=slice(0, 3), value=np.array(start.velocity)))
+        function = _mean(bodies, partial(_twist, part=slice(0, 3), value=np.array(start.velocity)))
         yield SpatialTarget(table, "velocity", start.velocity, given, False, True, function)
     if start.angular_velocity is not None:
-        function = _mean(names, partial(_twist, part=slice(3, 6), value=np.array(start.angular_velocity)))
+        function = _mean(bodies, partial(_twist, part=slice(3, 6), value=np.array(start.angular_velocity)))
         yield SpatialTarget(table, "angular_velocity", start.angular_velocity, given, True, True, function)
 
 
-def _amplitude(native: NativeScene, body: str, i: int) -> int:
-    """The number of the velocity of an amplitude."""
-    return native.velocities.index(amplitude_of(body, i, 1).name)
-
-
 def _amplitudes(
-    places: tuple[int, ...], columns: tuple[int, ...], values: Vector, rate: bool
-) -> Callable[[SpatialPoses], Linearised]:
-    """The amplitudes at some coordinates less their values; or their rates, which are the velocities `columns`."""
+    native: NativeScene,
+    table: str,
+    key: str,
+    amplitudes: Sequence[tuple[str, int, float]],
+    strength: Strength,
+    rate: bool,
+) -> Iterator[SpatialTarget]:
+    """The target of amplitudes, or of their rates, which are given with the names of bodies and numbers from 0."""
+    if not amplitudes:
+        return
+    columns = [native.velocities.index(amplitude_of(body, i + 1, 1).name) for body, i, _ in amplitudes]
+    places = [native.coordinates.index(amplitude_of(body, i + 1).shown) for body, i, _ in amplitudes]
+    values = tuple(value for _, _, value in amplitudes)
 
     def linearised(poses: SpatialPoses) -> Linearised:
         gradient = np.zeros((len(columns), poses.native.nv))
-        gradient[np.arange(len(columns)), list(columns)] = 1.0
-        now = np.zeros(len(values)) if rate else poses.q[list(places)]
-        return now - values, gradient, np.zeros(len(values))
+        gradient[np.arange(len(columns)), columns] = 1.0
+        now = np.zeros(len(values)) if rate else poses.q[places]
+        return now - np.array(values), gradient, np.zeros(len(values))
 
-    return linearised
+    yield SpatialTarget(table, key, values, strength, False, rate, linearised, tuple(columns))
 
 
 def _mean(
-    names: tuple[str, ...], of_body: Callable[[SpatialPoses, str], Linearised]
+    bodies: tuple[BentBody, ...], of_body: Callable[[SpatialPoses, BentBody], Linearised]
 ) -> Callable[[SpatialPoses], Linearised]:
     """The mean of a vector over some bodies."""
 
     def linearised(poses: SpatialPoses) -> Linearised:
-        every = [of_body(poses, name) for name in names]
+        every = [of_body(poses, body) for body in bodies]
         deviation, gradient, drift = (np.mean(of, axis=0) for of in zip(*every, strict=True))
         return deviation, gradient, drift
 
     return linearised
 
 
-def _position(poses: SpatialPoses, body: str, value: Vector) -> Linearised:
-    twist, drift = poses.twist(body)
-    return poses.position(body) - value, twist[:3], drift[:3]
+def _position(poses: SpatialPoses, body: BentBody, value: Vector) -> Linearised:
+    twist, drift = body.twist(poses)
+    return body.position(poses) - value, twist[:3], drift[:3]
 
 
-def _rotation(poses: SpatialPoses, body: str, reference: Matrix) -> Linearised:
-    twist, drift = poses.twist(body)
-    return poses.rotation_from(body, reference), twist[3:], drift[3:]
+def _rotation(poses: SpatialPoses, body: BentBody, reference: Matrix) -> Linearised:
+    twist, drift = body.twist(poses)
+    return rotation_vector(quaternion_of(reference.T @ body.axes(poses))), twist[3:], drift[3:]
 
 
-def _twist(poses: SpatialPoses, body: str, part: slice, value: Vector) -> Linearised:
-    twist, drift = poses.twist(body)
+def _twist(poses: SpatialPoses, body: BentBody, part: slice, value: Vector) -> Linearised:
+    twist, drift = body.twist(poses)
     return drift[part] - value, twist[part], drift[part]
 
 

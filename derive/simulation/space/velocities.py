@@ -29,9 +29,9 @@ def spatial_velocities(
 ) -> Vector:
     """The velocities (nv,) in a configuration that meet the constraints, then given targets, then guesses.
 
-    Bodies deform only if the constraints and the given targets cannot be met otherwise. What is left free has the least
-    kinetic energy 1/2 v . M v + momentum . v. Demands that contradict earlier ones are met in the sense of least
-    squares.
+    Bodies deform only as targets say, unless the constraints and the given targets cannot be met otherwise. What is
+    left free has the least kinetic energy 1/2 v . M v + momentum . v. Demands that contradict earlier ones are met in
+    the sense of least squares.
     """
     native, t = assembler.native, assembler.t
     A = constraint_matrix(native, t, q, assembler.k)
@@ -43,7 +43,7 @@ def spatial_velocities(
     demands = [(A, -at_rest), *((J, -r) for r, J in (given, guessed))]
     R = mass_factor(mass_matrix(native, q, assembler.k))
     stiff = ~velocities_with(native, Role.AMPLITUDE)
-    stiff[[j for target in targets if target.strength is Strength.GIVEN for j in target.amplitudes]] = True
+    stiff[[j for target in targets for j in target.amplitudes]] = True
     if not np.all(stiff):
         v = _least_energy(np.eye(native.nv)[:, stiff], demands, R, momentum)
         missed = max((max_norm(J @ v - b) for J, b in demands[:2] if len(J)), default=0.0)

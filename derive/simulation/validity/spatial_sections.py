@@ -15,7 +15,8 @@ from derive.mechanics.multibody.space.springs import spring_type
 from derive.simulation.configurations import rotation_matrix
 from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
+from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 ROTATIONS = ("rx", "ry", "rz")

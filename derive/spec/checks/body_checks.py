@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from pydantic import ValidationError
 
-from derive.spec.model.beam_parts import AssumedDeflection
+from derive.spec.model.beam_parts import AssumedDeflection, Polynomial
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.tables.beam import AXIAL, DEFLECTION
 
@@ -24,16 +24,27 @@ def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
 def spatial_shape_faults(path: KeyPath, beam: Mapping[str, object]) -> list[Fault]:
     """Faults of all shapes of a beam in space: those of a planar beam, of the other deflection, and of torsion."""
     faults = shape_faults(path, beam)
-    lateral = beam.get("lateral")
     try:
-        deflection = DEFLECTION.validate_python(beam)
-        if isinstance(lateral, Mapping) and "ansatz" in lateral:
-            other = DEFLECTION.validate_python({**beam, "ansatz": lateral["ansatz"]})
-            of = replace(deflection, ansatz=other.ansatz)
-            faults += _faults((*path, "lateral", "ansatz"), of)
+        deflection, lateral = both_deflections(beam)
     except ValidationError:
         return faults
+    if lateral is not deflection:
+        faults += _faults((*path, "lateral", "ansatz"), lateral)
     return faults + _axial_faults(path, beam, deflection, "torsion")
+
+
+def both_deflections(beam: Mapping[str, object]) -> tuple[AssumedDeflection, AssumedDeflection]:
+    """The assumed deflections of a beam in space along e2 and e3. Raises ValidationError if one cannot be read."""
+    deflection, lateral = DEFLECTION.validate_python(beam), beam.get("lateral")
+    if not isinstance(lateral, Mapping) or "ansatz" not in lateral:
+        return deflection, deflection
+    other = DEFLECTION.validate_python({**beam, "ansatz": lateral["ansatz"]})
+    return deflection, replace(deflection, ansatz=other.ansatz)
+
+
+def torsion_ansatz(beam: Mapping[str, object]) -> tuple[Polynomial, ...]:
+    """The ansatz of the torsion of a beam in space. Raises ValidationError if it cannot be read."""
+    return () if beam.get("torsion") is None else AXIAL.validate_python(beam["torsion"]).ansatz
 
 
 def _faults(path: KeyPath, deflection: AssumedDeflection) -> list[Fault]:

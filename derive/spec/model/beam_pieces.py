@@ -10,9 +10,10 @@ from typing import Any, TypeVar
 
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.spatial_beam import PieceOf, SectionFrame, SpatialBeam, SpatialBody
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE, SpatialInitialValues
+from derive.spec.model.spatial_beam import PieceOf, SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+from derive.spec.model.spatial_start import NOT_GIVEN_IN_SPACE, SpatialInitialValues
 
 S = TypeVar("S")
 

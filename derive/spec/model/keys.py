@@ -54,6 +54,7 @@ class KeyType(Enum):
     CONDITION = "a comparison of columns"
     COLUMNS = "columns, one or several"
     DEFLECTION = "a polynomial in xi"
+    DEFLECTIONS = "two polynomials in xi"
     PIECE_COUNT = "a number of pieces of a beam"
     PIECE_COUNTS = "several numbers of pieces of a beam"
     SHAPES = "polynomials in xi"

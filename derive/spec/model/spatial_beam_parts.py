@@ -1,4 +1,4 @@
-"""The distributed loads and the attached masses of a beam in space as frozen data."""
+"""The parts of a beam in space as frozen data: markers, its deflection along e3 and torsion, loads, attached masses."""
 
 from __future__ import annotations
 
@@ -7,12 +7,107 @@ from fractions import Fraction
 from typing import Annotated
 
 from derive.short_text import record_text
-from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Polynomial
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Polynomial, ShapeFamily
 from derive.spec.model.documentation import documented
 from derive.spec.model.forces import ForceFrame
 from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.quantity import Quantity
+from derive.spec.model.spatial_start import NO_ROTATION, ROTATION_FORMS, UnitQuaternion
 from derive.spec.model.time_function import TimeFunction
+
+
+@documented
+@dataclass(frozen=True)
+class SectionFrame:
+    """A named marker of a beam in space: a point of its axis, and a frame that turns with the section there.
+
+    Attributes:
+        name: the name of the marker.
+
+    Examples:
+        >>> import derive
+        >>> from fractions import Fraction
+        >>> tip = derive.SectionFrame("tip", Fraction(1))
+        >>> rod = {"length": 1, "mass": 2, "bending_stiffness": 100, "rotary_inertia": 1e-3, "markers": {"tip": tip}}
+        >>> derive.spatial_scene("floating", bodies={"rod": rod}).bodies[0].markers[0].at
+        Fraction(1, 1)
+    """
+
+    name: str
+    at: Annotated[Fraction, key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")]
+    rotation: Annotated[
+        UnitQuaternion,
+        key(
+            KeyType.ROTATION,
+            f"Rotation of the marker against the undeformed beam: {ROTATION_FORMS}.",
+            shown=(1, 0, 0, 0),
+        ),
+    ] = NO_ROTATION
+    __repr__ = record_text
+
+
+@documented
+@dataclass(frozen=True)
+class LateralDeflection:
+    """The deflection of a beam in space along its e3, where it differs from that along e2.
+
+    Examples:
+        >>> import derive
+        >>> flat = derive.LateralDeflection(bending_stiffness=5)
+        >>> rod = {"length": 1, "mass": 2, "bending_stiffness": 100, "rotary_inertia": 1e-3, "lateral": flat}
+        >>> derive.spatial_scene("floating", bodies={"rod": rod}).bodies[0].bending_stiffnesses
+        (Fraction(100, 1), Fraction(5, 1))
+    """
+
+    ansatz: Annotated[
+        tuple[Polynomial, ...] | ShapeFamily | None,
+        key(ShapeFamily, "Shape functions of the deflection along e3; by default those of the deflection along e2."),
+    ] = None
+    bending_stiffness: Annotated[
+        Quantity | None,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            "Bending stiffness EI about e2, N m^2, of deflections along e3; by default that about e3.",
+            "N m^2",
+        ),
+    ] = None
+    __repr__ = record_text
+
+
+@documented
+@dataclass(frozen=True)
+class TorsionalDeformation:
+    """How a beam twists about its axis. Without this table it is rigid in torsion.
+
+    Examples:
+        >>> import derive
+        >>> twist = derive.TorsionalDeformation(ansatz=["xi"], stiffness=10)
+        >>> rod = {"length": 1, "mass": 2, "bending_stiffness": 100, "rotary_inertia": 1e-3, "torsion": twist}
+        >>> derive.spatial_scene("floating", bodies={"rod": rod}).bodies[0].torsion.stiffness
+        Fraction(10, 1)
+    """
+
+    ansatz: Annotated[
+        tuple[Polynomial, ...],
+        key(
+            KeyType.SHAPES,
+            "Polynomials in xi whose sum, times 2/length, is the rotation of the sections about the axis, before the "
+            "condition of the frame takes a constant from each: no mean rotation, none at the point of the frame, or "
+            'opposite ones at the ends of a chord. ["xi"] is a uniform twist.',
+            example='["xi"]',
+        ),
+    ]
+    stiffness: Annotated[
+        Quantity,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            "Torsional stiffness GJ, N m^2: a run-time parameter or a number.",
+            "N m^2",
+            example="10",
+        ),
+    ]
+    __repr__ = record_text
+
 
 LoadTriple = tuple[Polynomial, Polynomial, Polynomial]
 """Three components of a load that are polynomials in xi."""

@@ -1,4 +1,4 @@
-"""Bodies of a scene in space as frozen data: rigid and finite-element ones, their markers, loads, initial values."""
+"""Bodies of a scene in space as frozen data: rigid and finite-element ones, their markers and loads."""
 
 from __future__ import annotations
 
@@ -14,18 +14,15 @@ from derive.spec.model.forces import ForceFrame
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import BODY_MASS, NOT_NEEDED
-from derive.spec.model.simulation import GUESS
-from derive.spec.model.time_function import TimeFunction
-
-Triple = tuple[float, float, float]
-UnitQuaternion = tuple[float, float, float, float]
-NO_ROTATION: UnitQuaternion = (1.0, 0.0, 0.0, 0.0)
-
-ROTATION_FORMS = (
-    "a unit quaternion, scalar first; { axis = [..], angle = a }; two axes of the frame { x = [..], y = [..] }; or "
-    '{ angles = [a, b, c], sequence = "xyz" } about the axes of the turning frame'
+from derive.spec.model.spatial_start import (
+    NO_ROTATION,
+    NOT_GIVEN_IN_SPACE,
+    ROTATION_FORMS,
+    SPATIAL_START,
+    SpatialInitialValues,
+    UnitQuaternion,
 )
-"""The notations of a rotation, for descriptions."""
+from derive.spec.model.time_function import TimeFunction
 
 
 @documented
@@ -66,47 +63,6 @@ class FrameMarker:
     __repr__ = record_text
 
 
-@documented
-@dataclass(frozen=True)
-class SpatialInitialValues:
-    """Initial values of a body in space. The initial state keeps what is given; values not given adapt to it.
-
-    Examples:
-        >>> import derive
-        >>> spun = derive.SpatialInitialValues(angular_velocity=(0, 0, 5))
-        >>> top = derive.SpatialRigidBody("top", mass=1, inertia=(1, 1, 2, 0, 0, 0), start=spun)
-        >>> derive.simulate(derive.spatial_scene("spinner", bodies=[top]), duration=1, output=1).v[-1]
-        array([0., 0., 0., 0., 0., 5.])
-    """
-
-    position: Annotated[
-        Triple | None, key(KeyType.TRIPLE, "Position of the origin of the body frame in the inertial frame, m.")
-    ] = None
-    rotation: Annotated[
-        UnitQuaternion | None, key(KeyType.ROTATION, f"Rotation of the body frame: {ROTATION_FORMS}.")
-    ] = None
-    velocity: Annotated[Triple | None, key(KeyType.TRIPLE, "Velocity of the origin in the inertial frame, m/s.")] = None
-    angular_velocity: Annotated[
-        Triple | None, key(KeyType.TRIPLE, "Angular velocity in the frame of the body, rad/s.")
-    ] = None
-    amplitudes: Annotated[
-        tuple[float, ...] | None,
-        key(KeyType.AMPLITUDES, "Amplitudes of the first modes of a flexible body, m; the others are zero."),
-    ] = None
-    amplitude_rates: Annotated[
-        tuple[float, ...] | None,
-        key(KeyType.AMPLITUDES, "Rates of the amplitudes of the first modes, m/s; the others are zero."),
-    ] = None
-    guess: Annotated[bool, GUESS] = False
-    __repr__ = record_text
-
-
-SPATIAL_START = key(
-    SpatialInitialValues, "Initial values; those that are not given adapt to the others and to the joints."
-)
-
-
-NOT_GIVEN_IN_SPACE = SpatialInitialValues()
 FRAMES = key(
     KeyType.FRAMES,
     "Named markers: coordinates [x, y, z], m, or { at = [x, y, z], rotation = ... } of a frame that is rotated.",

@@ -86,14 +86,19 @@ def check_keys(table: TomlTable, kind: str, types: Mapping[str, Declares], noun:
     """Raise WrongValueError where the keys of a table do not go with its kind; `noun` is what an element is called."""
     own, element = {key.name for key in types[kind].keys}, noun if kind == noun else f"{kind} {noun}"
     every = dict.fromkeys(key.name for of in types.values() for key in of.keys)
+    missing = [
+        f"key `{key.name}`: {key.description[:1].lower()}{key.description[1:].rstrip('.')}"
+        for key in types[kind].keys
+        if key.required and getattr(table, key.name) is None
+    ]
     for name in (name for name in every if name not in own):
         if name in table.model_fields_set and getattr(table, name) is not None:
             others = [f'"{other}"' for other, of in types.items() if name in {key.name for key in of.keys}]
-            raise values.WrongValueError(f"a {element} has no {name}; leave `{name}` out, or choose {_either(others)}")
-    for key in types[kind].keys:
-        if key.required and getattr(table, key.name) is None:
-            text = key.description[:1].lower() + key.description[1:].rstrip(".")
-            raise values.WrongValueError(f"a {element} needs the key `{key.name}`: {text}")
+            text = f"a {element} has no {name}; leave `{name}` out, or choose {_either(others)}"
+            instead = f"; it needs the {missing[0]}" if missing else ""
+            raise values.WrongValueError(text + instead)
+    if missing:
+        raise values.WrongValueError(f"a {element} needs the {missing[0]}")
 
 
 def _kinds_text(types: Mapping[str, Declares]) -> str:

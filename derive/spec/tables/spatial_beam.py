@@ -11,17 +11,18 @@ from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
-from derive.spec.model.spatial_beam import (
-    DEFLECTION_FIELDS,
+from derive.spec.model.spatial_beam import DEFLECTION_FIELDS, SpatialBeam
+from derive.spec.model.spatial_beam_parts import (
     LateralDeflection,
     SectionFrame,
-    SpatialBeam,
+    SpatialAttachedMass,
+    SpatialDistributedLoad,
     TorsionalDeformation,
 )
-from derive.spec.model.spatial_beam_parts import SpatialAttachedMass, SpatialDistributedLoad
+from derive.spec.model.spatial_start import CURVE_RATES, CURVES, SpatialInitialValues
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.beam import assumed_deflection
-from derive.spec.tables.declared_tables import DeclaredTable, declare
+from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.spec.tables.value_types import VALUE_TYPES, markers_type
 
@@ -70,7 +71,8 @@ def _beam(name: str, order: int, terms: str | None = None, **given: Any) -> Spat
         raise WrongValueError(WHOLE_BEAM)
     if beam.pieces > 1 and (beam.start.amplitudes is not None or beam.start.amplitude_rates is not None):
         raise WrongValueError(
-            "amplitudes belong to the shapes of a beam in one piece; leave them out of `start`, or leave `pieces` out"
+            "amplitudes belong to the shapes of a beam in one piece; write `deflection` and `twist`, polynomials along "
+            "the whole beam, in `start`, or leave `pieces` out"
         )
     of_loads = {name for load in beam.loads for name in section_names(load.name, beam.pieces)}
     taken = of_loads & {marker.name for marker in beam.markers}
@@ -85,6 +87,25 @@ def _beam(name: str, order: int, terms: str | None = None, **given: Any) -> Spat
     return beam
 
 
+def _check_start(start: SpatialInitialValues) -> None:
+    """Refuse amplitudes beside the deflections that they make up."""
+    for amplitudes, curves in (("amplitudes", CURVES), ("amplitude_rates", CURVE_RATES)):
+        given = [name for name in curves if getattr(start, name) is not None]
+        if getattr(start, amplitudes) is not None and given:
+            raise WrongValueError(f"`{amplitudes}` and `{given[0]}` describe the same; leave one of them out")
+
+
+_start = declare(
+    SpatialInitialValues,
+    "SpatialBeamStartTable",
+    check=_check_start,
+    doc="Initial values of a beam in space. The initial state keeps what is given; values not given adapt to it.",
+)
+
+
 def beam_in_space() -> DeclaredTable:
-    """The table of a beam in space, after that of its initial values is declared."""
-    return declare(SpatialBeam, "SpatialBeamTable", keys=(*declared_keys(SpatialBeam), COUNT), make=_beam)
+    """The table of a beam in space, after those of its parts are declared."""
+    tables = {**TABLES, SpatialInitialValues: _start}
+    return declare(
+        SpatialBeam, "SpatialBeamTable", keys=(*declared_keys(SpatialBeam), COUNT), make=_beam, tables=tables
+    )

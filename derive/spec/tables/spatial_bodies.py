@@ -13,14 +13,8 @@ from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
-from derive.spec.model.spatial_bodies import (
-    FlexibleBody,
-    FrameMarker,
-    NodalLoad,
-    NodeFrame,
-    SpatialInitialValues,
-    SpatialRigidBody,
-)
+from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody
+from derive.spec.model.spatial_start import OF_BENT_BEAMS, SpatialInitialValues
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
@@ -29,7 +23,8 @@ from derive.spec.tables.shared import ElementName, by_name, one_of
 from derive.spec.tables.spatial_beam import beam_in_space
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
-declare(SpatialInitialValues, "SpatialInitialValuesTable")
+_of_body = tuple(key for key in declared_keys(SpatialInitialValues) if key.name not in OF_BENT_BEAMS)
+declare(SpatialInitialValues, "SpatialInitialValuesTable", keys=_of_body)
 FRAME = declare(
     FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
 )

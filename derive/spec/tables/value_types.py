@@ -204,6 +204,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.BUSHING_MATRIX: BushingMatrix,
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
     KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
+    KeyType.DEFLECTIONS: _pair(_load, ('"0.01*(1 - xi^2)"', "0"), "polynomials"),
     KeyType.SHAPES: Annotated[
         _several(
             _shape,

@@ -29,7 +29,7 @@ from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import FAMILIES, MODES, ORDERS, LadderModel, Shapes, deflection_of
 from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
 from derive.study.accuracy.spatial_ladder import spatial_ladder, spatial_refinements
-from derive.study.accuracy.spatial_models import flexible_bodies, modelled_in_space
+from derive.study.accuracy.spatial_models import flexible_bodies, modelled_in_space, remainders_in_space
 from derive.study.accuracy.spatial_rigid import rigid_actions
 from derive.study.study_options import LadderRange
 
@@ -127,7 +127,7 @@ def _startable(body: BeamBody) -> BeamBody:
 
 def start_remainders(scene: AnyScene, model: LadderModel) -> tuple[str, ...]:
     """A line on each initial deflection of which a model of a scene has only the nearest that its shapes describe."""
-    lines: list[str] = []
+    lines = list(remainders_in_space(scene, model.of)) if isinstance(scene, SpatialScene) else []
     for beam in beam_bodies(scene):
         body = modelled(beam, model.of(beam.name))
         rigid = isinstance(body, RigidBody)

@@ -6,6 +6,7 @@ have none, with the modes that these contain.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 
@@ -15,6 +16,7 @@ from derive.reduction.component_modes import static_mode_count
 from derive.reduction.eigen import max_elastic_modes
 from derive.reduction.integrals import canonical_csr
 from derive.reduction.interface import RIGID_MOTIONS
+from derive.simulation.space.bent_beams import initial_curves, remainders_of
 from derive.spec.model.beam_parts import Polynomial
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
@@ -40,7 +42,7 @@ def modelled_in_space(scene: SpatialScene, body: SpatialBody, model: LadderModel
     if model.shapes is Shapes.RIGID:
         return rigid_in_space(body)
     if isinstance(body, SpatialBeam):
-        return _beam(body, model)
+        return _startable(_beam(body, model))
     return _component_modes(scene, body, model)
 
 
@@ -62,6 +64,22 @@ def _beam(body: SpatialBeam, model: LadderModel) -> SpatialBeam:
         torsion=torsion,
         pieces=model.pieces,
     )
+
+
+def _startable(body: SpatialBeam) -> SpatialBeam:
+    """The beam with its initial values as a guess if its shapes do not have its initial curves."""
+    if any(curve.nearest.remainder for curve in initial_curves(body)):
+        return replace(body, start=replace(body.start, guess=True))
+    return body
+
+
+def remainders_in_space(scene: SpatialScene, models: Callable[[str], LadderModel]) -> Iterator[str]:
+    """A line on each initial curve of which a model has only the nearest that it describes; models: by bodies."""
+    for body in scene.bodies:
+        if isinstance(body, SpatialBeam):
+            model = models(body.name)
+            rigid = model.shapes is Shapes.RIGID
+            yield from remainders_of(body if rigid else _beam(body, model), rigid)
 
 
 def twists(count: int) -> tuple[Polynomial, ...]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +18,17 @@ from derive.mechanics.bodies.beam_functions import XI
 from derive.mechanics.multibody.bodies.beam_loads import resultants
 from derive.mechanics.multibody.space.beam_loads import load_actions
 from derive.reduction.body import reduce
+from derive.runtime.native_call import Vector
+from derive.simulation.configurations import quaternion_of, rotation_matrix
 from derive.simulation.observables.motion import si_value
+from derive.simulation.space.bent_beams import bent_bodies
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
+from derive.spec.model.spatial_start import NO_ROTATION, OF_BENT_BEAMS, SpatialInitialValues
 
 
 def rigid_in_space(body: SpatialBeam | FlexibleBody) -> SpatialRigidBody | FlexibleBody:
@@ -68,7 +73,33 @@ def _beam(body: SpatialBeam) -> SpatialRigidBody:
         inertia = inertia + own + m * np.array([b * b + c * c, a * a + c * c, a * a + b * b, -a * b, -a * c, -b * c])
     markers = tuple(FrameMarker(m.name, (m.at * half, none, none), m.rotation) for m in body.markers)
     markers += tuple(FrameMarker(name, (at * half, none, none)) for name, at in _places(body).items())
-    return SpatialRigidBody(body.name, total, tuple(inertia), _triple(tuple(centre)), markers, body.start)
+    return SpatialRigidBody(body.name, total, tuple(inertia), _triple(tuple(centre)), markers, _start(body))
+
+
+def _start(body: SpatialBeam) -> SpatialInitialValues:
+    """The initial values of the nearest rigid motion, which are a guess if that is another motion."""
+    start = body.start
+    if all(getattr(start, name) is None for name in OF_BENT_BEAMS):
+        return start
+    (bent,) = bent_bodies(replace(body, pieces=1), rigid=True)
+    quaternion = np.array(start.rotation or NO_ROTATION)
+    position, velocity, spin = (
+        np.array(of or (0.0, 0.0, 0.0)) for of in (start.position, start.velocity, start.angular_velocity)
+    )
+    straight = position, rotation_matrix(quaternion / np.linalg.norm(quaternion))
+    position, axes = bent.body_frame(straight)
+    velocity, spin = bent.frame_twist(straight[1], velocity, spin)
+    return SpatialInitialValues(
+        position=None if start.position is None else _floats(position),
+        rotation=None if start.rotation is None else _floats(quaternion_of(axes)),
+        velocity=None if start.velocity is None else _floats(velocity),
+        angular_velocity=None if start.angular_velocity is None else _floats(spin),
+        guess=True,
+    )
+
+
+def _floats(vector: Vector) -> Any:
+    return tuple(map(float, vector))
 
 
 def rigid_actions(body: SpatialBeam) -> tuple[SpatialForce | SpatialTorque, ...]:

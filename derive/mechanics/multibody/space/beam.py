@@ -14,7 +14,7 @@ from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.bodies.shared_damping import shared_damping
 from derive.spec.model.beam_pieces import CUT, piece_name, whole_beam
 from derive.spec.model.spatial_beam import PieceOf, SpatialBeam
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
+from derive.spec.model.spatial_start import NOT_GIVEN_IN_SPACE
 
 if TYPE_CHECKING:
     from derive.mechanics.body import Body

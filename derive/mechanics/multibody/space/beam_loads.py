@@ -20,7 +20,8 @@ from derive.mechanics.multibody.bodies.beam_loads import number_function, per_le
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.space.beam_sections import mean_section, section_at
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam, cut_into
+from derive.spec.model.spatial_beam import SpatialBeam, cut_into
+from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_beam import SpatialBeam, cut_into
-from derive.spec.model.spatial_bodies import NOT_GIVEN_IN_SPACE
+from derive.spec.model.spatial_start import NOT_GIVEN_IN_SPACE
 
 RIGID = 6
 """The rows of the rigid motion of a body."""

@@ -21,7 +21,8 @@ from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder
 
 if TYPE_CHECKING:
-    from derive.spec.model.spatial_beam import SectionFrame, SpatialBeam
+    from derive.spec.model.spatial_beam import SpatialBeam
+    from derive.spec.model.spatial_beam_parts import SectionFrame
 
 Value: TypeAlias = "Callable[[BeamFunction], sp.Rational]"
 """The value of a function of xi at a section, or its mean over some part of the beam."""
