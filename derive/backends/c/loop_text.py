@@ -24,10 +24,10 @@ def vector_starts(nodes: Iterable[Node]) -> dict[str, int]:
     A vector that is aligned does not cross the lines that caches exchange; storing to two of them takes twice the time.
     """
     nodes = tuple(every(nodes))
-    may = {node.array for node in nodes if isinstance(node, Local) and node.spacing}
+    may = {node.array for node in nodes if isinstance(node, Local) and (node.spacing or node.in_lanes)}
     starts: dict[str, int] = {}
     for loop in nodes:
-        for node in loop.body if isinstance(loop, For) and loop.kind is LoopKind.LANES else ():
+        for node in every(loop.body) if isinstance(loop, For) and loop.kind is LoopKind.LANES else ():
             if isinstance(node, Assign) and isinstance(node.target, Element) and node.target.array in may:
                 assert node.target.index
                 if node.target.index.stride(LANE) == 1:

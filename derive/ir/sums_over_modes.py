@@ -1,0 +1,318 @@
+"""Sums over the modes of bodies in loops over instances, in loops over the rows of tables.
+
+A finite-element body has dense integrals: S_i = C4_i + sum_j C5_ij alpha_j for each mode i and each component. Written
+out, these sums are most of the text of a loop over bodies, which then comes from memory more slowly than it is run, and
+their factors and results do not stay in registers. They are linear forms in neighbouring elements of an array, and are
+found by this structure, whatever their names are: tables have their factors row by row, for each instance, and a loop
+over the rows computes them at the beginning of the body. The order of additions is that of the elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import reduce
+
+from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
+from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
+from derive.ir.kernel import ConstantArray, Kernel
+from derive.ir.linear_forms import DENSE, FEWEST_FACTORS, FEWEST_OPERATIONS, FEWEST_ROWS
+from derive.ir.model import Model
+from derive.ir.operator_functions import ARITHMETIC
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
+
+ROW = "row"
+"""The variable of the loops over the rows of a table."""
+ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+FEWEST_INSTANCES = 2
+"""The instances from which on a loop over them runs in vectors."""
+
+Window = tuple[str, tuple[IndexTerm, ...]]
+"""An array, and the part of the indices that the neighbouring elements of an instance share."""
+Row = tuple[Expr, tuple[tuple[int, Expr], ...]]
+"""The constant term of a linear form, and its factors with the places of the elements of a window."""
+
+
+def with_sums_over_modes(model: Model) -> Model:
+    """A model whose loops over instances have loops over the rows of tables in place of dense sums."""
+    if model.lowering != "instances" or not model.in_space:
+        return model
+    tables = _Tables()
+    return replace(model, kernels=tuple(_with_sums(kernel, tables) for kernel in model.kernels))
+
+
+def _with_sums(kernel: Kernel, tables: _Tables) -> Kernel:
+    known = {array.name: array for array in kernel.constants if not array.integers}
+    before = len(tables.used)
+    sections = tuple(
+        replace(section, body=tuple(_statement(statement, known, tables) for statement in section.body))
+        for section in kernel.sections
+    )
+    if len(tables.used) == before:
+        return kernel
+    arrays = dict.fromkeys(tables.used[before:])
+    changed = replace(kernel, sections=sections)
+    own = [array for array in kernel.constants if array.name in changed.used]
+    return replace(changed, constants=(*own, *arrays))
+
+
+def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables: _Tables) -> Statement:
+    """A statement with sums in loops, if it is a loop over instances in vectors that has enough of them."""
+    if not isinstance(statement, ForEach) or not statement.independent:
+        return statement
+    if statement.start != constant(0) or statement.stop.terms or statement.stop.offset < FEWEST_INSTANCES:
+        return statement
+    if any(isinstance(item, ForEach) for item in statement.body):
+        return statement
+    return _LoopForms(statement, known).in_rows(tables)
+
+
+@dataclass(frozen=True)
+class _Form:
+    """A linear form of the elements of a window: their factors by their places, and the constant term."""
+
+    window: Window | None
+    factors: Mapping[int, Expr]
+    offset: Expr
+
+    def scaled(self, factor: Expr) -> _Form:
+        return _Form(self.window, {k: _times(factor, x) for k, x in self.factors.items()}, _times(factor, self.offset))
+
+    def plus(self, other: _Form) -> _Form | None:
+        """The sum; None if the windows differ."""
+        if self.window and other.window and self.window != other.window:
+            return None
+        factors = dict(self.factors)
+        for k, x in other.factors.items():
+            factors[k] = _plus(factors.get(k, ZERO), x)
+        return _Form(self.window or other.window, factors, _plus(self.offset, other.offset))
+
+    @property
+    def is_dense(self) -> bool:
+        """Whether the form has enough factors, and few zeros among them."""
+        span = max(self.factors) - min(self.factors) + 1 if self.factors else 0
+        return len(self.factors) >= FEWEST_FACTORS and len(self.factors) >= DENSE * span
+
+
+def _times(a: Expr, b: Expr) -> Expr:
+    if ZERO in (a, b):
+        return ZERO
+    if a == ONE or b == ONE:
+        return b if a == ONE else a
+    if isinstance(a, Number) and isinstance(b, Number):
+        return Number(a.value * b.value)
+    return Operation(Operator.MUL, (a, b))
+
+
+def _plus(a: Expr, b: Expr) -> Expr:
+    if ZERO in (a, b):
+        return b if a == ZERO else a
+    if isinstance(a, Number) and isinstance(b, Number):
+        return Number(a.value + b.value)
+    return Operation(Operator.ADD, (a, b))
+
+
+class _LoopForms:
+    """The linear forms of a loop over instances whose factors are numbers."""
+
+    def __init__(self, loop: ForEach, constants: Mapping[str, ConstantArray]) -> None:
+        self.loop, self.constants = loop, constants
+        self.names: dict[Window, dict[int, str]] = {}
+        self.known: dict[str, _Form] = {}
+        self.groups: dict[tuple[Window, bool], dict[Row, int]] = {}
+        self.chosen: dict[tuple[Window, bool], str] = {}
+        written = {item.target.array for item in loop.body if isinstance(item, StoreElement)}
+        for item in loop.body:
+            if isinstance(item, Let) and isinstance(item.expr, Element) and item.expr.array not in written:
+                self._load(item.name, item.expr)
+
+    def _load(self, name: str, element: Element) -> None:
+        """Know an element that is loaded: a number, or one of a window."""
+        assert element.index
+        if element.array in self.constants:
+            self.known[name] = _Form(None, {}, element)
+            return
+        window = element.array, element.index.terms
+        self.names.setdefault(window, {})[element.index.offset] = name
+        self.known[name] = _Form(window, {element.index.offset: ONE}, ZERO)
+
+    def in_rows(self, tables: _Tables) -> ForEach:
+        """The loop with loops over rows at its beginning, and without what they replace."""
+        loop = self.loop
+        for item in loop.body:
+            self._seen(item)
+        groups = {key: rows for key, rows in self.groups.items() if len(rows) >= FEWEST_ROWS}
+        if not groups:
+            return loop
+        before: list[InstanceItem] = []
+        for key, rows in groups.items():
+            used = [k for _, factors in rows for k, _ in factors]
+            names = {k: name for k, name in sorted(self.names[key[0]].items()) if min(used) <= k <= max(used)}
+            table = tables.of(self, [*names], rows)
+            self.chosen[key] = table.sums
+            before += [Work(table.sums, len(rows)), table.loop(loop.variable, [*names.values()])]
+        lines = [self._replaced(item) for item in loop.body]
+        first = next(k for k, item in enumerate(lines) if not _is_load(item))
+        return replace(loop, body=(*_needed([*lines[:first], *before, *lines[first:]]),))
+
+    # ---- forms ----
+
+    def _seen(self, item: InstanceItem) -> None:
+        """Collect the rows of a line."""
+        if isinstance(item, Let | Require | StoreElement):
+            if isinstance(item, Let) and item.name in self.known:
+                return
+            form, expr, operations = self._parts(item.expr)
+            if isinstance(item, Let) and form is not None:
+                self.known[item.name] = form
+            self._whole(form, expr, operations)
+
+    def _replaced(self, item: InstanceItem) -> InstanceItem:
+        if isinstance(item, Let | Require | StoreElement) and not _is_load(item):
+            return replace(item, expr=self._whole(*self._parts(item.expr)))
+        return item
+
+    def _parts(self, expr: Expr) -> tuple[_Form | None, Expr, int]:
+        """The form of an expression, the expression with the forms in it replaced if it is none, its operations."""
+        if isinstance(expr, Operation):
+            parts = [self._parts(arg) for arg in expr.args]
+            operations = 1 + sum(count for *_, count in parts)
+            forms = [form for form, *_ in parts if form is not None]
+            form = _combined(expr.kind, forms) if len(forms) == len(parts) else None
+            if form is not None:
+                return form, expr, operations
+            return None, Operation(expr.kind, tuple(self._whole(*part) for part in parts)), operations
+        if isinstance(expr, ScalarRef):
+            return self.known.get(expr.name), expr, 0
+        return (_Form(None, {}, expr) if isinstance(expr, Number) else None), expr, 0
+
+    def _whole(self, form: _Form | None, expr: Expr, operations: int) -> Expr:
+        """An expression, or the element of an array in its place if it is a form that is worth a row."""
+        if form is None or form.window is None or operations < FEWEST_OPERATIONS or not form.is_dense:
+            return expr
+        key = form.window, form.offset == ZERO
+        row = form.offset, tuple(sorted(form.factors.items(), key=lambda item: item[0]))
+        rows = self.groups.setdefault(key, {})
+        number = rows.setdefault(row, len(rows))
+        return Element(self.chosen[key], constant(number)) if key in self.chosen else expr
+
+    def value(self, expr: Expr, instance: int) -> Fraction:
+        """The value of a factor for one of the instances."""
+        match expr:
+            case Number():
+                return expr.value
+            case Element():
+                assert expr.index
+                return Fraction(self.constants[expr.array].values[expr.index.at({self.loop.variable: instance})])
+            case Operation():
+                return Fraction(ARITHMETIC[expr.kind](*(self.value(arg, instance) for arg in expr.args)))
+        raise AssertionError("factors are made of numbers")
+
+
+def _combined(kind: Operator, forms: Sequence[_Form]) -> _Form | None:
+    """The form of an operation on forms; None if it is not linear, or if its windows differ."""
+    first, *others = forms
+    match kind:
+        case Operator.NEG:
+            return first.scaled(Number(Fraction(-1)))
+        case Operator.ADD:
+            return first.plus(others[0])
+        case Operator.SUB:
+            return first.plus(others[0].scaled(Number(Fraction(-1))))
+        case Operator.MUL:
+            number, form = (first, others[0]) if not first.factors else (others[0], first)
+            return None if number.factors else form.scaled(number.offset)
+        case Operator.DIV:
+            (number,) = others
+            if number.factors or not isinstance(number.offset, Number) or not number.offset.value:
+                return None
+            return first.scaled(Number(1 / number.offset.value))
+        case _:
+            return None
+
+
+def _is_load(item: InstanceItem) -> bool:
+    """Whether a line names an integer or loads an element."""
+    return isinstance(item, Entry) or (isinstance(item, Let) and isinstance(item.expr, Element))
+
+
+def _needed(body: Sequence[InstanceItem]) -> Iterator[InstanceItem]:
+    """The lines of a body without values that nothing reads any more."""
+    read: set[str] = set()
+    kept: list[InstanceItem] = []
+    for item in reversed(body):
+        if isinstance(item, Let) and item.name not in read:
+            continue
+        read |= {part.name for expr in _expressions(item) for part in walk(expr) if isinstance(part, ScalarRef)}
+        kept.append(item)
+    return reversed(kept)
+
+
+def _expressions(item: InstanceItem) -> Iterable[Expr]:
+    if isinstance(item, ForEach):
+        return (expr for inner in item.body for expr in _expressions(inner))
+    return (item.expr,) if isinstance(item, Let | Require | StoreElement) else ()
+
+
+# ---- tables ----
+
+
+@dataclass(frozen=True)
+class _Table:
+    """The table of some rows, and the local array of their values.
+
+    spacing: the distance of the factors of an instance, 0 if all instances have the same ones. has_offsets: whether
+    rows begin with a constant term.
+    """
+
+    array: ConstantArray
+    sums: str
+    rows: int
+    columns: int
+    spacing: int
+    has_offsets: bool
+
+    def loop(self, instance: str, names: Sequence[str]) -> ForEach:
+        """The loop over the rows for an instance; names: those of the elements of the window."""
+        distance, terms = max(self.spacing, 1), ((IndexTerm(1, instance),) if self.spacing else ())
+
+        def entry(k: int) -> Expr:
+            row = IndexTerm(distance * self.columns, ROW)
+            return Element(self.array.name, ElementIndex(distance * k, (row, *terms)))
+
+        first = 1 if self.has_offsets else 0
+        parts = [Operation(Operator.MUL, (entry(first + k), ScalarRef(name))) for k, name in enumerate(names)]
+        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*([entry(0)] if first else []), *parts])
+        body = StoreElement(Element(self.sums, variable(ROW)), total)
+        return ForEach(ROW, constant(0), constant(self.rows), (body,))
+
+
+@dataclass
+class _Tables:
+    """The tables of a model; `used` are those of all loops so far, in the order of these."""
+
+    made: dict[tuple[int, bool, tuple[Fraction, ...]], _Table] = field(default_factory=dict)
+    used: list[ConstantArray] = field(default_factory=list)
+
+    def of(self, forms: _LoopForms, places: Sequence[int], rows: Iterable[Row]) -> _Table:
+        """The table of some rows of a loop."""
+        rows = list(rows)
+        has_offsets = any(offset != ZERO for offset, _ in rows)
+        entries: list[Expr] = []
+        for offset, factors in rows:
+            entries += [offset] if has_offsets else []
+            entries += (dict(factors).get(k, ZERO) for k in places)
+        count = forms.loop.stop.offset
+        differ = any(isinstance(part, Element) for expr in entries for part in walk(expr))
+        spacing = count if differ else 0
+        values = tuple(forms.value(expr, k) for expr in entries for k in range(max(spacing, 1)))
+        key = len(rows), has_offsets, values
+        if key not in self.made:
+            number = len(self.made) + 1
+            array = ConstantArray(f"factors_of_modes_{number}", values, False, spacing)
+            columns = len(places) + has_offsets
+            self.made[key] = _Table(array, f"sums_of_modes_{number}", len(rows), columns, spacing, has_offsets)
+        table = self.made[key]
+        self.used.append(table.array)
+        return table
