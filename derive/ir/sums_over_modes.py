@@ -9,12 +9,12 @@ over the rows computes them at the beginning of the body. The order of additions
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import reduce
 
-from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
+from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
 from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.linear_forms import DENSE, FEWEST_FACTORS, FEWEST_OPERATIONS, FEWEST_ROWS
@@ -25,6 +25,8 @@ from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Sta
 ROW = "row"
 """The variable of the loops over the rows of a table."""
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+MANY = 64
+"""The numbers of an instance from which on they do not stay in registers, and are read from memory at each use."""
 FEWEST_INSTANCES = 2
 """The instances from which on a loop over them runs in vectors."""
 
@@ -144,7 +146,8 @@ class _LoopForms:
             self._seen(item)
         groups = {key: rows for key, rows in self.groups.items() if len(rows) >= FEWEST_ROWS}
         if not groups:
-            return loop
+            numbers = sum(_is_load(item) and item.expr.array in self.constants for item in loop.body if isinstance(item, Let))
+            return replace(loop, body=(*_read_in_place(loop.body, self.constants),)) if numbers >= MANY else loop
         before: list[InstanceItem] = []
         for key, rows in groups.items():
             used = [k for _, factors in rows for k, _ in factors]
@@ -154,7 +157,8 @@ class _LoopForms:
             before += [Work(table.sums, len(rows)), table.loop(loop.variable, [*names.values()])]
         lines = [self._replaced(item) for item in loop.body]
         first = next(k for k, item in enumerate(lines) if not _is_load(item))
-        return replace(loop, body=(*_needed([*lines[:first], *before, *lines[first:]]),))
+        lines = [*lines[:first], *before, *lines[first:]]
+        return replace(loop, body=(*_needed([*_read_in_place(lines, {*self.constants, *self.chosen.values()})]),))
 
     # ---- forms ----
 
@@ -235,6 +239,22 @@ def _combined(kind: Operator, forms: Sequence[_Form]) -> _Form | None:
 def _is_load(item: InstanceItem) -> bool:
     """Whether a line names an integer or loads an element."""
     return isinstance(item, Entry) or (isinstance(item, Let) and isinstance(item.expr, Element))
+
+
+def _read_in_place(body: Iterable[InstanceItem], arrays: Collection[str]) -> Iterator[InstanceItem]:
+    """The lines of a body that read elements of some arrays where they need them: operations read them from memory."""
+    places: dict[str, Element] = {}
+
+    def leaf(part: Leaf) -> Expr:
+        return places.get(part.name, part) if isinstance(part, ScalarRef) else part
+
+    for item in body:
+        if isinstance(item, Let) and isinstance(item.expr, Element) and item.expr.array in arrays:
+            places[item.name] = item.expr
+        elif isinstance(item, Let | Require | StoreElement):
+            yield replace(item, expr=mapped(item.expr, leaf))
+        else:
+            yield item
 
 
 def _needed(body: Sequence[InstanceItem]) -> Iterator[InstanceItem]:
