@@ -41,22 +41,28 @@ def with_sums_over_modes(model: Model) -> Model:
     if model.lowering != "instances" or not model.in_space:
         return model
     tables = _Tables()
-    return replace(model, kernels=tuple(_with_sums(kernel, tables) for kernel in model.kernels))
+    kernels = [_with_sums(kernel, tables) for kernel in model.kernels]
+    arrays = tables.arrays
+    return replace(model, kernels=tuple(_with_arrays(kernel, arrays) for kernel in kernels))
 
 
 def _with_sums(kernel: Kernel, tables: _Tables) -> Kernel:
+    """A kernel with sums in loops, still without the constant arrays of their tables."""
     known = {array.name: array for array in kernel.constants if not array.integers}
-    before = len(tables.used)
     sections = tuple(
         replace(section, body=tuple(_statement(statement, known, tables) for statement in section.body))
         for section in kernel.sections
     )
-    if len(tables.used) == before:
+    return kernel if sections == kernel.sections else replace(kernel, sections=sections)
+
+
+def _with_arrays(kernel: Kernel, arrays: Mapping[str, ConstantArray]) -> Kernel:
+    """A kernel with the constant arrays that it reads."""
+    used = kernel.used
+    of_tables = [array for name, array in arrays.items() if name in used]
+    if not of_tables:
         return kernel
-    arrays = dict.fromkeys(tables.used[before:])
-    changed = replace(kernel, sections=sections)
-    own = [array for array in kernel.constants if array.name in changed.used]
-    return replace(changed, constants=(*own, *arrays))
+    return replace(kernel, constants=(*(a for a in kernel.constants if a.name in used), *of_tables))
 
 
 def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables: _Tables) -> Statement:
@@ -122,8 +128,8 @@ class _LoopForms:
         self.loop, self.constants = loop, constants
         self.names: dict[Window, dict[int, str]] = {}
         self.known: dict[str, _Form] = {}
-        self.groups: dict[tuple[Window, bool], dict[Row, int]] = {}
-        self.chosen: dict[tuple[Window, bool], str] = {}
+        self.groups: dict[tuple[Window, bool], dict[Row, None]] = {}
+        self.chosen: dict[tuple[Window, bool], dict[Row, Expr]] = {}
         written = {item.target.array for item in loop.body if isinstance(item, StoreElement)}
         for item in loop.body:
             if isinstance(item, Let) and isinstance(item.expr, Element) and item.expr.array not in written:
@@ -149,16 +155,41 @@ class _LoopForms:
             numbers = sum(_is_load(item) and item.expr.array in self.constants for item in loop.body if isinstance(item, Let))
             return replace(loop, body=(*_read_in_place(loop.body, self.constants),)) if numbers >= MANY else loop
         before: list[InstanceItem] = []
-        for key, rows in groups.items():
-            used = [k for _, factors in rows for k, _ in factors]
-            names = {k: name for k, name in sorted(self.names[key[0]].items()) if min(used) <= k <= max(used)}
-            table = tables.of(self, [*names], rows)
-            self.chosen[key] = table.sums
-            before += [Work(table.sums, len(rows)), table.loop(loop.variable, [*names.values()])]
+        arrays = set[str]()
+        for number, (key, rows) in enumerate(groups.items(), 1):
+            sums = f"sums_over_modes_{number}_of_{len(rows)}"
+            arrays.add(sums)
+            self.chosen[key], loops = self._in_table(key, rows, sums, tables)
+            before += [Work(sums, len(rows)), *loops]
         lines = [self._replaced(item) for item in loop.body]
         first = next(k for k, item in enumerate(lines) if not _is_load(item))
         lines = [*lines[:first], *before, *lines[first:]]
-        return replace(loop, body=(*_needed([*_read_in_place(lines, {*self.constants, *self.chosen.values()})]),))
+        return replace(loop, body=(*_needed([*_read_in_place(lines, {*self.constants, *arrays})]),))
+
+    def _in_table(
+        self, key: tuple[Window, bool], rows: Iterable[Row], sums: str, tables: _Tables
+    ) -> tuple[dict[Row, Expr], list[ForEach]]:
+        """The values of rows of a window as elements of an array, and the loops over rows of a table that fill it."""
+        window, is_homogeneous = key
+        used = [k for _, factors in rows for k, _ in factors]
+        names = {k: name for k, name in sorted(self.names[window].items()) if min(used) <= k <= max(used)}
+        count = self.loop.stop.offset
+        table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
+        places: dict[Row, _Place] = {}
+        for row in rows:
+            offset, factors = row[0], dict(row[1])
+            columns = [*([] if is_homogeneous else [offset]), *(factors.get(k, ZERO) for k in names)]
+            places[row] = table.place(tuple(self._value(expr, n) for expr in columns for n in range(count)))
+        result: dict[Row, Expr] = {}
+        loops, position = list[ForEach](), dict[int, int]()
+        for first, stop in _runs({place.number for place in places.values()}):
+            to = Element(sums, constant(len(position)))
+            loops.append(table.loop(first, stop, to, self.loop.variable, [*names.values()]))
+            position |= {number: len(position) + number - first for number in range(first, stop)}
+        for row, place in places.items():
+            element = Element(sums, constant(position[place.number]))
+            result[row] = Operation(Operator.NEG, (element,)) if place.is_opposite else element
+        return result, loops
 
     # ---- forms ----
 
@@ -197,11 +228,10 @@ class _LoopForms:
             return expr
         key = form.window, form.offset == ZERO
         row = form.offset, tuple(sorted(form.factors.items(), key=lambda item: item[0]))
-        rows = self.groups.setdefault(key, {})
-        number = rows.setdefault(row, len(rows))
-        return Element(self.chosen[key], constant(number)) if key in self.chosen else expr
+        self.groups.setdefault(key, {})[row] = None
+        return self.chosen[key][row] if key in self.chosen else expr
 
-    def value(self, expr: Expr, instance: int) -> Fraction:
+    def _value(self, expr: Expr, instance: int) -> Fraction:
         """The value of a factor for one of the instances."""
         match expr:
             case Number():
@@ -210,7 +240,7 @@ class _LoopForms:
                 assert expr.index
                 return Fraction(self.constants[expr.array].values[expr.index.at({self.loop.variable: instance})])
             case Operation():
-                return Fraction(ARITHMETIC[expr.kind](*(self.value(arg, instance) for arg in expr.args)))
+                return Fraction(ARITHMETIC[expr.kind](*(self._value(arg, instance) for arg in expr.args)))
         raise AssertionError("factors are made of numbers")
 
 
@@ -279,60 +309,82 @@ def _expressions(item: InstanceItem) -> Iterable[Expr]:
 
 
 @dataclass(frozen=True)
-class _Table:
-    """The table of some rows, and the local array of their values.
+class _Place:
+    """The place of a row: its number in a table, and whether that has the opposite row."""
 
-    spacing: the distance of the factors of an instance, 0 if all instances have the same ones. has_offsets: whether
-    rows begin with a constant term.
-    """
-
-    array: ConstantArray
-    sums: str
-    rows: int
-    columns: int
-    spacing: int
-    has_offsets: bool
-
-    def loop(self, instance: str, names: Sequence[str]) -> ForEach:
-        """The loop over the rows for an instance; names: those of the elements of the window."""
-        distance, terms = max(self.spacing, 1), ((IndexTerm(1, instance),) if self.spacing else ())
-
-        def entry(k: int) -> Expr:
-            row = IndexTerm(distance * self.columns, ROW)
-            return Element(self.array.name, ElementIndex(distance * k, (row, *terms)))
-
-        first = 1 if self.has_offsets else 0
-        parts = [Operation(Operator.MUL, (entry(first + k), ScalarRef(name))) for k, name in enumerate(names)]
-        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*([entry(0)] if first else []), *parts])
-        body = StoreElement(Element(self.sums, variable(ROW)), total)
-        return ForEach(ROW, constant(0), constant(self.rows), (body,))
+    number: int
+    is_opposite: bool
 
 
 @dataclass
+class _Table:
+    """The rows with as many factors for the same instances, which all loops share.
+
+    columns: the numbers of a row; count: the instances; has_offsets: whether rows begin with a constant term.
+    """
+
+    name: str
+    columns: int
+    count: int
+    has_offsets: bool
+    rows: dict[tuple[Fraction, ...], int] = field(default_factory=dict)
+
+    def place(self, values: tuple[Fraction, ...]) -> _Place:
+        """The place of a row with these values, column by column, which is added if neither it nor its opposite is."""
+        opposite = tuple(-value for value in values)
+        if values not in self.rows and opposite in self.rows:
+            return _Place(self.rows[opposite], True)
+        return _Place(self.rows.setdefault(values, len(self.rows)), False)
+
+    @property
+    def array(self) -> ConstantArray:
+        """The constant array of the table."""
+        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count)
+
+    def loop(self, first: int, stop: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
+        """The loop over some rows for an instance, whose values go to an array from an element on.
+
+        names: those of the elements of the window.
+        """
+
+        def entry(k: int) -> Expr:
+            terms = IndexTerm(self.count * self.columns, ROW), IndexTerm(1, instance)
+            return Element(self.name, ElementIndex(self.count * (k + first * self.columns), terms))
+
+        start = 1 if self.has_offsets else 0
+        parts = [Operation(Operator.MUL, (entry(start + k), ScalarRef(name))) for k, name in enumerate(names)]
+        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*([entry(0)] if start else []), *parts])
+        assert to.index
+        body = StoreElement(replace(to, index=ElementIndex(to.index.offset, (IndexTerm(1, ROW),))), total)
+        return ForEach(ROW, constant(0), constant(stop - first), (body,))
+
+
 class _Tables:
-    """The tables of a model; `used` are those of all loops so far, in the order of these."""
+    """The tables of a model, by the numbers of a row, of the instances, and by whether there are constant terms."""
 
-    made: dict[tuple[int, bool, tuple[Fraction, ...]], _Table] = field(default_factory=dict)
-    used: list[ConstantArray] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.made: dict[tuple[int, int, bool], _Table] = {}
 
-    def of(self, forms: _LoopForms, places: Sequence[int], rows: Iterable[Row]) -> _Table:
-        """The table of some rows of a loop."""
-        rows = list(rows)
-        has_offsets = any(offset != ZERO for offset, _ in rows)
-        entries: list[Expr] = []
-        for offset, factors in rows:
-            entries += [offset] if has_offsets else []
-            entries += (dict(factors).get(k, ZERO) for k in places)
-        count = forms.loop.stop.offset
-        differ = any(isinstance(part, Element) for expr in entries for part in walk(expr))
-        spacing = count if differ else 0
-        values = tuple(forms.value(expr, k) for expr in entries for k in range(max(spacing, 1)))
-        key = len(rows), has_offsets, values
-        if key not in self.made:
-            number = len(self.made) + 1
-            array = ConstantArray(f"factors_of_modes_{number}", values, False, spacing)
-            columns = len(places) + has_offsets
-            self.made[key] = _Table(array, f"sums_of_modes_{number}", len(rows), columns, spacing, has_offsets)
-        table = self.made[key]
-        self.used.append(table.array)
-        return table
+    def of(self, columns: int, count: int, has_offsets: bool) -> _Table:
+        """The table for these numbers."""
+        key = columns, count, has_offsets
+        name = f"factors_of_modes_{len(self.made) + 1}"
+        return self.made.setdefault(key, _Table(name, columns, count, has_offsets))
+
+    @property
+    def arrays(self) -> dict[str, ConstantArray]:
+        """The constant arrays by their names."""
+        return {table.name: table.array for table in self.made.values()}
+
+
+def _runs(numbers: Iterable[int]) -> Iterator[tuple[int, int]]:
+    """The first number of each run of successive ones, and the first one behind it."""
+    first = stop = -1
+    for number in sorted(numbers):
+        if number != stop:
+            if stop >= 0:
+                yield first, stop
+            first = number
+        stop = number + 1
+    if stop >= 0:
+        yield first, stop
