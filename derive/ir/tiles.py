@@ -15,7 +15,7 @@ from types import MappingProxyType
 from derive.ir.expressions import Element, Expr, Leaf
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm, Of
 from derive.ir.kernel import ConstantArray
-from derive.ir.loop_nests import For, LoopKind, Node, rewritten
+from derive.ir.loop_nests import Alias, For, LoopKind, Node, rewritten
 
 FEWEST_COLUMNS = 64
 """The numbers of an instance from which on they lie in tiles: fewer ones fit into the nearest cache in any order."""
@@ -36,6 +36,11 @@ def tiled_name(name: str) -> str:
     return f"{name}_in_tiles"
 
 
+def tiles_read(tables: Iterable[str]) -> set[str]:
+    """The names of the tiles, in which lanes that are left have numbers too."""
+    return {_tile(name) for name in tables}
+
+
 def tiled(array: ConstantArray) -> ConstantArray:
     """The tiles of a constant array; lanes that are left have the numbers of the last instance."""
     count, last = array.instances, array.instances - 1
@@ -52,17 +57,31 @@ def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:
     if not tables or not isinstance(node, For) or not node.overlaps or node.start.offset or node.start.terms:
         return node
 
+    read: dict[str, None] = {}
+
     def leaf(item: Leaf) -> Expr:
         if isinstance(item, Element) and item.index and item.array in tables:
             index = _index(item.index, node.variable, tables[item.array])
-            return item if index is None else replace(item, array=tiled_name(item.array), index=index)
+            if index is not None:
+                read.setdefault(item.array)
+                return replace(item, array=_tile(item.array), index=index)
         return item
 
     body = tuple(
         rewritten(part, leaf) if isinstance(part, For) and part.kind in (LoopKind.LANES, LoopKind.FEW) else part
         for part in node.body
     )
-    return replace(node, body=body)
+    views: list[Node] = []
+    for name in read:
+        size = len(tables[name].values) // tables[name].instances * LANES
+        first = ElementIndex(0, (IndexTerm(size, node.variable, Of.CEILING),))
+        views.append(Alias(_tile(name), tiled_name(name), first))
+    return replace(node, body=(*views, *body))
+
+
+def _tile(name: str) -> str:
+    """The name of the tile of a block of instances."""
+    return f"{name}_tile"
 
 
 def _index(index: ElementIndex, block: str, array: ConstantArray) -> ElementIndex | None:
@@ -75,7 +94,4 @@ def _index(index: ElementIndex, block: str, array: ConstantArray) -> ElementInde
     if index.offset % count or any(term.stride % count or term.of is not Of.VALUE for term in others):
         return None
     terms = [replace(term, stride=term.stride // count * LANES) for term in others]
-    size = len(array.values) // count * LANES
-    return ElementIndex(
-        index.offset // count * LANES, (*terms, IndexTerm(size, block, Of.CEILING), IndexTerm(1, LANE))
-    )
+    return ElementIndex(index.offset // count * LANES, (*terms, IndexTerm(1, LANE)))

@@ -24,7 +24,7 @@ from derive.ir.loop_nests import Node
 from derive.ir.model import Model
 from derive.ir.sines_of_bodies import with_sines_of_bodies
 from derive.ir.statements import Let, Statement
-from derive.ir.tiles import NO_TABLES, in_tiles, numbers_of_instances, tiled_name
+from derive.ir.tiles import NO_TABLES, in_tiles, numbers_of_instances, tiles_read
 from derive.ir.variants import Variants
 
 
@@ -55,7 +55,7 @@ def function(
     nodes = [node for section in sections for _, part in section for node in part]
     starts = vector_starts(nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
-    filled = {tiled_name(name) for name in tables}
+    filled = tiles_read(tables)
     nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter, filled=filled)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):

@@ -35,7 +35,7 @@ from derive.ir.loop_nests import (
 )
 from derive.ir.model import Model
 from derive.ir.statements import Let, Require, Statement
-from derive.ir.tiles import in_tiles, numbers_of_instances, tiled_name
+from derive.ir.tiles import in_tiles, numbers_of_instances, tiles_read
 
 LONG = 100
 """The plain statements of a section that is worth a call."""
@@ -64,7 +64,7 @@ class SharedSection:
             for n, nodes in section_in_lanes(self.section.body)
         ]
         starts = vector_starts(node for _, nodes in body for node in nodes)
-        nests = CNests(starts=starts, counter="ptrdiff_t", filled={*map(tiled_name, self.tables)})
+        nests = CNests(starts=starts, counter="ptrdiff_t", filled=tiles_read(self.tables))
         lines = [line for _, nodes in body for line in nests.lines(nodes)]
         kind = "int" if self.checked else "void"
         return [
