@@ -64,6 +64,12 @@ def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     return (*arrays, *rows, replace(loop, body=body, kind=LoopKind.ORDERED, step=made.lanes))
 
 
+def runs_in_blocks(loop: For) -> bool:
+    """Whether a loop over instances runs in blocks, straight on, without sines between two loops over lanes."""
+    made = _Block(loop)
+    return made.fits and not any(_is_circular(part) for part in made.parts)
+
+
 @dataclass
 class _Block:
     """The body of a loop over blocks of four instances.
@@ -111,6 +117,11 @@ class _Block:
     def integers(self) -> dict[str, Integer]:
         """The integers of the loop by their names."""
         return {node.name: node for node in self.loop.body if isinstance(node, Integer)}
+
+    @property
+    def parts(self) -> list[Expr]:
+        """All parts of the expressions of the loop."""
+        return self._parts(self.lines)
 
     @staticmethod
     def _parts(nodes: Iterable[Node]) -> list[Expr]:

@@ -14,10 +14,13 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import reduce
 
+from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
-from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
+from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.instance_lanes import runs_in_blocks
 from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.linear_forms import DENSE, FEWEST_FACTORS, FEWEST_OPERATIONS, FEWEST_ROWS
+from derive.ir.loop_nests import For
 from derive.ir.model import Model
 from derive.ir.operator_functions import ARITHMETIC
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
@@ -27,8 +30,6 @@ ROW = "row"
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 MANY = 64
 """The numbers of an instance from which on they do not stay in registers, and are read from memory at each use."""
-FEWEST_INSTANCES = 2
-"""The instances from which on a loop over them runs in vectors."""
 
 Window = tuple[str, tuple[IndexTerm, ...]]
 """An array, and the part of the indices that the neighbouring elements of an instance share."""
@@ -69,9 +70,10 @@ def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables:
     """A statement with sums in loops, if it is a loop over instances in vectors that has enough of them."""
     if not isinstance(statement, ForEach) or not statement.independent:
         return statement
-    if statement.start != constant(0) or statement.stop.terms or statement.stop.offset < FEWEST_INSTANCES:
+    if statement.start != constant(0) or statement.stop.terms:
         return statement
-    if any(isinstance(item, ForEach) for item in statement.body):
+    (loop,) = expand(statement)
+    if not isinstance(loop, For) or not runs_in_blocks(loop):
         return statement
     return _LoopForms(statement, known).in_rows(tables)
 
@@ -106,7 +108,7 @@ class _Form:
 def _times(a: Expr, b: Expr) -> Expr:
     if ZERO in (a, b):
         return ZERO
-    if a == ONE or b == ONE:
+    if ONE in (a, b):
         return b if a == ONE else a
     if isinstance(a, Number) and isinstance(b, Number):
         return Number(a.value * b.value)
@@ -152,7 +154,8 @@ class _LoopForms:
             self._seen(item)
         groups = {key: rows for key, rows in self.groups.items() if len(rows) >= FEWEST_ROWS}
         if not groups:
-            numbers = sum(_is_load(item) and item.expr.array in self.constants for item in loop.body if isinstance(item, Let))
+            loads = [item.expr for item in loop.body if isinstance(item, Let) and isinstance(item.expr, Element)]
+            numbers = sum(load.array in self.constants for load in loads)
             return replace(loop, body=(*_read_in_place(loop.body, self.constants),)) if numbers >= MANY else loop
         before: list[InstanceItem] = []
         arrays = set[str]()
@@ -339,7 +342,7 @@ class _Table:
     @property
     def array(self) -> ConstantArray:
         """The constant array of the table."""
-        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count)
+        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count, True)
 
     def loop(self, first: int, stop: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
         """The loop over some rows for an instance, whose values go to an array from an element on.

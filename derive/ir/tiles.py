@@ -46,10 +46,8 @@ def tiled(array: ConstantArray) -> ConstantArray:
     count, last = array.instances, array.instances - 1
     firsts = [min(first, max(count - LANES, 0)) for first in range(0, count, LANES)]
     columns = range(0, len(array.values), count)
-    values = tuple(
-        array.values[column + min(first + lane, last)] for first in firsts for column in columns for lane in range(LANES)
-    )
-    return ConstantArray(tiled_name(array.name), values, False)  # type: ignore[arg-type]
+    places = (column + min(first + lane, last) for first in firsts for column in columns for lane in range(LANES))
+    return replace(array, name=tiled_name(array.name), values=tuple(array.values[k] for k in places), instances=0)
 
 
 def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:

@@ -110,7 +110,12 @@ class Declaration:
 
 
 def _template_values(
-    model: Model, fingerprint: str, abi: int, sums: LinearSums, forms: Mapping[str, Variants], blocks: Mapping[str, StateBlock]
+    model: Model,
+    fingerprint: str,
+    abi: int,
+    sums: LinearSums,
+    forms: Mapping[str, Variants],
+    blocks: Mapping[str, StateBlock],
 ) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
@@ -177,9 +182,7 @@ def _composed(names: ComposedNames | None, table: str) -> bool:
     return names is not None and any(of.name == table for of in names.tables)
 
 
-def _helpers(
-    model: Model, sums: LinearSums, forms: Mapping[str, Variants], blocks: Mapping[str, StateBlock]
-) -> str:
+def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants], blocks: Mapping[str, StateBlock]) -> str:
     """The macros, static functions and constant arrays that the functions of a model use."""
     every = [s for kernel in model.kernels for s in kernel.statements]
     parts = ["lanes"] if model.lowering != "flat" or sums.tables else []
@@ -194,7 +197,8 @@ def _helpers(
         *(table.array for table in sums.tables),
     )
     tables = numbers_of_instances(constants)
-    arrays = (line for array in (*constants, *map(tiled, tables.values())) for line in constant_array(array))
+    in_rows = (array for array in constants if not (array.of_blocks and array.name in tables))
+    arrays = (line for array in (*in_rows, *map(tiled, tables.values())) for line in constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
 
 

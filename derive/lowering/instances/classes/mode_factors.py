@@ -1,4 +1,4 @@
-"""Factors in G of the modes of a body as sums of its constants: f_j = sum over labels of a coefficient times constant_j.
+"""Factors in G of the modes of a body as sums of its constants, with coefficients that all modes share.
 
 A marker moves with mode j by Phi_j, and turns by Theta_j: constants, three for each mode. Whatever the joint and the
 motion are, all that varies are their coefficients, which all modes share. A row of G for many modes is thus known from

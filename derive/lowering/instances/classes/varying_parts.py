@@ -18,7 +18,6 @@ from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.symbols import Identity, local
 from derive.mechanics.terms import Constraint, Intermediate
 
-
 FactorPlace: TypeAlias = "tuple[int, int | Identity]"
 """The number of a constraint, and the number of a coordinate or a constant of modes."""
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes, mode_coefficients
 from derive.lowering.instances.loop_code.class_code import ClassCode
@@ -71,8 +70,10 @@ class ConstantModes:
         last = factors.order[-ROTATIONS:]
         self.coupled = [j for j in last if any(j == i for of_j in factors.lower.values() for i, _ in of_j)]
         self.couplings = {
-            label: {i: _dot(of_modes, {j: dict(factors.lower[j])[i] for j in of_modes if i in dict(factors.lower[j])})
-                    for i in self.coupled}
+            label: {
+                i: _dot(of_modes, {j: dict(factors.lower[j])[i] for j in of_modes if i in dict(factors.lower[j])})
+                for i in self.coupled
+            }
             for label, of_modes in self.constants.items()
         }
         self.halves = [self._half(row) for row in rows]
@@ -104,9 +105,9 @@ class ConstantModes:
     def product(self, a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
         """The product of two vectors with the inverse of D."""
         total = ca.SX(0)
-        for j in a:
+        for j, value in a.items():
             if j in b:
-                total = total + a[j] * (self.inverse[j] * b[j])
+                total = total + value * (self.inverse[j] * b[j])
         return total
 
     def floor(self, a: int) -> ca.SX:

@@ -27,7 +27,7 @@ FACTORS = ("first_factor", "second_factor")
 
 
 def _coefficients(context: Context, columns: range) -> dict[int, dict[Identity, sp.Expr]]:
-    """The coefficients of the constants of modes of a body in each constraint of a joint; columns: those of the body."""
+    """The coefficients of the constants of modes in each constraint of a joint; columns: those of their body."""
     constants = constants_of_modes(c.symbol for c in context.equations.coefficients)
     own = {context.rows[j]: j for j in columns}
     result = {}
