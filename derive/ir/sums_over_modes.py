@@ -105,6 +105,12 @@ class _Form:
         return len(self.factors) >= FEWEST_FACTORS and len(self.factors) >= DENSE * span
 
 
+def _parts_of(row: Row) -> Iterator[Expr]:
+    """All parts of the numbers of a row."""
+    for expr in (row[0], *(factor for _, factor in row[1])):
+        yield from walk(expr)
+
+
 def _times(a: Expr, b: Expr) -> Expr:
     if ZERO in (a, b):
         return ZERO
@@ -176,7 +182,8 @@ class _LoopForms:
         window, is_homogeneous = key
         used = [k for _, factors in rows for k, _ in factors]
         names = {k: name for k, name in sorted(self.names[window].items()) if min(used) <= k <= max(used)}
-        count = self.loop.stop.offset
+        differ = any(isinstance(expr, Element) for row in rows for expr in _parts_of(row))
+        count = self.loop.stop.offset if differ else 1
         table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
         places: dict[Row, _Place] = {}
         for row in rows:
@@ -323,7 +330,8 @@ class _Place:
 class _Table:
     """The rows with as many factors for the same instances, which all loops share.
 
-    columns: the numbers of a row; count: the instances; has_offsets: whether rows begin with a constant term.
+    columns: the numbers of a row; count: the instances, 1 if all have the same numbers; has_offsets: whether rows begin
+    with a constant term.
     """
 
     name: str
@@ -342,7 +350,7 @@ class _Table:
     @property
     def array(self) -> ConstantArray:
         """The constant array of the table."""
-        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count, True)
+        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count)
 
     def loop(self, first: int, stop: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
         """The loop over some rows for an instance, whose values go to an array from an element on.
@@ -351,7 +359,8 @@ class _Table:
         """
 
         def entry(k: int) -> Expr:
-            terms = IndexTerm(self.count * self.columns, ROW), IndexTerm(1, instance)
+            own = (IndexTerm(1, instance),) if self.count > 1 else ()
+            terms = IndexTerm(self.count * self.columns, ROW), *own
             return Element(self.name, ElementIndex(self.count * (k + first * self.columns), terms))
 
         start = 1 if self.has_offsets else 0

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from types import MappingProxyType
 
 from derive.ir.expressions import Element, Expr, Leaf
@@ -47,7 +48,8 @@ def tiled(array: ConstantArray) -> ConstantArray:
     firsts = [min(first, max(count - LANES, 0)) for first in range(0, count, LANES)]
     columns = range(0, len(array.values), count)
     places = (column + min(first + lane, last) for first in firsts for column in columns for lane in range(LANES))
-    return replace(array, name=tiled_name(array.name), values=tuple(array.values[k] for k in places), instances=0)
+    values = tuple(Fraction(array.values[k]) for k in places)
+    return replace(array, name=tiled_name(array.name), values=values, instances=0)
 
 
 def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:

@@ -45,6 +45,7 @@ from derive.ir.model import Model, Variable
 from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.ir.tiles import numbers_of_instances, tiled
 from derive.ir.variants import Variants
+from derive.ir.written_out_rows import with_rows_written_out
 from derive.rendering import render
 from derive.roles import Role
 
@@ -61,8 +62,8 @@ def header_and_source(model: Model, fingerprint: str, abi: int, header: str, sou
     fingerprint: that of the specification; abi: the number of the interface.
     """
     sums = linear_sums(model)
-    blocks = batch_blocks(model, sums)
     model = with_sums_over_modes(model)
+    blocks = batch_blocks(with_rows_written_out(model), sums)
     forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
     values = _template_values(model, fingerprint, abi, sums, forms, blocks)
     builder = SourceBuilder(model)
@@ -197,8 +198,7 @@ def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants], bloc
         *(table.array for table in sums.tables),
     )
     tables = numbers_of_instances(constants)
-    in_rows = (array for array in constants if not (array.of_blocks and array.name in tables))
-    arrays = (line for array in (*in_rows, *map(tiled, tables.values())) for line in constant_array(array))
+    arrays = (line for array in (*constants, *map(tiled, tables.values())) for line in constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
 
 
