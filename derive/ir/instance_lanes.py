@@ -25,6 +25,7 @@ from derive.ir.expressions import (
     walk,
 )
 from derive.ir.indices import LANE, LANES, constant, variable
+from derive.ir.late_loads import with_late_loads
 from derive.ir.loop_nests import (
     START,
     Assign,
@@ -52,7 +53,7 @@ CIRCULAR = (Operator.SIN, Operator.COS)
 def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     """A loop over instances in blocks of four, if there are several and vectors have its operations."""
     if any(ends_of(loop)):
-        return (replace(loop, kind=LoopKind.ENDS, overlaps=False),)
+        return (replace(loop, body=with_late_loads(loop.body), kind=LoopKind.ENDS, overlaps=False),)
     made = _Block(loop)
     if not made.fits:
         return (replace(loop, kind=LoopKind.ORDERED),)
