@@ -142,7 +142,7 @@ class _Block:
             *self._in_order(gathered),
             *([self._lanes(before)] if angles else []),
             *(self._sines(array) for array in self.angles),
-            self._lanes(kept),
+            self._lanes(with_late_loads(kept)),
             *self._in_order(stored),
         ]
 

@@ -151,7 +151,9 @@ class _Path:
         y = body.matrix("y", ends.factor)
         w = body.vector("w", lambda c: ends.factor(self.size**2 + c))
         known = body.vector("f", lambda c: ends.carried(LAST, c))
-        left = minus(w, product(y, known))
+        left = w
+        for k in reversed(range(self.size)):  # the next step finds its last reactions first
+            left = minus(left, [[row[k] * known[k][0]] for row in y])
         if self.is_half:
             inverse = Factors.of_block(body.symmetric("a", lambda c: ends.factor(self.kept + c)))
             left = inverse.backward(inverse.middle(left))
