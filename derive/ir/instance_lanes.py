@@ -25,6 +25,7 @@ from derive.ir.expressions import (
     walk,
 )
 from derive.ir.indices import LANE, LANES, ElementIndex, constant, variable
+from derive.ir.late_loads import with_late_loads
 from derive.ir.loop_nests import (
     START,
     Assign,
@@ -53,7 +54,7 @@ CIRCULAR = (Operator.SIN, Operator.COS)
 def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     """A loop over instances in blocks of four, if there are several and vectors have its operations."""
     if any(ends_of(loop)):
-        return (replace(loop, kind=LoopKind.ENDS, overlaps=False),)
+        return (replace(loop, body=with_late_loads(loop.body), kind=LoopKind.ENDS, overlaps=False),)
     made = _Block(loop)
     if not made.fits:
         return (replace(loop, kind=LoopKind.ORDERED),)
@@ -160,7 +161,7 @@ class _Block:
             *self._in_order(gathered),
             *([self._lanes(before)] if angles else []),
             *(self._sines(array) for array in self.angles),
-            self._lanes(kept),
+            self._lanes(with_late_loads(kept)),
             *self._in_order(stored),
         ]
 

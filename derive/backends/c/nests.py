@@ -12,7 +12,16 @@ from dataclasses import dataclass, field, replace
 from itertools import count, groupby
 from typing import assert_never
 
-from derive.backends.c.loop_text import Lines, address_text, declarations, indented, loop_head, row_distance
+from derive.backends.c.loop_text import (
+    Lines,
+    address_text,
+    block_name,
+    declarations,
+    indented,
+    last_block,
+    loop_head,
+    row_distance,
+)
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import defining, plain, storing
 from derive.backends.wrapping import BreakableText, join, statement
@@ -379,6 +388,11 @@ class CNests:
                 if node.count == 0:
                     return []
                 body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
+                last = last_block(node)
+                if last is not None:
+                    block = block_name(node.variable)
+                    name = f"    const {self.counter} {node.variable}"
+                    body = [*plain(f"{name} = {block} < {last} ? {block} : {last};"), *body]
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *indented(body), *plain("    }")]
