@@ -34,6 +34,7 @@ QUANTITIES = {
     Of.VALUE: "{0}",
     Of.BLOCK: f"{{0}} / {LANES}",
     Of.LANE: f"{{0}} % {LANES}",
+    Of.CEILING: f"({{0}} + {LANES - 1}) / {LANES}",
     Of.PAIRS: "{0} * ({0} - 1) / 2",
 }
 """The quantities of variables in indices, in C."""

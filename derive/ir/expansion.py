@@ -94,9 +94,7 @@ def expand(statement: Statement) -> tuple[Node, ...]:
             return (ordered_loop("i", statement.count, [Assign(element, ZERO)]),)
         case RequireFinite(argument, count, code, text):
             return (ordered_loop("i", count, [Require(Requirement.FINITE, Element(argument, ROW), code, text)]),)
-        case Work():
-            return (Local(statement.array, statement.count, cleared=statement.cleared, spacing=statement.spacing),)
-        case Entry() | StoreElement() | ForEach():
+        case Work() | Entry() | StoreElement() | ForEach():
             return (_instance_item(statement),)
         case Cholesky():
             return cholesky(statement)
@@ -111,6 +109,8 @@ def _instance_item(item: InstanceItem) -> Node:
     match item:
         case Let() | Require():
             return item
+        case Work():
+            return Local(item.array, item.count, cleared=item.cleared, spacing=item.spacing)
         case Entry():
             return Integer(item.name, item.array, item.index)
         case StoreElement():

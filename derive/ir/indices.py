@@ -25,6 +25,8 @@ class Of(Enum):
     """The quotient by the number of lanes."""
     LANE = "lane"
     """The remainder of that division."""
+    CEILING = "ceiling"
+    """The quotient by the number of lanes, rounded up."""
     PAIRS = "pairs"
     """The number of pairs of different numbers below it, j (j - 1) / 2."""
 
@@ -37,6 +39,8 @@ class Of(Enum):
                 return value // LANES
             case Of.LANE:
                 return value % LANES
+            case Of.CEILING:
+                return -(-value // LANES)
             case Of.PAIRS:
                 return value * (value - 1) // 2
             case _:
@@ -100,8 +104,8 @@ class ElementIndex:
                     terms.append(IndexTerm(term.stride // LANES, variable))
                 case Of.LANE:
                     terms.append(IndexTerm(term.stride, lane))
-                case Of.PAIRS:
-                    raise AssertionError("pairs are not counted in lanes")
+                case Of.PAIRS | Of.CEILING:
+                    raise AssertionError("pairs and tiles are not counted in lanes")
                 case _:
                     assert_never(term.of)
         return ElementIndex(self.offset, tuple(terms))

@@ -24,7 +24,8 @@ from derive.ir.expressions import (
     mapped,
     walk,
 )
-from derive.ir.indices import LANE, LANES, constant, variable
+from derive.ir.indices import LANE, LANES, ElementIndex, constant, variable
+from derive.ir.late_loads import with_late_loads
 from derive.ir.loop_nests import (
     START,
     Assign,
@@ -35,6 +36,7 @@ from derive.ir.loop_nests import (
     Node,
     Sines,
     ends_of,
+    every,
     expressions_of,
     reindexed,
 )
@@ -52,14 +54,21 @@ CIRCULAR = (Operator.SIN, Operator.COS)
 def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     """A loop over instances in blocks of four, if there are several and vectors have its operations."""
     if any(ends_of(loop)):
-        return (replace(loop, kind=LoopKind.ENDS, overlaps=False),)
+        return (replace(loop, body=with_late_loads(loop.body), kind=LoopKind.ENDS, overlaps=False),)
     made = _Block(loop)
     if not made.fits:
         return (replace(loop, kind=LoopKind.ORDERED),)
     body = tuple(made.body())
     arrays = [Local(array, LANES) for array in (*made.angles, *made.sines.values())]
+    arrays += [Local(array, LANES * size, in_lanes=True) for array, size in made.local.items()]
     rows = [Local(_array(name, placed), LANES * len(placed)) for name, placed in made.placed.items() if placed]
     return (*arrays, *rows, replace(loop, body=body, kind=LoopKind.ORDERED, step=made.lanes))
+
+
+def runs_in_blocks(loop: For) -> bool:
+    """Whether a loop over instances runs in blocks, straight on, without sines between two loops over lanes."""
+    made = _Block(loop)
+    return made.fits and not any(_is_circular(part) for part in made.parts)
 
 
 @dataclass
@@ -78,12 +87,13 @@ class _Block:
     def fits(self) -> bool:
         """Whether the loop can run in blocks."""
         loop, lines = self.loop, self.lines
-        written = {node.target.array for node in lines if isinstance(node, Assign) and isinstance(node.target, Element)}
+        assigned = [node for node in every(lines) if isinstance(node, Assign)]
+        written = {node.target.array for node in assigned if isinstance(node.target, Element)} - self.local.keys()
         early = needed(lines, [Let("", part) for part in self._parts(lines) if _is_circular(part)])
         return (
             (loop.count or 0) >= LEAST
-            and all(isinstance(node, Let | Require | Assign) for node in lines)
-            and all(node.operator in (None, Operator.NEG) for node in lines if isinstance(node, Assign))
+            and all(isinstance(node, Let | Require | Assign) or _is_inner(node) for node in lines)
+            and all(node.operator in (None, Operator.NEG) for node in assigned)
             and all(_is_vector(part) for part in self._parts(lines))
             and not any(_is_circular(part) for part in self._parts(early))
             and written.isdisjoint(names_read(lines))
@@ -96,17 +106,27 @@ class _Block:
 
     @property
     def lines(self) -> list[Node]:
-        """The body of the loop without its integers."""
-        return [node for node in self.loop.body if not isinstance(node, Integer)]
+        """The body of the loop without its integers and its arrays."""
+        return [node for node in self.loop.body if not isinstance(node, Integer | Local)]
+
+    @property
+    def local(self) -> dict[str, int]:
+        """The arrays of an iteration, with the numbers of their elements."""
+        return {node.array: node.count for node in self.loop.body if isinstance(node, Local)}
 
     @property
     def integers(self) -> dict[str, Integer]:
         """The integers of the loop by their names."""
         return {node.name: node for node in self.loop.body if isinstance(node, Integer)}
 
+    @property
+    def parts(self) -> list[Expr]:
+        """All parts of the expressions of the loop."""
+        return self._parts(self.lines)
+
     @staticmethod
     def _parts(nodes: Iterable[Node]) -> list[Expr]:
-        return [part for node in nodes for expr in expressions_of(node) for part in walk(expr)]
+        return [part for node in every(nodes) for expr in expressions_of(node) for part in walk(expr)]
 
     @cached_property
     def placed(self) -> dict[str, list[Element]]:
@@ -141,7 +161,7 @@ class _Block:
             *self._in_order(gathered),
             *([self._lanes(before)] if angles else []),
             *(self._sines(array) for array in self.angles),
-            self._lanes(kept),
+            self._lanes(with_late_loads(kept)),
             *self._in_order(stored),
         ]
 
@@ -149,8 +169,10 @@ class _Block:
         """A line with local arrays in place of sines and of what integers place."""
         match node:
             case Assign(target=Element() as target):
-                to = self._row(RESULTS, target) if self._is_placed(target) else target
+                to = self._row(RESULTS, target) if self._is_placed(target) else self._in_lane(target)
                 return replace(node, target=to, expr=self._swapped(node.expr))
+            case For():
+                return replace(node, body=tuple(map(self._line, node.body)))
             case Let() | Require():
                 return replace(node, expr=self._swapped(node.expr))
             case _:
@@ -164,7 +186,16 @@ class _Block:
         return mapped(expr, self._leaf)
 
     def _leaf(self, leaf: Leaf) -> Expr:
-        return self._row(COPIES, leaf) if isinstance(leaf, Element) and self._is_placed(leaf) else leaf
+        if not isinstance(leaf, Element):
+            return leaf
+        return self._row(COPIES, leaf) if self._is_placed(leaf) else self._in_lane(leaf)
+
+    def _in_lane(self, element: Element) -> Element:
+        """An element, which each lane has of an array of the iteration."""
+        if element.array not in self.local or element.index is None:
+            return element
+        index = element.index.scaled(LANES)
+        return replace(element, index=ElementIndex(index.offset, (*index.terms, *IN_LANE.terms)))
 
     def _sine(self, call: Operation) -> str:
         """The array of a sine or cosine of the lanes."""
@@ -198,6 +229,11 @@ class _Block:
         used = {term.variable for e in elements if e.index for term in e.index.terms}
         integers = [node for name, node in self.integers.items() if name in used]
         return [For(LANE, START, constant(self.lanes), self._split([*integers, *copies]))]
+
+
+def _is_inner(node: Node) -> bool:
+    """Whether a statement is a loop inside that only assigns elements."""
+    return isinstance(node, For) and node.count is not None and all(isinstance(n, Assign) for n in node.body)
 
 
 def _array(name: str, placed: Sequence[Element]) -> str:

@@ -117,11 +117,15 @@ class Output:
 
 @dataclass(frozen=True)
 class ConstantArray:
-    """A constant array of the generated code: exact numbers, or integers from which indices count."""
+    """A constant array of the generated code: exact numbers, or integers from which indices count.
+
+    instances: the number of instances, if it holds a number of all of them after the other.
+    """
 
     name: str
     values: tuple[int, ...] | tuple[Fraction, ...]
     integers: bool
+    instances: int = 0
 
     def interpreted(self, number: Callable[[Fraction], Any]) -> list[Any]:
         """The values in Python; numbers in the type that `number` returns."""

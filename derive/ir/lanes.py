@@ -15,6 +15,7 @@ from derive.ir.expansion import MAX_SUMS, ZERO, expand
 from derive.ir.expressions import VECTOR_OPERATORS, Element, Expr, Operation, Operator, ScalarRef, TableValue, walk
 from derive.ir.indices import LANE, LANES, constant, padded
 from derive.ir.instance_lanes import instances_in_lanes
+from derive.ir.late_loads import with_late_loads
 from derive.ir.loop_nests import (
     START,
     Accumulator,
@@ -71,6 +72,8 @@ def in_lanes(nodes: Iterable[Node]) -> tuple[Node, ...]:
                 result += _sums(node, lanes.totals)
             else:
                 result += _rows(node)
+        elif isinstance(node, For) and node.kind is LoopKind.ORDERED:
+            result.append(replace(node, body=with_late_loads(node.body)))
         else:
             result.append(node)
     return tuple(result)

@@ -23,7 +23,7 @@ class Local:
 
     totals: the names of the sums whose lanes it holds, one sum after the other. cleared: whether its elements begin as
     zeros. spacing: the distance of the components of an instance, if the array holds one component of all instances
-    after the other.
+    after the other. in_lanes: whether it holds an element for each lane of a vector, one vector after the other.
     """
 
     array: str
@@ -31,6 +31,7 @@ class Local:
     totals: tuple[str, ...] = ()
     cleared: bool = False
     spacing: int = 0
+    in_lanes: bool = False
 
     @property
     def size(self) -> int:

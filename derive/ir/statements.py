@@ -287,8 +287,8 @@ class ForEach:
     independent: bool = False
 
 
-InstanceItem = Let | Require | Entry | StoreElement | ForEach
-"""A statement in the body of a `ForEach`."""
+InstanceItem = Let | Require | Entry | StoreElement | Work | ForEach
+"""A statement in the body of a `ForEach`; an array that it declares there is one of the iteration."""
 
 
 def inside(loop: ForEach) -> Iterator[InstanceItem]:

@@ -24,6 +24,7 @@ from derive.ir.loop_nests import Node
 from derive.ir.model import Model
 from derive.ir.sines_of_bodies import with_sines_of_bodies
 from derive.ir.statements import Let, Statement
+from derive.ir.tiles import NO_TABLES, in_tiles, numbers_of_instances, tiles_read
 from derive.ir.variants import Variants
 
 
@@ -49,11 +50,13 @@ def function(
     """
     named = _arguments(kernel, kernel.used)
     lines = [*plain(*head, "{", *named), *(sums.lines if sums else ())]
-    sections = [_in_lanes(body) for body in _numbered_statements(kernel, sums)]
+    tables = numbers_of_instances(kernel.constants)
+    sections = [_in_lanes(body, tables) for body in _numbered_statements(kernel, sums)]
     nodes = [node for section in sections for _, part in section for node in part]
     starts = vector_starts(nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
-    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter)
+    filled = tiles_read(tables)
+    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter, filled=filled)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*(before or {}).get(k, ()))
@@ -127,10 +130,13 @@ def _numbered_statements(kernel: Kernel, sums: KernelSums | None) -> Iterable[Se
     return sums.parts.sections if sums else [tuple(enumerate(section.body)) for section in kernel.sections]
 
 
-def _in_lanes(body: Sequence[tuple[int, Statement]]) -> list[tuple[int, tuple[Node, ...]]]:
+def _in_lanes(
+    body: Sequence[tuple[int, Statement]], tables: Mapping[str, ConstantArray] = NO_TABLES
+) -> list[tuple[int, tuple[Node, ...]]]:
     """The statements of a section as plain statements, with their numbers."""
     numbers = [number for number, _ in body]
-    return [(numbers[n], nodes) for n, nodes in section_in_lanes([statement for _, statement in body])]
+    made = section_in_lanes([statement for _, statement in body])
+    return [(numbers[n], tuple(in_tiles(node, tables) for node in nodes)) for n, nodes in made]
 
 
 def _section(

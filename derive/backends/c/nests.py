@@ -12,7 +12,16 @@ from dataclasses import dataclass, field, replace
 from itertools import count, groupby
 from typing import assert_never
 
-from derive.backends.c.loop_text import Lines, address_text, declarations, indented, loop_head, row_distance
+from derive.backends.c.loop_text import (
+    Lines,
+    address_text,
+    block_name,
+    declarations,
+    indented,
+    last_block,
+    loop_head,
+    row_distance,
+)
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import defining, plain, storing
 from derive.backends.wrapping import BreakableText, join, statement
@@ -79,8 +88,8 @@ class CNests:
     """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
     _few: int = 0
     """The number of iterations of that loop, if vectors have more lanes; 0 otherwise."""
-    _filled: set[str] = field(default_factory=set)
-    """The arrays that have a number for each lane: angles, sines and cosines."""
+    filled: set[str] = field(default_factory=set)
+    """The arrays that have a number for each lane: angles, sines and cosines, sums over modes and their factors."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
     _is_coded: bool = False
@@ -142,7 +151,7 @@ class CNests:
             angle = address_text(node.angle.array, node.angle.index)
             return plain(f"    tisserand_sines_of_one({angle}, {node.sine}, {node.cosine});")
         if node.stride:
-            self._filled |= {node.sine, node.cosine}
+            self.filled |= {node.sine, node.cosine}
             angles = f"{node.count}, {address_text(node.angle.array, node.angle.index)}, {node.stride}"
             return plain(f"    tisserand_spaced_sines({angles}, {node.sine}, {node.cosine});")
         rows = [f"[{index_text(index)}]" for index in node.rows] if node.rows else ["", ""]
@@ -194,7 +203,7 @@ class CNests:
 
     def _has_few(self, array: str) -> bool:
         """Whether an array has no elements for the lanes that are left."""
-        return self._few > 0 and array not in self._filled
+        return self._few > 0 and array not in self.filled
 
     @property
     def _left(self) -> str:
@@ -238,6 +247,7 @@ class CNests:
         new = [node for node in nodes if not self.arrays and node.array not in self._known]
         self._known |= {node.array for node in new}
         self._lanes |= {node.array for node in new if node.totals}
+        self.filled |= {node.array for node in new if node.in_lanes}
         aligned = [node.array for node in new if node.array in self.starts and not node.cleared]
         lines = declarations(
             f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new if n.array not in aligned
@@ -350,7 +360,7 @@ class CNests:
     def _checked_once(self, node: For) -> Lines:
         """A loop with lanes inside whose requirements are tested behind it, since a branch in each block takes time."""
         sines = (item for item in every([node]) if isinstance(item, Sines))
-        self._filled |= {array for item in sines for array in (item.angle.array, item.sine, item.cosine)}
+        self.filled |= {array for item in sines for array in (item.angle.array, item.sine, item.cosine)}
         lanes = (item for item in every([node]) if isinstance(item, For) and item.kind in IN_LANES)
         codes = dict.fromkeys(item.code for loop in lanes for item in loop.body if isinstance(item, Require))
         self._checks = {code: f"holds_{next(self._names)}" for code in codes}
@@ -378,6 +388,11 @@ class CNests:
                 if node.count == 0:
                     return []
                 body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
+                last = last_block(node)
+                if last is not None:
+                    block = block_name(node.variable)
+                    name = f"    const {self.counter} {node.variable}"
+                    body = [*plain(f"{name} = {block} < {last} ? {block} : {last};"), *body]
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *indented(body), *plain("    }")]

@@ -18,7 +18,7 @@ from derive.backends.description import section_text
 from derive.backends.source_map import SourceLine, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, ScalarRef, walk
-from derive.ir.kernel import Kernel, Section
+from derive.ir.kernel import ConstantArray, Kernel, Section
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import (
     Accumulator,
@@ -35,6 +35,7 @@ from derive.ir.loop_nests import (
 )
 from derive.ir.model import Model
 from derive.ir.statements import Let, Require, Statement
+from derive.ir.tiles import in_tiles, numbers_of_instances, tiles_read
 
 LONG = 100
 """The plain statements of a section that is worth a call."""
@@ -44,20 +45,26 @@ LONG = 100
 class SharedSection:
     """A section of several kernels, in a static function of this name.
 
-    arrays: those that it accesses and does not declare, and whether it writes them.
+    arrays: those that it accesses and does not declare, and whether it writes them; tables: the constant arrays that
+    lie in tiles.
     """
 
     name: str
     section: Section
     arrays: tuple[tuple[str, bool], ...]
     checked: bool
+    tables: Mapping[str, ConstantArray]
 
     def function(self) -> list[SourceLine]:
         """The lines of the static function."""
         types = ("double *" if written else "const double *" for _, written in self.arrays)
         parameters = [f"{kind}TISSERAND_RESTRICT {array}" for kind, (array, _) in zip(types, self.arrays, strict=True)]
-        body = [*section_in_lanes(self.section.body)]
-        nests = CNests(starts=vector_starts(node for _, nodes in body for node in nodes), counter="ptrdiff_t")
+        body = [
+            (n, tuple(in_tiles(node, self.tables) for node in nodes))
+            for n, nodes in section_in_lanes(self.section.body)
+        ]
+        starts = vector_starts(node for _, nodes in body for node in nodes)
+        nests = CNests(starts=starts, counter="ptrdiff_t", filled=tiles_read(self.tables))
         lines = [line for _, nodes in body for line in nests.lines(nodes)]
         kind = "int" if self.checked else "void"
         return [
@@ -112,7 +119,8 @@ def _shared(name: str, section: Section, kernels: Iterable[Kernel]) -> SharedSec
         return None
     inside = own | {array.name for kernel in kernels for array in kernel.constants}
     outer = tuple((array, written) for array, written in arrays.items() if array not in inside)
-    return SharedSection(name, section, outer, any(isinstance(node, Require) for node in nodes))
+    tables = numbers_of_instances(array for kernel in kernels for array in kernel.constants)
+    return SharedSection(name, section, outer, any(isinstance(node, Require) for node in nodes), tables)
 
 
 def _nodes(section: Section) -> Iterator[Node]:

@@ -9,6 +9,7 @@ from itertools import accumulate, groupby
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
+from derive.backends.c.batch_block import StateBlock
 from derive.backends.c.beginnings import beginnings, by_solution, calling, calling_solution
 from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.forms import shared_forms
@@ -41,7 +42,10 @@ from derive.backends.source_map import SourceBuilder, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.enumerations import enumeration
 from derive.ir.model import Model, Variable
+from derive.ir.sums_over_modes import with_sums_over_modes
+from derive.ir.tiles import numbers_of_instances, tiled
 from derive.ir.variants import Variants
+from derive.ir.written_out_rows import with_rows_written_out
 from derive.rendering import render
 from derive.roles import Role
 
@@ -58,8 +62,10 @@ def header_and_source(model: Model, fingerprint: str, abi: int, header: str, sou
     fingerprint: that of the specification; abi: the number of the interface.
     """
     sums = linear_sums(model)
+    model = with_sums_over_modes(model)
+    blocks = batch_blocks(with_rows_written_out(model), sums)
     forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
-    values = _template_values(model, fingerprint, abi, sums, forms)
+    values = _template_values(model, fingerprint, abi, sums, forms, blocks)
     builder = SourceBuilder(model)
     builder.text(render("c/prologue.c.jinja", values))
     shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
@@ -105,7 +111,12 @@ class Declaration:
 
 
 def _template_values(
-    model: Model, fingerprint: str, abi: int, sums: LinearSums, forms: Mapping[str, Variants]
+    model: Model,
+    fingerprint: str,
+    abi: int,
+    sums: LinearSums,
+    forms: Mapping[str, Variants],
+    blocks: Mapping[str, StateBlock],
 ) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
@@ -114,7 +125,6 @@ def _template_values(
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     names = composed_names(model) if model.lowering == "instances" else None
-    blocks = batch_blocks(model, sums)
     checked = [f"{name}_batch" for name in blocks if model.kernel(name).checked]
     return {
         "model": model,
@@ -125,7 +135,7 @@ def _template_values(
         "roles": Role,
         "title": "\n".join(comment((*mark, f"{text_of_model.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(text_of_model)))),
-        "helpers": _helpers(model, sums, forms),
+        "helpers": _helpers(model, sums, forms, blocks),
         "defaults": defaults_text(model),
         "start": _start_text(model),
         "declarations": [
@@ -173,7 +183,7 @@ def _composed(names: ComposedNames | None, table: str) -> bool:
     return names is not None and any(of.name == table for of in names.tables)
 
 
-def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants]) -> str:
+def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants], blocks: Mapping[str, StateBlock]) -> str:
     """The macros, static functions and constant arrays that the functions of a model use."""
     every = [s for kernel in model.kernels for s in kernel.statements]
     parts = ["lanes"] if model.lowering != "flat" or sums.tables else []
@@ -182,11 +192,13 @@ def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants]) -> s
     parts += ["states", *(sines if any(map(has_sine, every)) else [])]
     used = {array.name for kernel in model.kernels if kernel.name not in forms for array in kernel.constants}
     used |= {name for of in forms.values() for name in of.reads}
+    of_batches = {array.name: array for block in blocks.values() for array in block.kernel.constants}
     constants = (
-        *(array for array in model.constant_arrays if array.name in used),
+        *({a.name: a for a in model.constant_arrays if a.name in used} | of_batches).values(),
         *(table.array for table in sums.tables),
     )
-    arrays = (line for array in constants for line in constant_array(array))
+    tables = numbers_of_instances(constants)
+    arrays = (line for array in (*constants, *map(tiled, tables.values())) for line in constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
 
 

@@ -7,14 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from derive.algebra import sp
 from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
 from derive.lowering.instances.classes.known_motion import moving_symbols
+from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.classes.varying_joints import drive_of
 from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.symbols import local
+from derive.mechanics.symbols import Identity, local
 from derive.mechanics.terms import Constraint, Intermediate
+
+FactorPlace: TypeAlias = "tuple[int, int | Identity]"
+"""The number of a constraint, and the number of a coordinate or a constant of modes."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +27,12 @@ class VaryingPart:
     """The rows of a body in the constraints of a varying joint.
 
     constraints: with factors alone, in which those that depend on the other body are symbols; factors: these symbols,
-    by the numbers of the constraint and of the coordinate; definitions: what the other factors contain.
+    by the numbers of the constraint and of the coordinate, or by the constant of modes whose coefficient they are;
+    definitions: what the other factors contain.
     """
 
     constraints: tuple[Constraint, ...]
-    factors: Mapping[tuple[int, int], sp.Symbol]
+    factors: Mapping[FactorPlace, sp.Symbol]
     definitions: tuple[Intermediate, ...]
 
 
@@ -37,20 +43,23 @@ def varying_part(joint: AnyJoint, marker: str, is_first: bool, own: InstanceEqua
     definitions, conditions = joint.constraints(*ends, drive_of(joint), own.rows)
     others = moving_symbols(definitions, of.symbols)
     number = {row.name: j for j, row in enumerate(own.rows)}
-    factors = {
-        (k, number[row]): local(f"factor_{condition.name}_{row}")
-        for k, condition in enumerate(conditions)
-        for row, factor in condition.jacobian
-        if factor.free_symbols & others
-    }
-    parts = tuple(
-        replace(
-            condition,
-            position=sp.S.Zero,
-            rate=sp.S.Zero,
-            bias=sp.S.Zero,
-            jacobian=tuple((row, factors.get((k, number[row]), factor)) for row, factor in condition.jacobian),
-        )
-        for k, condition in enumerate(conditions)
-    )
-    return VaryingPart(parts, factors, tuple(d for d in definitions if d.symbol not in others))
+    constants = constants_of_modes(c.symbol for c in own.coefficients)
+    factors: dict[FactorPlace, sp.Symbol] = {}
+    parts = []
+    for k, condition in enumerate(conditions):
+        varying = {number[row]: factor for row, factor in condition.jacobian if factor.free_symbols & others}
+        of_modes = {j: factor for j, factor in varying.items() if factor.free_symbols & constants.keys()}
+        coefficients = mode_coefficients(of_modes, constants) or {}
+        values = dict[int, sp.Expr]()
+        for label in coefficients:
+            factors[k, label] = local(f"factor_{condition.name}_{label.name}")
+        for j, factor in varying.items():
+            if coefficients and j in of_modes:
+                own_of = sorted(factor.free_symbols & constants.keys(), key=str)
+                values[j] = sp.Add(*(factors[k, constants[c]] * c for c in own_of))
+            else:
+                values[j] = factors[k, j] = local(f"factor_{condition.name}_{own.rows[j].name}")
+        jacobian = tuple((row, values.get(number[row], factor)) for row, factor in condition.jacobian)
+        zero = sp.S.Zero
+        parts.append(replace(condition, position=zero, rate=zero, bias=zero, jacobian=jacobian))
+    return VaryingPart(tuple(parts), factors, tuple(d for d in definitions if d.symbol not in others))

@@ -207,10 +207,10 @@ class Factors:
         return [[value * inverse for value in row] for row, inverse in zip(right, self.inverses, strict=True)]
 
     def backward(self, right: Block) -> Block:
-        """L^-T times the columns of `right`."""
+        """L^-T times the columns of `right`; what is known last is subtracted last, and a sum waits for one product."""
         x = [list(row) for row in right]
         for i in reversed(range(len(x))):
-            for k in range(i + 1, len(x)):
+            for k in reversed(range(i + 1, len(x))):
                 x[i] = [value - self.lower[k][i] * other for value, other in zip(x[i], x[k], strict=True)]
         return x
 

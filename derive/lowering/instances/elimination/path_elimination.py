@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from derive.ir.expressions import Element, Ends
-from derive.ir.indices import constant, variable
+from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.statements import ForEach, InstanceItem, InstanceStatement, Work
 from derive.lowering.instances.elimination.block_body import (
     Adjugate,
@@ -29,6 +29,8 @@ from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONA
 
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
+KEPT = "kept_joints"
+"""The local array of what back substitution needs, with the joints of both ends side by side."""
 LARGEST_SOLVED = 3
 """The largest blocks of joints for which elimination solves for all columns; larger ones are half as much work."""
 STEP, END = "step", "end"
@@ -51,6 +53,7 @@ class _Path:
         self.has_factor = has_adjugate(of.size, of.closes_loops)
         self.is_half = of.size > LARGEST_SOLVED
         self.kept = self.size**2 + self.size + self.has_factor
+        self.kept_in_step = 2 * (self.kept + (of.packed if self.is_half else 0))
 
     def statements(self) -> tuple[InstanceStatement, ...]:
         """The statements of the elimination along the path: arrays, loops from both ends, and the way back."""
@@ -58,6 +61,7 @@ class _Path:
         carried |= {SCALE: 1} if self.has_factor else {}
         works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]
         works += [Work(LAST, 2 * self.size)]
+        works += [Work(KEPT, self.middle * self.kept_in_step)] if self.middle else []
         both, single = _BothEnds(self), _FirstEnd(self)
         return (
             *works,
@@ -147,7 +151,9 @@ class _Path:
         y = body.matrix("y", ends.factor)
         w = body.vector("w", lambda c: ends.factor(self.size**2 + c))
         known = body.vector("f", lambda c: ends.carried(LAST, c))
-        left = minus(w, product(y, known))
+        left = w
+        for k in reversed(range(self.size)):  # the next step finds its last reactions first
+            left = minus(left, [[row[k] * known[k][0]] for row in y])
         if self.is_half:
             inverse = Factors.of_block(body.symmetric("a", lambda c: ends.factor(self.kept + c)))
             left = inverse.backward(inverse.middle(left))
@@ -186,14 +192,9 @@ class _Ends:
         """The element of what is carried along."""
         raise NotImplementedError
 
-    def factor(self, component: int) -> Target:
-        """The element of what back substitution needs, which takes the place of what elimination has read."""
-        square = self.size**2
-        if component < square:
-            return self.coupling(component)
-        if component < square + self.size:
-            return self.own(RIGHT[0], component - square, self.of.of.spacing)
-        return self.own(DIAGONAL[0], max(component - self.of.kept, 0), self.of.of.spacing)
+    def factor(self, component: int) -> Element:
+        """The element of what back substitution needs."""
+        raise NotImplementedError
 
 
 class _BothEnds(_Ends):
@@ -219,6 +220,10 @@ class _BothEnds(_Ends):
     def carried(self, array: str, component: int) -> Target:
         return Element(array, variable(END, 1, 2 * component))
 
+    def factor(self, component: int) -> Element:
+        at = (IndexTerm(self.of.kept_in_step, STEP), IndexTerm(1, END))
+        return Element(KEPT, ElementIndex(2 * component, at))
+
 
 class _FirstEnd(_Ends):
     """The one joint that is left on the side of the first end."""
@@ -235,3 +240,6 @@ class _FirstEnd(_Ends):
 
     def carried(self, array: str, component: int) -> Target:
         return Element(array, constant(2 * component))
+
+    def factor(self, component: int) -> Element:
+        return Element(KEPT, constant(2 * component + self.of.pairs * self.of.kept_in_step))

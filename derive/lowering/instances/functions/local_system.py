@@ -18,6 +18,7 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
+from derive.lowering.instances.functions.constant_modes import constant_modes, elimination_order
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import local
@@ -150,8 +151,16 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     context = of.system
     eq = context.equations
     shape = context.mass_pattern()
-    factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries})
+    order = elimination_order(of)
+    factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries}, order)
     forces = [symbols(f) for f in right.forces]
+    checks = pivot_checks(symbols, factors, context.rows)
+    modes = constant_modes(of, symbols, factors) if order else None
+    if modes:
+        half_force = _forward(factors, dict(enumerate(forces)))
+        rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(half_force), strict=True)]
+        unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
+        return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks)
     entries = jacobian_entries(context, symbols)
     G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]
     inverse = dict(zip(factors.order, factors.inverses, strict=True))
@@ -173,7 +182,6 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
         for j, value in row.items():
             total[j] = total[j] + value * force
     rest = [symbols(gamma) - product(half, half_force) for gamma, half in zip(right.bias, halves, strict=True)]
-    checks = pivot_checks(symbols, factors, context.rows)
     return LocalSystem(lambda a, b: product(halves[a], halves[b]), floor, rest, solve(factors, total), checks)
 
 

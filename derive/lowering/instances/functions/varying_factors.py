@@ -6,21 +6,35 @@ from collections.abc import Iterator
 
 import casadi as ca
 
+from derive.algebra import sp
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
 from derive.ir.statements import ForEach, Statement, StoreElement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
-from derive.lowering.flat.context import array_input, stores
+from derive.lowering.flat.context import Context, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.classes.body_classes import NO_JOINT
+from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.lowering.instances.loop_code.group_code import JointCode
+from derive.mechanics.symbols import Identity
 
 FACTORS = ("first_factor", "second_factor")
 """The local arrays of the factors of the first and of the second body of each joint."""
+
+
+def _coefficients(context: Context, columns: range) -> dict[int, dict[Identity, sp.Expr]]:
+    """The coefficients of the constants of modes in each constraint of a joint; columns: those of their body."""
+    constants = constants_of_modes(c.symbol for c in context.equations.coefficients)
+    own = {context.rows[j]: j for j in columns}
+    result = {}
+    for k, condition in enumerate(context.equations.constraints):
+        factors = {own[row]: f for row, f in condition.jacobian if row in own and f.free_symbols & constants.keys()}
+        result[k] = mode_coefficients(factors, constants) or {}
+    return result
 
 
 class VaryingFactors:
@@ -52,7 +66,15 @@ class VaryingFactors:
             targets: dict[str, LoopTarget] = {}
             place = code.place("factor", [self.number[joint] for joint in group.joints], self.spacing)
             for side, factors in group.factors.items():
-                items += stores(FACTORS[side], [entries.get(entry, ca.SX(0)) for entry in factors])
+                columns = group.bodies[side]
+                of_modes = _coefficients(ctx, columns) if any(isinstance(what, Identity) for _, what in factors) else {}
+                values = [
+                    entries.get((k, columns[what]), ca.SX(0))
+                    if isinstance(what, int)
+                    else symbols(of_modes[k].get(what, sp.S.Zero))
+                    for k, what in factors
+                ]
+                items += stores(FACTORS[side], values)
                 targets[FACTORS[side]] = code.target(FACTORS[side], place)
             if has_bias:
                 more, targets[KNOWN] = self._bias(system, group, symbols)

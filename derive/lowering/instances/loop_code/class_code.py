@@ -135,7 +135,7 @@ class LoopCode:
         columns: list[Fraction] = []
         for name in self._columns:
             columns += [_evaluated(ScalarRef(name), values, hoisted) for values in self._values]
-        self.places.numbers(ConstantArray(self._array, tuple(columns), False))
+        self.places.numbers(ConstantArray(self._array, tuple(columns), False, self.count))
 
     def of_members(self, requirement: Require) -> Iterator[Require]:
         """Yield a requirement for each instance with its numbers, besides those that these numbers alone meet.

@@ -35,6 +35,7 @@ from derive.lowering.instances.classes.spatial_outputs import (
     spatial_output_groups,
     spatial_sums,
 )
+from derive.lowering.instances.classes.varying_parts import FactorPlace
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget
@@ -106,14 +107,14 @@ class InstanceContext:
         return GroupCode(self._code(group, equations), group.members)
 
     def _joint(self, group: Group, equations: Equations) -> JointCode:
-        factors, first = dict[int, tuple[tuple[int, int], ...]](), 0
+        factors, bodies, first = dict[int, tuple[FactorPlace, ...]](), dict[int, range](), 0
         for member in group.first.bodies:
             (of,) = (code for code in self.classes if member in code.of.members)
             (h,) = (h for h, handle in enumerate(member.handles) if handle.joint == group.first.number)
-            own = of.varying[h].factors
-            factors[0 if member.handles[h].is_first else 1] = tuple((k, first + j) for k, j in own)
-            first += len(member.instance.coordinates.rows)
-        return JointCode(self._code(group, equations), group.members, factors)
+            side, count = 0 if member.handles[h].is_first else 1, len(member.instance.coordinates.rows)
+            factors[side], bodies[side] = (*of.varying[h].factors,), range(first, first + count)
+            first += count
+        return JointCode(self._code(group, equations), group.members, factors, bodies)
 
     def _code(self, group: Group, equations: Equations) -> LoopCode:
         constants = len(group.first.constants)

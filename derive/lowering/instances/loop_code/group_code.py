@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from derive.ir.expressions import Operator
 from derive.lowering.flat.context import Input, array_input
 from derive.lowering.instances.classes.groups import GroupElement
+from derive.lowering.instances.classes.varying_parts import FactorPlace
 from derive.lowering.instances.loop_code.class_code import Loaded, LoopCode, LoopTarget
 from derive.lowering.instances.places import Place
 
@@ -49,11 +50,12 @@ class GroupCode:
 class JointCode(GroupCode):
     """The code of a group of varying joints.
 
-    factors: for each side of the joint with coordinates the places in its rows of G of the factors that the body there
-    reads, in the order in which they are stored.
+    factors: for each side of the joint with coordinates the places of the factors in G that the body there reads, in
+    the order in which they are stored; bodies: the columns of G of this body.
     """
 
-    factors: Mapping[int, tuple[tuple[int, int], ...]]
+    factors: Mapping[int, tuple[FactorPlace, ...]]
+    bodies: Mapping[int, range]
 
     @property
     def joints(self) -> list[int]:

@@ -1,0 +1,402 @@
+"""Sums over the modes of bodies in loops over instances, in loops over the rows of tables.
+
+A finite-element body has dense integrals: S_i = C4_i + sum_j C5_ij alpha_j for each mode i and each component. Written
+out, these sums are most of the text of a loop over bodies, which then comes from memory more slowly than it is run, and
+their factors and results do not stay in registers. They are linear forms in neighbouring elements of an array, and are
+found by this structure, whatever their names are: tables have their factors row by row, for each instance, and a loop
+over the rows computes them at the beginning of the body. The order of additions is that of the elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import reduce
+
+from derive.ir.expansion import expand
+from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
+from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.instance_lanes import runs_in_blocks
+from derive.ir.kernel import ConstantArray, Kernel
+from derive.ir.linear_forms import DENSE, FEWEST_FACTORS, FEWEST_OPERATIONS, FEWEST_ROWS
+from derive.ir.loop_nests import For
+from derive.ir.model import Model
+from derive.ir.operator_functions import ARITHMETIC
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
+
+ROW = "row"
+"""The variable of the loops over the rows of a table."""
+ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+MANY = 64
+"""The numbers of an instance from which on they do not stay in registers, and are read from memory at each use."""
+
+Window = tuple[str, tuple[IndexTerm, ...]]
+"""An array, and the part of the indices that the neighbouring elements of an instance share."""
+Row = tuple[Expr, tuple[tuple[int, Expr], ...]]
+"""The constant term of a linear form, and its factors with the places of the elements of a window."""
+
+
+def with_sums_over_modes(model: Model) -> Model:
+    """A model whose loops over instances have loops over the rows of tables in place of dense sums."""
+    if model.lowering != "instances" or not model.in_space:
+        return model
+    tables = _Tables()
+    kernels = [_with_sums(kernel, tables) for kernel in model.kernels]
+    arrays = tables.arrays
+    return replace(model, kernels=tuple(_with_arrays(kernel, arrays) for kernel in kernels))
+
+
+def _with_sums(kernel: Kernel, tables: _Tables) -> Kernel:
+    """A kernel with sums in loops, still without the constant arrays of their tables."""
+    known = {array.name: array for array in kernel.constants if not array.integers}
+    sections = tuple(
+        replace(section, body=tuple(_statement(statement, known, tables) for statement in section.body))
+        for section in kernel.sections
+    )
+    return kernel if sections == kernel.sections else replace(kernel, sections=sections)
+
+
+def _with_arrays(kernel: Kernel, arrays: Mapping[str, ConstantArray]) -> Kernel:
+    """A kernel with the constant arrays that it reads."""
+    used = kernel.used
+    of_tables = [array for name, array in arrays.items() if name in used]
+    if not of_tables:
+        return kernel
+    return replace(kernel, constants=(*(a for a in kernel.constants if a.name in used), *of_tables))
+
+
+def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables: _Tables) -> Statement:
+    """A statement with sums in loops, if it is a loop over instances in vectors that has enough of them."""
+    if not isinstance(statement, ForEach) or not statement.independent:
+        return statement
+    if statement.start != constant(0) or statement.stop.terms:
+        return statement
+    (loop,) = expand(statement)
+    if not isinstance(loop, For) or not runs_in_blocks(loop):
+        return statement
+    return _LoopForms(statement, known).in_rows(tables)
+
+
+@dataclass(frozen=True)
+class _Form:
+    """A linear form of the elements of a window: their factors by their places, and the constant term."""
+
+    window: Window | None
+    factors: Mapping[int, Expr]
+    offset: Expr
+
+    def scaled(self, factor: Expr) -> _Form:
+        return _Form(self.window, {k: _times(factor, x) for k, x in self.factors.items()}, _times(factor, self.offset))
+
+    def plus(self, other: _Form) -> _Form | None:
+        """The sum; None if the windows differ."""
+        if self.window and other.window and self.window != other.window:
+            return None
+        factors = dict(self.factors)
+        for k, x in other.factors.items():
+            factors[k] = _plus(factors.get(k, ZERO), x)
+        return _Form(self.window or other.window, factors, _plus(self.offset, other.offset))
+
+    @property
+    def is_dense(self) -> bool:
+        """Whether the form has enough factors, and few zeros among them."""
+        span = max(self.factors) - min(self.factors) + 1 if self.factors else 0
+        return len(self.factors) >= FEWEST_FACTORS and len(self.factors) >= DENSE * span
+
+
+def _parts_of(row: Row) -> Iterator[Expr]:
+    """All parts of the numbers of a row."""
+    for expr in (row[0], *(factor for _, factor in row[1])):
+        yield from walk(expr)
+
+
+def _times(a: Expr, b: Expr) -> Expr:
+    if ZERO in (a, b):
+        return ZERO
+    if ONE in (a, b):
+        return b if a == ONE else a
+    if isinstance(a, Number) and isinstance(b, Number):
+        return Number(a.value * b.value)
+    return Operation(Operator.MUL, (a, b))
+
+
+def _plus(a: Expr, b: Expr) -> Expr:
+    if ZERO in (a, b):
+        return b if a == ZERO else a
+    if isinstance(a, Number) and isinstance(b, Number):
+        return Number(a.value + b.value)
+    return Operation(Operator.ADD, (a, b))
+
+
+class _LoopForms:
+    """The linear forms of a loop over instances whose factors are numbers."""
+
+    def __init__(self, loop: ForEach, constants: Mapping[str, ConstantArray]) -> None:
+        self.loop, self.constants = loop, constants
+        self.names: dict[Window, dict[int, str]] = {}
+        self.known: dict[str, _Form] = {}
+        self.groups: dict[tuple[Window, bool], dict[Row, None]] = {}
+        self.chosen: dict[tuple[Window, bool], dict[Row, Expr]] = {}
+        written = {item.target.array for item in loop.body if isinstance(item, StoreElement)}
+        for item in loop.body:
+            if isinstance(item, Let) and isinstance(item.expr, Element) and item.expr.array not in written:
+                self._load(item.name, item.expr)
+
+    def _load(self, name: str, element: Element) -> None:
+        """Know an element that is loaded: a number, or one of a window."""
+        assert element.index
+        if element.array in self.constants:
+            self.known[name] = _Form(None, {}, element)
+            return
+        window = element.array, element.index.terms
+        self.names.setdefault(window, {})[element.index.offset] = name
+        self.known[name] = _Form(window, {element.index.offset: ONE}, ZERO)
+
+    def in_rows(self, tables: _Tables) -> ForEach:
+        """The loop with loops over rows at its beginning, and without what they replace."""
+        loop = self.loop
+        for item in loop.body:
+            self._seen(item)
+        groups = {key: rows for key, rows in self.groups.items() if len(rows) >= FEWEST_ROWS}
+        if not groups:
+            loads = [item.expr for item in loop.body if isinstance(item, Let) and isinstance(item.expr, Element)]
+            numbers = sum(load.array in self.constants for load in loads)
+            return replace(loop, body=(*_read_in_place(loop.body, self.constants),)) if numbers >= MANY else loop
+        before: list[InstanceItem] = []
+        arrays = set[str]()
+        for number, (key, rows) in enumerate(groups.items(), 1):
+            sums = f"sums_over_modes_{number}_of_{len(rows)}"
+            arrays.add(sums)
+            self.chosen[key], loops = self._in_table(key, rows, sums, tables)
+            before += [Work(sums, len(rows)), *loops]
+        lines = [self._replaced(item) for item in loop.body]
+        first = next(k for k, item in enumerate(lines) if not _is_load(item))
+        lines = [*lines[:first], *before, *lines[first:]]
+        return replace(loop, body=(*_needed([*_read_in_place(lines, {*self.constants, *arrays})]),))
+
+    def _in_table(
+        self, key: tuple[Window, bool], rows: Iterable[Row], sums: str, tables: _Tables
+    ) -> tuple[dict[Row, Expr], list[ForEach]]:
+        """The values of rows of a window as elements of an array, and the loops over rows of a table that fill it."""
+        window, is_homogeneous = key
+        used = [k for _, factors in rows for k, _ in factors]
+        names = {k: name for k, name in sorted(self.names[window].items()) if min(used) <= k <= max(used)}
+        differ = any(isinstance(expr, Element) for row in rows for expr in _parts_of(row))
+        count = self.loop.stop.offset if differ else 1
+        table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
+        places: dict[Row, _Place] = {}
+        for row in rows:
+            offset, factors = row[0], dict(row[1])
+            columns = [*([] if is_homogeneous else [offset]), *(factors.get(k, ZERO) for k in names)]
+            places[row] = table.place(tuple(self._value(expr, n) for expr in columns for n in range(count)))
+        result: dict[Row, Expr] = {}
+        loops, position = list[ForEach](), dict[int, int]()
+        for first, stop in _runs({place.number for place in places.values()}):
+            to = Element(sums, constant(len(position)))
+            loops.append(table.loop(first, stop, to, self.loop.variable, [*names.values()]))
+            position |= {number: len(position) + number - first for number in range(first, stop)}
+        for row, place in places.items():
+            element = Element(sums, constant(position[place.number]))
+            result[row] = Operation(Operator.NEG, (element,)) if place.is_opposite else element
+        return result, loops
+
+    # ---- forms ----
+
+    def _seen(self, item: InstanceItem) -> None:
+        """Collect the rows of a line."""
+        if isinstance(item, Let | Require | StoreElement):
+            if isinstance(item, Let) and item.name in self.known:
+                return
+            form, expr, operations = self._parts(item.expr)
+            if isinstance(item, Let) and form is not None:
+                self.known[item.name] = form
+            self._whole(form, expr, operations)
+
+    def _replaced(self, item: InstanceItem) -> InstanceItem:
+        if isinstance(item, Let | Require | StoreElement) and not _is_load(item):
+            return replace(item, expr=self._whole(*self._parts(item.expr)))
+        return item
+
+    def _parts(self, expr: Expr) -> tuple[_Form | None, Expr, int]:
+        """The form of an expression, the expression with the forms in it replaced if it is none, its operations."""
+        if isinstance(expr, Operation):
+            parts = [self._parts(arg) for arg in expr.args]
+            operations = 1 + sum(count for *_, count in parts)
+            forms = [form for form, *_ in parts if form is not None]
+            form = _combined(expr.kind, forms) if len(forms) == len(parts) else None
+            if form is not None:
+                return form, expr, operations
+            return None, Operation(expr.kind, tuple(self._whole(*part) for part in parts)), operations
+        if isinstance(expr, ScalarRef):
+            return self.known.get(expr.name), expr, 0
+        return (_Form(None, {}, expr) if isinstance(expr, Number) else None), expr, 0
+
+    def _whole(self, form: _Form | None, expr: Expr, operations: int) -> Expr:
+        """An expression, or the element of an array in its place if it is a form that is worth a row."""
+        if form is None or form.window is None or operations < FEWEST_OPERATIONS or not form.is_dense:
+            return expr
+        key = form.window, form.offset == ZERO
+        row = form.offset, tuple(sorted(form.factors.items(), key=lambda item: item[0]))
+        self.groups.setdefault(key, {})[row] = None
+        return self.chosen[key][row] if key in self.chosen else expr
+
+    def _value(self, expr: Expr, instance: int) -> Fraction:
+        """The value of a factor for one of the instances."""
+        match expr:
+            case Number():
+                return expr.value
+            case Element():
+                assert expr.index
+                return Fraction(self.constants[expr.array].values[expr.index.at({self.loop.variable: instance})])
+            case Operation():
+                return Fraction(ARITHMETIC[expr.kind](*(self._value(arg, instance) for arg in expr.args)))
+        raise AssertionError("factors are made of numbers")
+
+
+def _combined(kind: Operator, forms: Sequence[_Form]) -> _Form | None:
+    """The form of an operation on forms; None if it is not linear, or if its windows differ."""
+    first, *others = forms
+    match kind:
+        case Operator.NEG:
+            return first.scaled(Number(Fraction(-1)))
+        case Operator.ADD:
+            return first.plus(others[0])
+        case Operator.SUB:
+            return first.plus(others[0].scaled(Number(Fraction(-1))))
+        case Operator.MUL:
+            number, form = (first, others[0]) if not first.factors else (others[0], first)
+            return None if number.factors else form.scaled(number.offset)
+        case Operator.DIV:
+            (number,) = others
+            if number.factors or not isinstance(number.offset, Number) or not number.offset.value:
+                return None
+            return first.scaled(Number(1 / number.offset.value))
+        case _:
+            return None
+
+
+def _is_load(item: InstanceItem) -> bool:
+    """Whether a line names an integer or loads an element."""
+    return isinstance(item, Entry) or (isinstance(item, Let) and isinstance(item.expr, Element))
+
+
+def _read_in_place(body: Iterable[InstanceItem], arrays: Collection[str]) -> Iterator[InstanceItem]:
+    """The lines of a body that read elements of some arrays where they need them: operations read them from memory."""
+    places: dict[str, Element] = {}
+
+    def leaf(part: Leaf) -> Expr:
+        return places.get(part.name, part) if isinstance(part, ScalarRef) else part
+
+    for item in body:
+        if isinstance(item, Let) and isinstance(item.expr, Element) and item.expr.array in arrays:
+            places[item.name] = item.expr
+        elif isinstance(item, Let | Require | StoreElement):
+            yield replace(item, expr=mapped(item.expr, leaf))
+        else:
+            yield item
+
+
+def _needed(body: Sequence[InstanceItem]) -> Iterator[InstanceItem]:
+    """The lines of a body without values that nothing reads any more."""
+    read: set[str] = set()
+    kept: list[InstanceItem] = []
+    for item in reversed(body):
+        if isinstance(item, Let) and item.name not in read:
+            continue
+        read |= {part.name for expr in _expressions(item) for part in walk(expr) if isinstance(part, ScalarRef)}
+        kept.append(item)
+    return reversed(kept)
+
+
+def _expressions(item: InstanceItem) -> Iterable[Expr]:
+    if isinstance(item, ForEach):
+        return (expr for inner in item.body for expr in _expressions(inner))
+    return (item.expr,) if isinstance(item, Let | Require | StoreElement) else ()
+
+
+# ---- tables ----
+
+
+@dataclass(frozen=True)
+class _Place:
+    """The place of a row: its number in a table, and whether that has the opposite row."""
+
+    number: int
+    is_opposite: bool
+
+
+@dataclass
+class _Table:
+    """The rows with as many factors for the same instances, which all loops share.
+
+    columns: the numbers of a row; count: the instances, 1 if all have the same numbers; has_offsets: whether rows begin
+    with a constant term.
+    """
+
+    name: str
+    columns: int
+    count: int
+    has_offsets: bool
+    rows: dict[tuple[Fraction, ...], int] = field(default_factory=dict)
+
+    def place(self, values: tuple[Fraction, ...]) -> _Place:
+        """The place of a row with these values, column by column, which is added if neither it nor its opposite is."""
+        opposite = tuple(-value for value in values)
+        if values not in self.rows and opposite in self.rows:
+            return _Place(self.rows[opposite], True)
+        return _Place(self.rows.setdefault(values, len(self.rows)), False)
+
+    @property
+    def array(self) -> ConstantArray:
+        """The constant array of the table."""
+        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count)
+
+    def loop(self, first: int, stop: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
+        """The loop over some rows for an instance, whose values go to an array from an element on.
+
+        names: those of the elements of the window.
+        """
+
+        def entry(k: int) -> Expr:
+            own = (IndexTerm(1, instance),) if self.count > 1 else ()
+            terms = IndexTerm(self.count * self.columns, ROW), *own
+            return Element(self.name, ElementIndex(self.count * (k + first * self.columns), terms))
+
+        start = 1 if self.has_offsets else 0
+        parts = [Operation(Operator.MUL, (entry(start + k), ScalarRef(name))) for k, name in enumerate(names)]
+        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*([entry(0)] if start else []), *parts])
+        assert to.index
+        body = StoreElement(replace(to, index=ElementIndex(to.index.offset, (IndexTerm(1, ROW),))), total)
+        return ForEach(ROW, constant(0), constant(stop - first), (body,))
+
+
+class _Tables:
+    """The tables of a model, by the numbers of a row, of the instances, and by whether there are constant terms."""
+
+    def __init__(self) -> None:
+        self.made: dict[tuple[int, int, bool], _Table] = {}
+
+    def of(self, columns: int, count: int, has_offsets: bool) -> _Table:
+        """The table for these numbers."""
+        key = columns, count, has_offsets
+        name = f"factors_of_modes_{len(self.made) + 1}"
+        return self.made.setdefault(key, _Table(name, columns, count, has_offsets))
+
+    @property
+    def arrays(self) -> dict[str, ConstantArray]:
+        """The constant arrays by their names."""
+        return {table.name: table.array for table in self.made.values()}
+
+
+def _runs(numbers: Iterable[int]) -> Iterator[tuple[int, int]]:
+    """The first number of each run of successive ones, and the first one behind it."""
+    first = stop = -1
+    for number in sorted(numbers):
+        if number != stop:
+            if stop >= 0:
+                yield first, stop
+            first = number
+        stop = number + 1
+    if stop >= 0:
+        yield first, stop

@@ -1,0 +1,97 @@
+"""Numbers of instances in tiles: those of the four instances of a vector beside each other, one vector after the other.
+
+Constant arrays hold one number of all instances after the other. A block of four then reads vectors that lie as far
+apart as there are instances, of which each touches one or two lines of the cache and uses a part of them. Where a body
+has many numbers, those of a block are a tile here, which is read from its beginning to its end. The last block may
+overlap the one before, and has a tile of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from types import MappingProxyType
+
+from derive.ir.expressions import Element, Expr, Leaf
+from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm, Of
+from derive.ir.kernel import ConstantArray
+from derive.ir.loop_nests import Alias, For, LoopKind, Node, rewritten
+
+FEWEST_COLUMNS = 64
+"""The numbers of an instance from which on they lie in tiles: fewer ones fit into the nearest cache in any order."""
+NO_TABLES: Mapping[str, ConstantArray] = MappingProxyType({})
+
+
+def numbers_of_instances(arrays: Iterable[ConstantArray]) -> dict[str, ConstantArray]:
+    """The constant arrays that lie in tiles, by their names."""
+    return {
+        array.name: array
+        for array in arrays
+        if array.instances > 1 and len(array.values) >= FEWEST_COLUMNS * array.instances
+    }
+
+
+def tiled_name(name: str) -> str:
+    """The name of the array of the tiles of a constant array."""
+    return f"{name}_in_tiles"
+
+
+def tiles_read(tables: Iterable[str]) -> set[str]:
+    """The names of the tiles, in which lanes that are left have numbers too."""
+    return {_tile(name) for name in tables}
+
+
+def tiled(array: ConstantArray) -> ConstantArray:
+    """The tiles of a constant array; lanes that are left have the numbers of the last instance."""
+    count, last = array.instances, array.instances - 1
+    firsts = [min(first, max(count - LANES, 0)) for first in range(0, count, LANES)]
+    columns = range(0, len(array.values), count)
+    places = (column + min(first + lane, last) for first in firsts for column in columns for lane in range(LANES))
+    values = tuple(Fraction(array.values[k]) for k in places)
+    return replace(array, name=tiled_name(array.name), values=values, instances=0)
+
+
+def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:
+    """A loop over blocks of instances that reads numbers from tiles; other statements stay as they are."""
+    if not tables or not isinstance(node, For) or not node.overlaps or node.start.offset or node.start.terms:
+        return node
+
+    read: dict[str, None] = {}
+
+    def leaf(item: Leaf) -> Expr:
+        if isinstance(item, Element) and item.index and item.array in tables:
+            index = _index(item.index, node.variable, tables[item.array])
+            if index is not None:
+                read.setdefault(item.array)
+                return replace(item, array=_tile(item.array), index=index)
+        return item
+
+    body = tuple(
+        rewritten(part, leaf) if isinstance(part, For) and part.kind in (LoopKind.LANES, LoopKind.FEW) else part
+        for part in node.body
+    )
+    views: list[Node] = []
+    for name in read:
+        size = len(tables[name].values) // tables[name].instances * LANES
+        first = ElementIndex(0, (IndexTerm(size, node.variable, Of.CEILING),))
+        views.append(Alias(_tile(name), tiled_name(name), first))
+    return replace(node, body=(*views, *body))
+
+
+def _tile(name: str) -> str:
+    """The name of the tile of a block of instances."""
+    return f"{name}_tile"
+
+
+def _index(index: ElementIndex, block: str, array: ConstantArray) -> ElementIndex | None:
+    """The index in the tiles of an element that the lanes of a block read beside each other; None for other ones."""
+    count = array.instances
+    others = [term for term in index.terms if term.variable not in (block, LANE)]
+    own = {(term.variable, term.stride, term.of) for term in index.terms if term not in others}
+    if own != {(block, 1, Of.VALUE), (LANE, 1, Of.VALUE)}:
+        return None
+    if index.offset % count or any(term.stride % count or term.of is not Of.VALUE for term in others):
+        return None
+    terms = [replace(term, stride=term.stride // count * LANES) for term in others]
+    return ElementIndex(index.offset // count * LANES, (*terms, IndexTerm(1, LANE)))

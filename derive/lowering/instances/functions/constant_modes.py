@@ -1,0 +1,169 @@
+"""One body with many modes between its joints, where modes are independent and their factors in G are constants' sums.
+
+In the mean frame the modes of a finite-element body are coupled with its rotation alone, and c8 is diagonal. With
+G_a = P_a B of each constraint a, in which B has constants of the modes at the markers and P_a few coefficients, its
+compliance is P_a (B c8^-1 B^T) P_b^T: the matrix between is constant. The rotation, which is eliminated last, adds a
+correction of rank three through B C with C = M between modes and rotation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes, mode_coefficients
+from derive.lowering.instances.loop_code.class_code import ClassCode
+from derive.lowering.ldlt import Factorisation
+from derive.mechanics.symbols import Identity, identity
+
+ROTATIONS = 3
+"""The most coordinates that may be coupled with the others."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A constraint: its factors of coordinates without constants of modes, and the coefficients of these constants."""
+
+    factors: dict[int, ca.SX]
+    coefficients: dict[Identity, ca.SX]
+
+
+def elimination_order(of: ClassCode) -> tuple[int, ...] | None:
+    """The order of the coordinates of a body: those that are independent of each other first; None if it has none."""
+    mass = of.system.equations.mass
+    n = range(mass.rows)
+    constants = {c.symbol for c in of.system.equations.coefficients}
+    coupled = [j for j in n if sum(mass[i, j] != 0 for i in n) > 1 + ROTATIONS or mass[j, j].free_symbols - constants]
+    others = [j for j in n if j not in coupled]
+    apart = all(mass[i, j] == 0 for i in others for j in others if i != j)
+    return (*others, *coupled) if apart and len(coupled) <= ROTATIONS and len(others) >= FEWEST_MODES else None
+
+
+class ConstantModes:
+    """The products of the rows of G of a body with the inverse of its mass matrix, whose factors are given."""
+
+    def __init__(self, of: ClassCode, symbols: Symbols, factors: Factorisation, rows: Sequence[_Row]) -> None:
+        context = of.system
+        self.factors, self.rows = factors, rows
+        self.inverse = dict(zip(factors.order, factors.inverses, strict=True))
+        known = constants_of_modes(c.symbol for c in context.equations.coefficients)
+        rows_of = enumerate(context.equations.rows)
+        self.modes = {shape: j for j, row in rows_of for shape in identity(row.v).shapes}
+        self.labels = [*dict.fromkeys(label for row in rows for label in row.coefficients)]
+        self.constants: dict[Identity, dict[int, ca.SX]] = {label: {} for label in self.labels}
+        for symbol, label in known.items():
+            if label in self.constants:
+                (shape,) = identity(symbol).shapes
+                self.constants[label][self.modes[shape]] = symbols(symbol)
+        weighted = {
+            label: {j: self.inverse[j] * value for j, value in of_modes.items()}
+            for label, of_modes in self.constants.items()
+        }
+        self.compliances = {
+            (a, b): _dot(self.constants[a], weighted[b]) for n, a in enumerate(self.labels) for b in self.labels[n:]
+        }
+        self.compliances |= {(b, a): value for (a, b), value in self.compliances.items()}
+        self.weighted = weighted
+        last = factors.order[-ROTATIONS:]
+        self.coupled = [j for j in last if any(j == i for of_j in factors.lower.values() for i, _ in of_j)]
+        self.couplings = {
+            label: {
+                i: _dot(of_modes, {j: dict(factors.lower[j])[i] for j in of_modes if i in dict(factors.lower[j])})
+                for i in self.coupled
+            }
+            for label, of_modes in self.constants.items()
+        }
+        self.halves = [self._half(row) for row in rows]
+
+    def _half(self, row: _Row) -> dict[int, ca.SX]:
+        """The part of L^-1 G^T of the coordinates that have no constants of modes."""
+        x = dict(row.factors)
+        for i in self.coupled:
+            parts = [c * self.couplings[label][i] for label, c in row.coefficients.items()]
+            if parts:
+                total = sum(parts[1:], start=parts[0])
+                x[i] = x[i] - total if i in x else -total
+        for j in self.factors.order:
+            if j in x:
+                for i, entry in self.factors.lower[j]:
+                    x[i] = x[i] - entry * x[j] if i in x else -entry * x[j]
+        return x
+
+    def compliance(self, a: int, b: int) -> ca.SX:
+        """The entry of G M^-1 G^T of two constraints."""
+        total = ca.SX(0)
+        for label, factor in self.rows[a].coefficients.items():
+            inner = ca.SX(0)
+            for other, of_other in self.rows[b].coefficients.items():
+                inner = inner + self.compliances[label, other] * of_other
+            total = total + factor * inner
+        return total + self.product(self.halves[a], self.halves[b])
+
+    def product(self, a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
+        """The product of two vectors with the inverse of D."""
+        total = ca.SX(0)
+        for j, value in a.items():
+            if j in b:
+                total = total + value * (self.inverse[j] * b[j])
+        return total
+
+    def floor(self, a: int) -> ca.SX:
+        """The diagonal entry of a constraint if all its factors were 1."""
+        present = {*self.halves[a]}
+        for label in self.rows[a].coefficients:
+            present |= {*self.constants[label]}
+        return sum((self.inverse[j] for j in self.factors.order if j in present), start=ca.SX(0))
+
+    def motions(self, half_force: dict[int, ca.SX]) -> list[ca.SX]:
+        """G M^-1 f of each constraint, from L^-1 f."""
+        of_labels = {label: _dot(weighted, half_force) for label, weighted in self.weighted.items()}
+        result = []
+        for row, half in zip(self.rows, self.halves, strict=True):
+            total = self.product(half, half_force)
+            for label, factor in row.coefficients.items():
+                total = total + factor * of_labels[label]
+            result.append(total)
+        return result
+
+    def loads(self, forces: Sequence[ca.SX], multipliers: Sequence[ca.SX]) -> list[ca.SX]:
+        """f + G^T lambda."""
+        total = list(forces)
+        of_labels: dict[Identity, ca.SX] = {}
+        for row, multiplier in zip(self.rows, multipliers, strict=True):
+            for j, factor in row.factors.items():
+                total[j] = total[j] + factor * multiplier
+            for label, factor in row.coefficients.items():
+                value = factor * multiplier
+                of_labels[label] = of_labels[label] + value if label in of_labels else value
+        for label, load in of_labels.items():
+            for j, constant in self.constants[label].items():
+                total[j] = total[j] + constant * load
+        return total
+
+
+def _dot(a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
+    total: ca.SX | None = None
+    for j, value in a.items():
+        if j in b:
+            total = value * b[j] if total is None else total + value * b[j]
+    return ca.SX(0) if total is None else total
+
+
+def constant_modes(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
+    """The products of a body, or None if the factors of its modes are no sums of constants."""
+    context = of.system
+    constants = constants_of_modes(c.symbol for c in context.equations.coefficients)
+    number = {name: j for j, name in enumerate(context.rows)}
+    rows = []
+    for condition in context.equations.constraints:
+        factors_of = {number[row]: factor for row, factor in condition.jacobian}
+        of_modes = {j: factor for j, factor in factors_of.items() if factor.free_symbols & constants.keys()}
+        coefficients = mode_coefficients(of_modes, constants)
+        if of_modes and coefficients is None:
+            return None
+        others = {j: symbols(factor) for j, factor in factors_of.items() if j not in of_modes}
+        rows.append(_Row(others, {label: symbols(c) for label, c in (coefficients or {}).items()}))
+    return ConstantModes(of, symbols, factors, rows) if any(row.coefficients for row in rows) else None

@@ -1,0 +1,135 @@
+"""Flexible bodies with many modes in loops: sums over modes in loops over tables, compliances of modes as constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from test_instance_graphs import LATER
+from test_instances_in_space import both, check
+
+import derive
+from derive.ir.interpreter import interpret
+from derive.ir.kernel import Kernel
+from derive.ir.lanes import section_in_lanes
+from derive.ir.loop_nests import For, Node, every
+from derive.ir.model import Model
+from derive.ir.statements import ForEach, Work
+from derive.ir.sums_over_modes import ROW, with_sums_over_modes
+from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
+from derive.ir.written_out_rows import with_rows_written_out
+from derive.lowering.instances.functions.constant_modes import constant_modes
+from derive.lowering.instances.lower import lower_instances
+from derive.spec.toml.read import parse
+
+MODES, NODES = 6, 9
+KINDS = ("fixed", "revolute", "spherical")
+NAMES = ("mass", "force", "accel", "energy", "constraint_jacobian", "project_velocity")
+
+
+def cloud(path: Path, seed: int) -> None:
+    """A file with a body of point masses whose modes have no structure, so that all integrals are dense."""
+    rng = np.random.default_rng(seed)
+    index = np.arange(NODES, dtype=np.int32)
+    np.savez(
+        path,
+        positions=rng.uniform(-0.3, 0.3, (NODES, 3)),
+        mass_row=index,
+        mass_col=index,
+        mass_value=rng.uniform(0.5, 1.5, NODES) / NODES,
+        modes=rng.uniform(-1, 1, (MODES, NODES, 3)),
+        modal_stiffness=rng.uniform(50, 100, MODES),
+    )
+
+
+@cache
+def chain(count: int, kinds: tuple[str, ...], alike: bool = False) -> derive.SpatialScene:
+    """A chain of flexible bodies that hangs from the ground, with joints of these kinds in turn; all alike or none."""
+    turned = "rotation = { x = [0, 0, 1], z = [0, 1, 0] }"
+    parts = [
+        'name = "clouds"',
+        '[scene]\ngravity = [0.3, 0, -9.81]\nlowering = "instances"',
+        "[ground.markers]\no = [0, 0, 0]",
+    ]
+    with TemporaryDirectory() as folder:
+        for k in range(count):
+            file = Path(folder) / f"cloud_{0 if alike else k}.npz"
+            cloud(file, 0 if alike else k)
+            parts.append(
+                f'[bodies.link{k}]\nnodes = "{file}"\nunits = "SI"\nmarkers = {{ left = {{ nodes = [0, 1, 2] }}, '
+                f"right = {{ nodes = [6, 7, 8], {turned} }} }}"
+            )
+            end, kind = f"link{k - 1}.right" if k else "ground.o", kinds[k % len(kinds)]
+            parts.append(f'[joints.joint{k}]\nkind = "{kind}"\nbetween = ["{end}", "link{k}.left"]')
+        return parse("\n".join(parts))
+
+
+@cache
+def looped(count: int, alike: bool = False) -> Model:
+    return lower_instances(derive.derive(chain(count, ("fixed",), alike)), explicit=True)
+
+
+def state(kernel: Kernel) -> dict[str, list[float] | float]:
+    rng = np.random.default_rng(3)
+    return {a.name: 0.3 if a.scalar else rng.uniform(-0.3, 0.3, a.size).tolist() for a in kernel.arguments}
+
+
+def in_blocks(kernel: Kernel) -> tuple[Kernel, list[Node]]:
+    """A kernel with the tiles of its numbers, and its statements as they are printed."""
+    tables = numbers_of_instances(kernel.constants)
+    every_section = (nodes for section in kernel.sections for _, nodes in section_in_lanes(section.body))
+    nodes = [in_tiles(node, tables) for part in every_section for node in part]
+    return replace(kernel, constants=(*kernel.constants, *map(tiled, tables.values()))), nodes
+
+
+def loops_over_rows(model: Model, name: str) -> Iterator[For]:
+    nodes = every(in_blocks(model.kernel(name))[1])
+    return (node for node in nodes if isinstance(node, For) and node.variable == ROW)
+
+
+@pytest.mark.parametrize(
+    ("count", "alike"), [(3, False), *(pytest.param(*of, marks=LATER) for of in ((6, False), (3, True)))]
+)
+def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
+    """Of blocks of bodies that overlap, of fewer bodies than lanes, and of bodies that are alike."""
+    model = looped(count, alike)
+    changed = with_sums_over_modes(model)
+    for name in NAMES:
+        kernel, nodes = in_blocks(changed.kernel(name))
+        expected, found = interpret(model.kernel(name), state(kernel)), interpret(kernel, state(kernel), nodes=nodes)
+        for output, values in expected.items():
+            assert np.abs(np.subtract(found[output], values)).max() < 2e-13 * np.abs(values).max(), name
+    assert sum(loop.count or 0 for loop in loops_over_rows(changed, "accel")) >= 100
+
+
+def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
+    changed = with_sums_over_modes(looped(3))
+    written = with_rows_written_out(changed)
+    for name in NAMES:
+        kernel, other = changed.kernel(name), written.kernel(name)
+        assert interpret(other, state(other)) == interpret(kernel, state(kernel))
+        assert not any(isinstance(item, Work) for s in other.statements if isinstance(s, ForEach) for item in s.body)
+
+
+@pytest.mark.parametrize("kinds", [("fixed",), *(pytest.param(k, marks=LATER) for k in (("revolute",), KINDS))])
+def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
+    """Loops and straight-line code agree in states in which no constraint is met and all sections turn."""
+    check(both(chain(3, kinds), True))
+
+
+def test_coefficients_take_the_place_of_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A joint hands a body three coefficients for its rotation and three for its modes, however many modes it has."""
+    used = []
+    module = "derive.lowering.instances.functions.local_system.constant_modes"
+    monkeypatch.setattr(module, lambda *args: used.append(constant_modes(*args)) or used[-1])
+    model = lower_instances(derive.derive(chain(2, ("fixed",))), explicit=True)
+    assert used
+    assert all(used)
+    (rows,) = {len(row.coefficients) for modes in used for row in modes.rows}
+    assert rows == 3
+    assert model.kernel("accel").operations < 2 * 7000
