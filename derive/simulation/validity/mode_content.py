@@ -8,6 +8,7 @@ the peak of the whole deformation, both in the norm of the mass, is an estimate 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import eigh
@@ -28,8 +29,18 @@ STILL = 1e-12
 """Deformations are none that are smaller than this in the norm of the mass, m kg^(1/2)."""
 
 
-def mode_notes(scene: AnyScene, native: ConstrainedSystem, k: Vector, q: Matrix) -> Iterator[str]:
-    """Yield a note on each finite-element body whose fastest mode is more than 5 % of its deformation; q (n, nq)."""
+@dataclass(frozen=True)
+class FastestMode:
+    """The fastest mode of a body: its frequency, rad/s, the number of modes, and its part of the deformation."""
+
+    body: str
+    modes: int
+    frequency: float
+    part: float
+
+
+def fastest_modes(scene: AnyScene, native: ConstrainedSystem, k: Vector, q: Matrix) -> Iterator[FastestMode]:
+    """The fastest modes of the finite-element bodies of a scene in its states q (n, nq)."""
     for body in scene.bodies if isinstance(scene, SpatialScene) else ():
         if not isinstance(body, FlexibleBody):
             continue
@@ -39,12 +50,18 @@ def mode_notes(scene: AnyScene, native: ConstrainedSystem, k: Vector, q: Matrix)
         frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
         peak = float(np.linalg.norm(amplitudes, axis=1).max())
         part = float(np.sqrt(np.mean(amplitudes[:, -1] ** 2)) / peak) if peak > STILL else 0.0
-        if part > ERROR_LIMIT:
+        yield FastestMode(body.name, len(columns), float(frequencies[-1]), part)
+
+
+def mode_notes(scene: AnyScene, native: ConstrainedSystem, k: Vector, q: Matrix) -> Iterator[str]:
+    """Yield a note on each finite-element body whose fastest mode is more than 5 % of its deformation; q (n, nq)."""
+    for of in fastest_modes(scene, native, k, q):
+        if of.part > ERROR_LIMIT:
             yield (
-                f"{body.name}: the fastest of its {len(columns)} modes, {frequencies[-1]:.4g} rad/s, has "
-                f"{percent(part)} of its deformation (rms over the run, relative to the peak; the limit is "
-                f"{percent(ERROR_LIMIT)}), so that modes that are left out would deform it about as much; choose more "
-                "modes, or component modes with `interface` at its joints"
+                f"{of.body}: the fastest of its {of.modes} modes, {of.frequency:.4g} rad/s, has {percent(of.part)} of "
+                f"its deformation (rms over the run, relative to the peak; the limit is {percent(ERROR_LIMIT)}), so "
+                "that modes that are left out would deform it about as much; choose more modes, or component modes "
+                "with `interface` at its joints"
             )
 
 
