@@ -6,7 +6,7 @@ python bench/spatial_monitors.py FILE              (the tables of what FILE has)
 Every scene is run with one model of its beam and with the truth, three stiffnesses each; a line of FILE in JSON has the
 error of a beam along e2 or e3 and its monitors. What FILE has already is not run again, and the truth is kept in a
 folder beside it, so that changed monitors take less time. The truth is a beam of second
-order in two pieces with three polynomials each; in every eighth scene a beam in three pieces says how well it has
+order in two pieces with three polynomials each; in every sixteenth scene a beam in three pieces says how well it has
 converged. The error is that of `bench/monitors.py`; deflections are along the axes of the section at the left end, or
 at the end that is held against rotation if there is one, from the chord, or from the tangent there. Beams that bend by
 less than a millionth of their length are left out of the tables.
@@ -57,7 +57,7 @@ MODELS = (
     LadderModel(POLYNOMIALS, 3, TRUNCATED, "chord"),
 )
 """Each scene has one of them, in turn."""
-EVERY = 8
+EVERY = 16
 """One in so many scenes has a finer truth."""
 PLACES = [Fraction(n, 3) for n in (-3, -1, 1, 3)]
 TOLERANCE = 1e-7
@@ -206,12 +206,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", type=Path)
     parser.add_argument("seeds", type=lambda text: range(*map(int, text.split(":"))), nargs="?", default=range(0))
+    parser.add_argument("--alone", action="store_true", help="only scenes without other bodies, which take less time")
     options = parser.parse_args()
     path = options.file
     known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     finished = {row["scene"] for row in known}
     for number, random in enumerate(random_scenes(options.seeds)):
-        if random.scene.name in finished:
+        if random.scene.name in finished or (options.alone and len(random.scene.bodies) > 1):
             continue
         model = MODELS[number % len(MODELS)]
         try:

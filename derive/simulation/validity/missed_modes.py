@@ -90,7 +90,7 @@ class MissedModes:
         return len(SPATIAL_JOINTS[joint.kind].rows(joint)) + driven
 
     def _loads(self, t: float, q: Vector, v: Vector) -> Vector:
-        """The forces and moments of joints at their markers, in the axes of the body, and the accelerations of modes."""
+        """The forces and moments of joints at their markers, in the axes of the body, and accelerations of modes."""
         vdot, multipliers = self.native.solve(t, q, v, self.k)
         first = self.rates[0] - RIGID
         G = constraint_matrix(self.native, t, q, self.k)[:, first : first + RIGID] if len(multipliers) else None
