@@ -1,11 +1,15 @@
 """The errors that the monitors of beams in space imply, compared with finer models.
 
-python bench/spatial_monitors.py FILE 2000:2100    (scenes of the random corpus that have beams in space)
+python bench/spatial_monitors.py FILE 2000:2400    (random scenes of `bench/spatial_monitor_scenes.py`, a minute each)
+python bench/spatial_monitors.py FILE              (the tables of what FILE has)
 
-Every scene is run as it is, and with its beams in two pieces of second order with three polynomials each, the truth;
-about three minutes each. A line of FILE in JSON has the error of a beam along e2 or e3 and what its monitors imply.
-What FILE has already is not run again. The deflection is that of `bench/monitors.py`, along the axes of the section at
-the left end, or at the end that is held against rotation if there is one.
+Every scene is run with one model of its beam and with the truth, three stiffnesses each; a line of FILE in JSON has the
+error of a beam along e2 or e3 and its monitors. What FILE has already is not run again, and the truth is kept in a
+folder beside it, so that changed monitors take less time. The truth is a beam of second
+order in two pieces with three polynomials each; in every sixteenth scene a beam in three pieces says how well it has
+converged. The error is that of `bench/monitors.py`; deflections are along the axes of the section at the left end, or
+at the end that is held against rotation if there is one, from the chord, or from the tangent there. Beams that bend by
+less than a millionth of their length are left out of the tables.
 """
 
 from __future__ import annotations
@@ -13,154 +17,214 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from spatial_monitor_scenes import NAMES, RandomScene, random_scenes
 
-import derive
 from derive.errors import TisserandError, first_line
+from derive.percentages import percent
 from derive.simulation.observables.motion import si_value
+from derive.simulation.scene_start import state_of
+from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.simulation.validity.spatial_sections import held_in_plane
-from derive.spec.model.beam_parts import Frame
-from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.study.accuracy.ladder_model import ORDERS, LadderModel, Shapes
+from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
+from derive.study.accuracy.models import model_scene
 
-PLACES = [Fraction(n, 2) for n in range(-2, 3)]
-POLYNOMIALS = tuple(tuple(Fraction(int(i == n)) for i in range(n + 1)) for n in range(5))
+FIRST, TRUNCATED, FULL = ORDERS["first"], ORDERS["truncated"], ORDERS["full"]
+POLYNOMIALS = Shapes.POLYNOMIALS
+TRUTH, FINER = (LadderModel(POLYNOMIALS, 3, TRUNCATED, "mean", pieces, torsion=2) for pieces in (2, 3))
+MODELS = (
+    LadderModel(POLYNOMIALS, 2, FIRST),
+    LadderModel(POLYNOMIALS, 3, TRUNCATED),
+    LadderModel(POLYNOMIALS, 3, FIRST, torsion=1),
+    LadderModel(POLYNOMIALS, 2, TRUNCATED),
+    LadderModel(POLYNOMIALS, 3, FIRST, torsion=2),
+    LadderModel(POLYNOMIALS, 3, FIRST, "tangent", torsion=2),
+    LadderModel(Shapes.SINES, 2, FIRST, "chord"),
+    LadderModel(POLYNOMIALS, 3, TRUNCATED, "chord"),
+)
+"""Each scene has one of them, in turn."""
+EVERY = 16
+"""One in so many scenes has a finer truth."""
+PLACES = [Fraction(n, 3) for n in (-3, -1, 1, 3)]
+TOLERANCE = 1e-7
 LEAST = 0.002
+"""Errors below it do not count."""
 STRAIGHT = 1e-6
 Row = dict[str, Any]
 
 
-def watched(scene: SpatialScene, pieces: int | None) -> SpatialScene:
-    """The scene with its own beams, or with finer ones, and outputs of the places of points along them."""
-    bodies, outputs = list[SpatialBody](), list[SceneOutput]()
-    for body in scene.bodies:
-        if not isinstance(body, SpatialBeam):
-            bodies.append(body)
-            continue
-        markers = (*body.markers, *(SectionFrame(f"seen{i}", at) for i, at in enumerate(PLACES)))
-        bodies.append(_finer(replace(body, markers=markers), pieces))
-        for axis in (2, 3):
-            base = f"seen{_base(scene, body.name, axis)}"
-            for i in range(len(PLACES)):
-                values = {"marker": MarkerRef(body.name, f"seen{i}"), "frame": MarkerRef(body.name, base)}
-                outputs.append(SceneOutput(f"{body.name}_{axis}_{i}", "position", values))
-    assert scene.simulation is not None
-    settings = replace(scene.simulation, until=None)
-    return replace(scene, bodies=tuple(bodies), outputs=tuple(outputs), plots=(), simulation=settings)
-
-
-def _finer(body: SpatialBeam, pieces: int | None) -> SpatialBeam:
-    if pieces is None:
-        return body
-    lateral = replace(body.lateral, ansatz=None) if body.lateral else None
-    cut = replace(body, order=DisplacementOrder.TRUNCATED, pieces=pieces, lateral=lateral)
-    return replace(cut, ansatz=POLYNOMIALS, ends=None, frame=Frame("mean"))
-
-
-def _base(scene: SpatialScene, beam: str, axis: int) -> int:
+def base(scene: SpatialScene, beam: str, axis: int) -> int:
+    """The number of the place whose tangent deflections along an axis are measured from."""
     return len(PLACES) - 1 if held_in_plane(scene, beam, axis) == (Fraction(1),) else 0
 
 
-def deflections(run: derive.Trajectory, scene: SpatialScene) -> dict[tuple[str, int], np.ndarray]:
-    """(n, places) of each beam along each axis."""
-    result = {}
-    for body in (body for body in scene.bodies if isinstance(body, SpatialBeam)):
+def seen(scene: SpatialScene, beam: SpatialBeam) -> SpatialScene:
+    """The scene with outputs of the places of points along its beam."""
+    markers = (*beam.markers, *(SectionFrame(f"seen{i}", at) for i, at in enumerate(PLACES)))
+    bodies = tuple(replace(beam, markers=markers) if body.name == beam.name else body for body in scene.bodies)
+    outputs = [
+        SceneOutput(
+            f"seen_{of}_{i}",
+            "position",
+            {"marker": MarkerRef(beam.name, f"seen{i}"), "frame": MarkerRef(beam.name, f"seen{of}")},
+        )
+        for of in sorted({base(scene, beam.name, axis) for axis in (2, 3)})
+        for i in range(len(PLACES))
+        if i != of
+    ]
+    columns = tuple(f"{output.name}_{axis}" for output in outputs for axis in (1, 2, 3))
+    plots = (Plot("seen", ColumnCurves(columns)),)
+    return replace(scene, bodies=bodies, outputs=tuple(outputs), plots=plots)
+
+
+def deflections(run: Trajectory, scene: SpatialScene, beam: str, axis: int) -> np.ndarray:
+    """(n, places) of a beam along an axis."""
+    of = base(scene, beam, axis)
+    x = np.zeros((len(run.motion.t), len(PLACES)))
+    for i in range(len(PLACES)):
+        if i != of:
+            x[:, i] = run[f"seen_{of}_{i}_{axis}"]
+    if len(held_in_plane(scene, beam, axis)) != 1:
+        x = x - np.outer(x[:, -1], (np.array(PLACES, float) + 1) / 2)
+    return x
+
+
+def with_stiffness(of: CompiledLadderModel, scene: SpatialScene) -> CompiledLadderModel:
+    """A compiled model with the stiffnesses of another scene, whose defaults they are."""
+    changed = in_pieces(model_scene(scene, of.model))
+    (beam,) = (body for body in scene.bodies if isinstance(body, SpatialBeam))
+    quantities = (*beam.bending_stiffnesses, *([beam.torsion.stiffness] if beam.torsion else []))
+    values = {q.symbol: q.default for q in quantities if getattr(q, "symbol", "") in NAMES}
+    k = of.native.setup(values)
+    return replace(of, scene=changed, k=k, start=state_of(changed, of.native, k))
+
+
+def rows(random: RandomScene, model: LadderModel, finer: bool, kept: Path) -> Iterator[Row]:
+    """The errors of the beam of a scene along both axes for each stiffness, and what its monitors imply.
+
+    kept: the folder of the deflections of the truth, which are computed once.
+    """
+    scenes = []
+    for n in range(len(random.stiffnesses)):
+        scene = random.with_stiffness(n)
+        scenes.append(seen(scene, next(body for body in scene.bodies if isinstance(body, SpatialBeam))))
+    name, of = random.beam.name, compiled(scenes[0], model, True)
+    truths = [truth(scenes, TRUTH, kept), *([truth(scenes, FINER, kept)] if finer else [])]
+    for n, scene in enumerate(scenes):
+        about = {"scene": scene.name, "model": model.label, "stiffness": n}
+        try:
+            run = motion(with_stiffness(of, scene), TOLERANCE, True)
+        except TisserandError as stopped:
+            yield {**about, "stopped": first_line(stopped)}
+            continue
+        if any(f"{n}_2" not in known for known in truths):
+            yield {**about, "stopped": "no truth"}
+            continue
         for axis in (2, 3):
-            x = np.stack([run[f"{body.name}_{axis}_{i}_{axis}"] for i in range(len(PLACES))], axis=1)
-            if len(held_in_plane(scene, body.name, axis)) != 1:
-                x = x - np.outer(x[:, -1], (np.array(PLACES, float) + 1) / 2)
-            result[body.name, axis] = x
-    return result
+            own, (exact, *more) = deflections(run, scene, name, axis), [known[f"{n}_{axis}"] for known in truths]
+            yield {
+                **about,
+                "beam": name,
+                "axis": axis,
+                "size": float(np.abs(exact).max()) / si_value(random.beam.length),
+                "rms": error(own, exact),
+                **({"reference": error(more[0], exact)} if more else {}),
+                "monitors": [m.data for m in run.validity if (m.beam, m.axis) == (name, axis)],
+            }
 
 
-def rows(scene: SpatialScene) -> Iterator[Row]:
-    """The errors of the beams of a scene, and what their monitors imply."""
-    runs = [derive.simulate(watched(scene, pieces)) for pieces in (None, 2)]
-    own, truth = (deflections(run, scene) for run in runs)
-    lengths = {b.name: b.length for b in scene.bodies if isinstance(b, SpatialBeam)}
-    for key, of in truth.items():
-        peak = float(np.abs(of).max())
-        monitors = [m.data for m in runs[0].validity if (m.beam, m.axis) == key]
-
-        def error(of: np.ndarray, peak: float = peak, truth: np.ndarray = of) -> float:
-            return float(np.sqrt(((of - truth) ** 2).mean(axis=0)).max()) / peak if peak else 0.0
-
-        size = peak / si_value(lengths[key[0]])
-        yield {
-            "scene": scene.name,
-            "beam": key[0],
-            "axis": key[1],
-            "size": size,
-            "rms": error(own[key]),
-            "monitors": monitors,
-        }
+def error(of: np.ndarray, exact: np.ndarray) -> float:
+    """The root mean square over the time of the difference, where it is largest, over the peak of what is exact."""
+    peak = float(np.abs(exact).max())
+    return float(np.sqrt(((of - exact) ** 2).mean(axis=0)).max()) / peak if peak else 0.0
 
 
-def corpus(seeds: range) -> Iterator[SpatialScene]:
-    """The scenes of the random corpus with beams in space."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-    from corpus.generator import corpus_scene
+def truth(scenes: Sequence[SpatialScene], model: LadderModel, kept: Path) -> dict[str, np.ndarray]:
+    """The deflections of the beam in a finer model by stiffness and axis; none where its run fails."""
+    path = kept / f"{scenes[0].name}_{model.pieces}.npz"
+    if not path.exists():
+        of, known = compiled(scenes[0], model, False), {}
+        for n, scene in enumerate(scenes):
+            (beam,) = (body for body in scene.bodies if isinstance(body, SpatialBeam))
+            try:
+                run = motion(with_stiffness(of, scene), TOLERANCE)
+            except TisserandError as stopped:
+                print(scene.name, n, first_line(stopped), file=sys.stderr)
+                continue
+            known |= {f"{n}_{axis}": deflections(run, scene, beam.name, axis) for axis in (2, 3)}
+        kept.mkdir(exist_ok=True, parents=True)
+        np.savez(path, **known)
+    with np.load(path) as loaded:
+        return dict(loaded)
 
-    for seed in seeds:
-        with tempfile.TemporaryDirectory() as folder:
-            spec = derive.read(corpus_scene(seed).write(Path(folder) / "scene"))
-        if not isinstance(spec, SpatialScene) or spec.simulation is None or spec.lowering == "instances":
-            continue
-        if sum(isinstance(body, SpatialBeam) for body in spec.bodies) in (1, 2):
-            yield spec
+
+def implied(row: Row) -> tuple[float, str]:
+    """The largest implied error, and what it is of."""
+    return max(((float(m["error"]), str(m["quantity"])) for m in row["monitors"]), default=(0.0, "none"))
 
 
-def verdicts(known: list[Row]) -> str:
-    """How many beams warn, of those in which an error is above the limit, and of the others."""
-    counts = {(wrong, warned): 0 for wrong in (True, False) for warned in (True, False)}
-    ratios = []
-    for row in known:
-        if "rms" not in row or row["size"] < STRAIGHT:
-            continue
-        estimate = max((m["error"] for m in row["monitors"]), default=0.0)
-        counts[row["rms"] > ERROR_LIMIT, estimate > ERROR_LIMIT] += 1
-        if row["rms"] > LEAST:
-            ratios.append(min(estimate, 1.0) / min(row["rms"], 1.0))
-    within = [np.mean([1 / f <= r <= f for r in ratios]) if ratios else np.nan for f in (2, 4)]
-    return (
-        f"error above the limit: {counts[True, True]} warn, {counts[True, False]} do not; below: "
-        f"{counts[False, True]} warn, {counts[False, False]} do not; of {len(ratios)} estimates {within[0]:.0%} are "
-        f"within a factor of 2, {within[1]:.0%} of 4, median {np.median(ratios) if ratios else np.nan:.2f}"
-    )
+def table(known: Sequence[Row]) -> str:
+    """By the quantity with the largest error, and of all: verdicts, and ratios of estimates to errors."""
+    lines = [
+        "| largest estimate by | beams | wrong, warned | missed | false alarm | right, silent | within 2 | within 4 |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    groups: dict[str, list[Row]] = {}
+    for row in (row for row in known if "rms" in row and row["size"] > STRAIGHT):
+        for key in ("all", implied(row)[1]):
+            groups.setdefault(key, []).append(row)
+    for key, of in sorted(groups.items()):
+        counts = {(wrong, warned): 0 for wrong in (True, False) for warned in (True, False)}
+        for row in of:
+            counts[row["rms"] > ERROR_LIMIT, implied(row)[0] > ERROR_LIMIT] += 1
+        off = [
+            np.exp(abs(np.log(max(min(implied(row)[0], 1.0), 1e-12) / min(row["rms"], 1.0))))
+            for row in of
+            if row["rms"] > LEAST
+        ]
+        within = [percent(float(np.mean(np.array(off) <= limit))) if off else "" for limit in (2, 4)]
+        verdict = " | ".join(str(counts[pair]) for pair in ((True, True), (True, False), (False, True), (False, False)))
+        lines.append(f"| {key} | {len(of)} | {verdict} | {' | '.join(within)} |")
+    return "\n".join(lines)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", type=Path)
-    parser.add_argument("seeds", type=lambda text: range(*map(int, text.split(":"))))
+    parser.add_argument("seeds", type=lambda text: range(*map(int, text.split(":"))), nargs="?", default=range(0))
+    parser.add_argument("--alone", action="store_true", help="only scenes without other bodies, which take less time")
     options = parser.parse_args()
     path = options.file
     known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     finished = {row["scene"] for row in known}
-    for scene in corpus(options.seeds):
-        if scene.name in finished:
+    for number, random in enumerate(random_scenes(options.seeds)):
+        if random.scene.name in finished or (options.alone and len(random.scene.bodies) > 1):
             continue
+        model = MODELS[number % len(MODELS)]
         try:
-            new = list(rows(scene))
+            new = list(rows(random, model, number % EVERY == EVERY - 1, path.with_suffix("")))
         except TisserandError as stopped:
-            new = [{"scene": scene.name, "stopped": first_line(stopped)}]
+            new = [{"scene": random.scene.name, "model": model.label, "stopped": first_line(stopped)}]
         known += new
         with path.open("a") as file:
             file.writelines(json.dumps(row) + "\n" for row in new)
-        print(scene.name, file=sys.stderr, flush=True)
-    print(verdicts(known))
+        print(random.scene.name, file=sys.stderr, flush=True)
+    print(table(known))
 
 
 if __name__ == "__main__":

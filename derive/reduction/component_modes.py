@@ -78,7 +78,8 @@ def component_modes(body: NodalBody, mass: csr_array, x: Array) -> ComponentMode
     if body.component_modes == "craig_bampton":
         static, vibration = _static_modes(k, interface), _held_modes(k, m, interface, body, count)
     else:
-        static = _attachment_modes(k, m, interface, basis.reshape(len(basis), -1))
+        loads = interface.motions.toarray()
+        static = balanced_responses(k, m, interface.coordinates, basis.reshape(len(basis), -1), loads)
         vibration = _free_modes(body, mass, x, count).reshape(count, x.size)
     static, vibration = (fields.reshape(len(fields), *x.shape) for fields in (static, vibration))
     for _ in range(2):
@@ -125,13 +126,12 @@ def _held_modes(k: csr_array, m: csr_array, interface: HeldInterface, body: Noda
     return lowest_modes(k, m, 0.0, min(count + EXTRA_MODES, most), most, interface.held).T[:count]
 
 
-def _attachment_modes(k: csr_array, m: csr_array, interface: HeldInterface, basis: Array) -> Array:
-    """The responses (c, displacements) to unit loads at the interface that inertia forces of rigid motions balance.
+def balanced_responses(k: csr_array, m: csr_array, coordinates: csr_array, basis: Array, loads: Array) -> Array:
+    """The responses (c, displacements) to loads on the nodes that inertia forces of rigid motions balance.
 
-    Six coordinates are held, whose reactions vanish, since the loads are balanced.
+    coordinates (displacements, n): those that rigid sets leave. basis (6, displacements): the orthonormal rigid
+    motions. Six coordinates are held, whose reactions vanish, since the loads are balanced.
     """
-    coordinates = interface.coordinates
-    loads = interface.motions.toarray()
     loads = loads - (loads @ basis.T) @ (m @ basis.T).T
     rigid = splu(csc_array(coordinates.T @ coordinates)).solve(np.asarray(coordinates.T @ basis.T))
     _, _, order = scipy.linalg.qr(rigid.T, mode="economic", pivoting=True)

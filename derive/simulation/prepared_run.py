@@ -159,7 +159,7 @@ class PreparedRun:
         solution = integrator.integrate(k, q, v, times, settings)
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
         foreseen += (*fast_spin_notes(self.scene, self.body, native, k, solution.q, solution.v),)
-        foreseen += (*mode_notes(self.scene, native, k, solution.q),)
+        foreseen += (*mode_notes(self.scene, native, k, solution.t, solution.q, solution.v),)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
         solution = replace(solution, notes=(*foreseen, *solution.notes))

@@ -24,6 +24,9 @@ SMALL = 1e-5
 RIGID = 1e-9
 """Squared frequencies below this, relative to the largest, are those of rigid motion."""
 
+APART = 1e-6
+"""The relative difference of the stiffnesses of two planes that keeps equal vibrations in them apart."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeldMode:
@@ -33,17 +36,21 @@ class HeldMode:
     motion: Vector
 
 
-def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q: Vector) -> tuple[HeldMode, ...]:
+def held_modes(
+    planes: Sequence[PieceShapes], native: NativeScene, k: Vector, t: float, q: Vector
+) -> tuple[HeldMode, ...]:
     """The vibrations of a beam, the slowest first; none where the joints admit no deformation of it alone.
 
-    native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
+    planes: those in which it bends, which joints may couple. native, k: its compiled scene and the constants (nk,). q:
+    the state (nq,) at t (s) in which it vibrates.
     """
-    pieces = [shapes.rates_in(native, piece) for piece in piece_names(shapes.beam)]
     straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
-    own = [column for columns in pieces for column in columns]
-    K = np.zeros((native.nv, native.nv))
-    for columns in pieces:
-        K[np.ix_(columns, columns)] = shapes.stiffness
+    own, K = list[int](), np.zeros((native.nv, native.nv))
+    for number, shapes in enumerate(planes):
+        for piece in piece_names(shapes.beam):
+            columns = shapes.rates_in(native, piece)
+            K[np.ix_(columns, columns)] = (1 + number * APART) * shapes.stiffness
+            own += columns
     return admitted_modes(K, native, k, t, straight, own)
 
 

@@ -1,13 +1,16 @@
-"""Finite-element bodies whose fastest mode takes part in their deformation: further modes would, too.
+"""Finite-element bodies whose modes do not suffice for their deformation in a run.
 
-The amplitudes of the modes of a body fall with their frequencies where the body has enough of them. What is left out is
-about as large as the last one that is kept: the deformation in the fastest mode, root mean square over the run, over
-the peak of the whole deformation, both in the norm of the mass, is an estimate of the error of the deformation.
+Of a body with a stiffness matrix that joints hold, equilibrium tells what its modes miss (`missed_modes.py`). Of others
+the fastest mode takes part in the deformation about as much as the modes that are left out, where there are enough: its
+part, root mean square over the run, over the peak of the whole deformation, both in the norm of the mass, is an
+estimate of the error of the deformation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.linalg import eigh
@@ -16,7 +19,9 @@ from derive.mechanics.symbols import amplitude_of
 from derive.percentages import percent
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
+from derive.simulation.validity.missed_modes import MissedModes
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -28,24 +33,63 @@ STILL = 1e-12
 """Deformations are none that are smaller than this in the norm of the mass, m kg^(1/2)."""
 
 
-def mode_notes(scene: AnyScene, native: ConstrainedSystem, k: Vector, q: Matrix) -> Iterator[str]:
-    """Yield a note on each finite-element body whose fastest mode is more than 5 % of its deformation; q (n, nq)."""
+@dataclass(frozen=True)
+class ModeError:
+    """The error of the deformation of a body that its modes imply, over its peak.
+
+    of_joints: whether it is that under the forces of joints; else the part of the fastest mode. frequency: of that,
+    rad/s.
+    """
+
+    body: str
+    modes: int
+    frequency: float
+    error: float
+    of_joints: bool
+
+    @property
+    def note(self) -> str:
+        """The error, the limit and the remedy, in one line."""
+        of = f"(rms over the run, relative to the peak; the limit is {percent(ERROR_LIMIT)})"
+        remedy = "choose more modes, or component modes with `interface` at its joints"
+        if self.of_joints:
+            size = percent(self.error) if self.error < 1 else "100 % or more"
+            return (
+                f"{self.body}: under the forces of its joints its {self.modes} modes imply an error of {size} in its "
+                f"deformation {of}; {remedy}"
+            )
+        return (
+            f"{self.body}: the fastest of its {self.modes} modes, {self.frequency:.4g} rad/s, has "
+            f"{percent(self.error)} of its deformation {of}, so that modes that are left out would deform it about as "
+            f"much; {remedy}"
+        )
+
+
+def mode_errors(
+    scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix
+) -> Iterator[ModeError]:
+    """The implied errors of the finite-element bodies of a scene in its states q (n, nq), v (n, nv) at t (n,), s."""
     for body in scene.bodies if isinstance(scene, SpatialScene) else ():
         if not isinstance(body, FlexibleBody):
             continue
         columns, rows = _own(body.name, native)
-        if len(columns) < FEWEST:
+        if not columns:
             continue
         frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
-        peak = float(np.linalg.norm(amplitudes, axis=1).max())
-        part = float(np.sqrt(np.mean(amplitudes[:, -1] ** 2)) / peak) if peak > STILL else 0.0
-        if part > ERROR_LIMIT:
-            yield (
-                f"{body.name}: the fastest of its {len(columns)} modes, {frequencies[-1]:.4g} rad/s, has "
-                f"{percent(part)} of its deformation (rms over the run, relative to the peak; the limit is "
-                f"{percent(ERROR_LIMIT)}), so that modes that are left out would deform it about as much; choose more "
-                "modes, or component modes with `interface` at its joints"
-            )
+        of = partial(ModeError, body.name, len(columns), float(frequencies[-1]))
+        if body.body.data.stiffness is not None and any(
+            body.name in (j.first.body, j.second.body) for j in scene.joints
+        ):
+            yield of(MissedModes(scene, body, native, k, columns, rows).error(t, q, v), of_joints=True)
+        elif len(columns) >= FEWEST:
+            peak = float(np.linalg.norm(amplitudes, axis=1).max())
+            part = float(np.sqrt(np.mean(amplitudes[:, -1] ** 2)) / peak) if peak > STILL else 0.0
+            yield of(part, of_joints=False)
+
+
+def mode_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix) -> Iterator[str]:
+    """Yield a note on each finite-element body of which the implied error is above the limit; see `mode_errors`."""
+    return (of.note for of in mode_errors(scene, native, k, t, q, v) if of.error > ERROR_LIMIT)
 
 
 def _own(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 
@@ -112,26 +114,52 @@ class SceneWatch:
 def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
     """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
     forms = WatchedForms(native)
-    beams = []
-    for shapes in bending_planes(scene) if is_monitored(scene) else ():
-        modes = held_modes(shapes, native, k, t, q)
-        around = surroundings(scene, shapes)
-        beams.append(_BeamForms(around, forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
+    beams = list[WatchedBeam]()
+    response = StaticResponse(native, k, t, q)
+    for _, of_beam in groupby(bending_planes(scene) if is_monitored(scene) else (), lambda shapes: shapes.beam.name):
+        planes = [
+            _BeamForms(surroundings(scene, shapes), forms, shapes, held_modes((shapes,), native, k, t, q))
+            for shapes in of_beam
+        ]
+        together = held_modes([plane.shapes for plane in planes], native, k, t, q)
+        vibrations = [_Vibration.of(mode, planes, response) for mode in together]
+        beams += [plane.watched(vibrations) for plane in planes]
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 
+@dataclass(frozen=True, eq=False)
+class _Vibration:
+    """A vibration of a beam in all planes in which it bends.
+
+    columns: the numbers of the rates of all its amplitudes; part: the factors of these that give how much of the motion
+    it is, by the strain energy, with respect to which vibrations are orthogonal. missed: the share of its strain energy
+    that the shapes miss.
+    """
+
+    mode: HeldMode
+    columns: list[int]
+    part: Matrix
+    missed: float
+
+    @staticmethod
+    def of(mode: HeldMode, planes: Sequence[_BeamForms], response: StaticResponse) -> _Vibration:
+        """The vibration with a mode."""
+        amplitudes = [mode.motion[plane.amplitudes] for plane in planes]
+        forces = [(a @ plane.shapes.stiffness).ravel() for a, plane in zip(amplitudes, planes, strict=True)]
+        kept = sum(float(f @ a.ravel()) for f, a in zip(forces, amplitudes, strict=True)) / 2
+        change = response(mode.motion)
+        missed = sum(float(np.sum((plane.missed[2] @ change) ** 2)) for plane in planes)
+        columns = [column for plane in planes for column in plane.rates]
+        return _Vibration(mode, columns, np.concatenate(forces)[None] / (2 * kept), missed / (missed + kept))
+
+
 class _BeamForms:
-    """The forms of a beam with its vibrations."""
+    """The forms of a beam in a plane; modes: its vibrations there alone."""
 
     def __init__(
-        self,
-        around: Surroundings,
-        forms: WatchedForms,
-        shapes: PieceShapes,
-        modes: Sequence[HeldMode],
-        response: StaticResponse,
+        self, around: Surroundings, forms: WatchedForms, shapes: PieceShapes, modes: Sequence[HeldMode]
     ) -> None:
-        self.around, self.forms, self.shapes, self.modes, self.response = around, forms, shapes, modes, response
+        self.around, self.forms, self.shapes = around, forms, shapes
         beam, native = shapes.beam, forms.native
         self.pieces = piece_names(beam)
         self.amplitudes = [shapes.amplitudes_in(native, piece) for piece in self.pieces]
@@ -147,15 +175,15 @@ class _BeamForms:
             np.abs(shapes.slopes(np.array([float(end)])) * shapes.length).max() > SLOPE for end in ends
         )
 
-    def watched(self) -> WatchedBeam:
-        """The numbers of the quantities."""
+    def watched(self, vibrations: Sequence[_Vibration]) -> WatchedBeam:
+        """The numbers of the quantities; vibrations: those of the beam in all planes."""
         forms, shapes, columns = self.forms, self.shapes, self.columns
         rates = self.rates
         bent = self.along(shapes.values(places()), shapes.slopes(ENDS))
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
         place = int(np.abs(bent @ self.lowest.ravel()).argmax())
-        moments, deflections, energies = self.missed()
+        moments, deflections, _ = self.missed
         every_section = np.kron(np.eye(len(self.pieces)), shapes.moments(sections()).T).astype(np.float64)
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
         xi = np.linspace(-1, 1, 2 * SECTIONS)
@@ -174,7 +202,7 @@ class _BeamForms:
             forms.add(columns, every_section),
             forms.add(range(forms.size), moments),
             forms.add(range(forms.size), deflections),
-            tuple(self.vibration(mode, bent, energies) for mode in self.modes),
+            tuple(self.vibration(of, bent) for of in vibrations),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.frequency,
@@ -182,24 +210,18 @@ class _BeamForms:
             self.rotations_act,
         )
 
-    def vibration(self, mode: HeldMode, bent: Matrix, energies: Matrix) -> WatchedVibration:
-        """The quantities of a vibration, and the share of its strain energy that the shapes miss.
-
-        The motion is divided among the vibrations by the strain energy, with respect to which they are orthogonal.
-        """
-        amplitudes = mode.motion[self.amplitudes]
-        forces = (amplitudes @ self.shapes.stiffness).ravel()
-        kept = float(forces @ amplitudes.ravel()) / 2
-        missed = float(np.sum((energies @ self.response(mode.motion)) ** 2))
-        size = float(np.abs(bent @ amplitudes.ravel()).max())
-        rate = self.forms.add(self.rates, size * forces[None] / (2 * kept))
+    def vibration(self, of: _Vibration, bent: Matrix) -> WatchedVibration:
+        """The quantities of a vibration, whose size is that of the deflection in this plane."""
+        size = float(np.abs(bent @ of.mode.motion[self.amplitudes].ravel()).max())
+        rate = self.forms.add(of.columns, size * of.part)
         late = self.forms.add([self.forms.size - 1], np.eye(1), rate)
-        return WatchedVibration(rate, late, mode.frequency, missed / (missed + kept))
+        return WatchedVibration(rate, late, of.mode.frequency, of.missed)
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
         """The deflection of the beam per unit of fields of its pieces."""
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.clamped)
 
+    @cached_property
     def missed(self) -> tuple[Matrix, Matrix, Matrix]:
         """The forms that the shapes miss: moments in sections of all pieces, the deflection, and energies (., z)."""
         moments, deflections, energies = list[Matrix](), np.zeros((PLACES, self.forms.size)), list[Matrix]()

@@ -130,7 +130,7 @@ def _flexible(runs: ModelRuns) -> tuple[dict[str, float], dict[str, float]]:
         seen = motion(flexible, TOLERANCE, monitored=True).validity
     except TisserandError:
         seen = ()
-    held = ((beam.name, held_modes(PieceShapes(beam), *start)) for beam in beam_bodies(flexible.scene))
+    held = ((beam.name, held_modes((PieceShapes(beam),), *start)) for beam in beam_bodies(flexible.scene))
     axial = {monitor.beam: monitor.value for monitor in seen if monitor.cause is Cause.AXIAL_FORCE}
     return {name: of_beam[0].frequency for name, of_beam in held if of_beam}, axial
 

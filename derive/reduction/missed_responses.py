@@ -1,0 +1,54 @@
+"""What the modes of a body miss of its static response to loads at markers and to the inertia of its modes.
+
+The response of all nodes, with inertia relief, less what the modes can represent of it: their response to the same
+loads. This is the difference of the methods of mode acceleration and of mode displacement (Craig, Structural Dynamics,
+1981, section 15.4). Free modes miss the deformation near the loads; Craig-Bampton modes miss that of the inertia alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, identity
+
+from derive.reduction.arithmetic import Array, symmetric_part
+from derive.reduction.body import prepare
+from derive.reduction.component_modes import balanced_responses
+from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
+from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
+from derive.reduction.integrals import mass_products
+from derive.reduction.interface import marker_motions
+from derive.spec.model.body import InterfaceMarker, NodalBody
+
+
+@dataclass(frozen=True, eq=False)
+class MissedResponses:
+    """The inner products of the fields that the modes miss, for each unit of the loads.
+
+    The loads are the forces, N, and moments, N m, of each marker, and then the accelerations of the modes. mass, energy
+    (loads, loads): with respect to the mass, and twice the strain energy. stiffness (N, N): of the modes.
+    """
+
+    mass: Array
+    energy: Array
+    stiffness: Array
+
+
+def missed_responses(body: NodalBody, markers: Sequence[InterfaceMarker]) -> MissedResponses:
+    """The responses that the modes of a body with a stiffness matrix miss. Raises SpecError, see `prepare`."""
+    assert body.data.stiffness is not None
+    known = prepare(body)
+    x = from_centre_of_mass(known.mass, known.shapes.x)
+    k, m, basis = symmetric_matrix(body.data.stiffness), mass_of_displacements(known.mass), rigid_basis(known.mass, x)
+    coordinates = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else csr_array(identity(x.size))
+    modes = known.shapes.phi.reshape(len(known.shapes.phi), -1)
+    inertia = -np.asarray((m @ modes.T).T)
+    loads = np.concatenate([*(marker_motions(x, marker, 1.0) for marker in markers), inertia])
+    responses = balanced_responses(k, m, coordinates, basis.reshape(len(basis), -1), loads)
+    forces = np.asarray((k @ modes.T).T)
+    responses -= np.linalg.solve(known.shapes.stiffness, forces @ responses.T).T @ modes
+    fields = projected_out(known.mass, basis, responses.reshape(len(responses), *x.shape))
+    energy = symmetric_part(responses @ np.asarray(k @ responses.T))
+    return MissedResponses(mass_products(known.mass, fields, fields), energy, known.shapes.stiffness)

@@ -1,0 +1,145 @@
+"""The error of the deformation of a finite-element body that the modes which are left out imply.
+
+The joints load a body at their markers, and its modes with their inertia. What the modes miss of the static response to
+these loads, root mean square over the run, is the first part of the error. The vibrations of the body, as its joints
+hold it, are too fast by half the share of the strain energy that is missed in them, and late by that: this is the
+second part, as that of a beam is (`implied_errors.py`). Loads that do not come from joints are left out; without a
+stiffness matrix nothing is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.roles import Role
+from derive.runtime.native_call import Matrix, ModelError, Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.configurations import rotation_matrix
+from derive.simulation.space.marker_frames import modal_frames_of
+from derive.simulation.validity.held_beam import SMALL, HeldMode, admitted_modes
+from derive.spec.model.body import InterfaceMarker
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+
+if TYPE_CHECKING:
+    from derive.reduction.missed_responses import MissedResponses
+
+MOST_ROWS = 300
+"""The states of a run that are looked at, evenly spaced."""
+RIGID = 6
+
+
+@dataclass(frozen=True, eq=False)
+class MissedModes:
+    """A finite-element body with the numbers of its amplitudes among the coordinates, and of their rates."""
+
+    scene: SpatialScene
+    body: FlexibleBody
+    native: NativeScene
+    k: Vector
+    columns: Sequence[int]
+    rates: Sequence[int]
+
+    def error(self, t: Vector, q: Matrix, v: Matrix) -> float:
+        """The implied error of the deformation in the states q (n, nq), v (n, nv) at t (n,), over its peak."""
+        some = np.unique(np.linspace(0, len(t) - 1, min(len(t), MOST_ROWS)).round().astype(int))
+        t, q, v = t[some], q[some], v[some]
+        try:
+            loads = np.array([self._loads(*state) for state in zip(t, q, v, strict=True)])
+        except ModelError:
+            return 0.0
+        missed = _sizes(loads, self.missed.mass)
+        sizes = _sizes(q[:, self.columns], self._mass(q[0]))
+        peak = float(np.hypot(sizes, missed).max())
+        late = sorted(self._late(mode, t, q[0], v) for mode in self._vibrations(float(t[0]), q[0]))
+        together = np.hypot(late[-1], np.linalg.norm(late[:-1]) / np.sqrt(2)) if late else 0.0
+        return float(np.hypot(_rms(missed), together) / peak) if peak else 0.0
+
+    @cached_property
+    def missed(self) -> MissedResponses:
+        """What the modes miss of the response to unit loads."""
+        from derive.reduction.missed_responses import missed_responses  # only for finite-element bodies
+
+        markers = [next(m for m in self.body.markers if m.name == name) for name, _ in self._held]
+        return missed_responses(self.body.body, [InterfaceMarker(m.name, m.nodes, m.weights) for m in markers])
+
+    @cached_property
+    def _held(self) -> list[tuple[str, slice]]:
+        """The markers at which joints hold the body, with their constraints."""
+        result, first = list[tuple[str, slice]](), 0
+        for joint in self.scene.joints:
+            last = first + self._count(joint)
+            result += [(end.marker, slice(first, last)) for end in (joint.first, joint.second) if end.body == self.name]
+            first = last
+        return result
+
+    @property
+    def name(self) -> str:
+        """The name of the body."""
+        return self.body.name
+
+    def _count(self, joint: SpatialJoint) -> int:
+        driven = sum(drive.joint == joint.name for drive in self.scene.drives)
+        return len(SPATIAL_JOINTS[joint.kind].rows(joint)) + driven
+
+    def _loads(self, t: float, q: Vector, v: Vector) -> Vector:
+        """The forces and moments of joints at their markers, in the axes of the body, and accelerations of modes."""
+        vdot, multipliers = self.native.solve(t, q, v, self.k)
+        first = self.rates[0] - RIGID
+        G = constraint_matrix(self.native, t, q, self.k)[:, first : first + RIGID] if len(multipliers) else None
+        quaternion = q[self.columns[0] - 4 : self.columns[0]]
+        Q = rotation_matrix(quaternion / np.linalg.norm(quaternion))
+        result = list[Vector]()
+        for name, rows in self._held:
+            assert G is not None
+            wrench = G[rows].T @ multipliers[rows]
+            force, frame = Q.T @ wrench[:3], modal_frames_of(self.body)[name]
+            result.append(force)
+            if len(next(m for m in self.body.markers if m.name == name).nodes) > 1:
+                result.append(wrench[3:] - np.cross(frame.point.position, force))
+        return np.concatenate([*result, vdot[self.rates]])
+
+    def _mass(self, q: Vector) -> Matrix:
+        straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
+        result: Matrix = mass_matrix(self.native, straight, self.k)[np.ix_(self.rates, self.rates)]
+        return result
+
+    def _vibrations(self, t: float, q: Vector) -> tuple[HeldMode, ...]:
+        straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
+        K = np.zeros((self.native.nv,) * 2)
+        K[np.ix_(self.rates, self.rates)] = self.missed.stiffness
+        return admitted_modes(K, self.native, self.k, t, straight, self.rates)
+
+    def _late(self, mode: HeldMode, t: Vector, q: Vector, v: Matrix) -> float:
+        """The lateness of a vibration, root mean square, in the norm of the mass."""
+        shape, stiffness = mode.motion[self.columns], self.missed.stiffness
+        kept = float(shape @ stiffness @ shape)
+        load = self._response(mode.motion, float(t[0]), q)
+        missed = float(load @ self.missed.energy @ load)
+        rate = _sizes(shape[None], self._mass(q))[0] * (v[:, self.rates] @ stiffness @ shape) / kept
+        late = missed / (missed + kept) / 2 * _rms(rate * (t - t[0]))
+        return min(late, np.sqrt(2) * _rms(rate) / mode.frequency)
+
+    def _response(self, motion: Vector, t: float, q: Vector) -> Vector:
+        """The change of the loads with a small motion from the undeformed state at rest."""
+        straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
+        step = SMALL * max(1.0, float(np.abs(straight).max())) / float(np.abs(motion).max())
+        still = np.zeros(self.native.nv)
+        ahead, behind = (self._loads(t, straight + sign * step * motion, still) for sign in (1, -1))
+        return (ahead - behind) / (2 * step)
+
+
+def _sizes(values: Matrix, products: Matrix) -> Vector:
+    """(n,): the norms of combinations (n, fields) with these inner products."""
+    return np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", values, products, values), 0.0))
+
+
+def _rms(values: Vector) -> float:
+    return float(np.sqrt(np.mean(values**2)))
