@@ -283,7 +283,9 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
     if costs.selected(requested) == "instances":
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
-        return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve", balanced)
+        return lower_instances(
+            mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve", balanced
+        )
     reason = "" if requested == "auto" else costs.reason(requested)
     try:
         return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant, balanced)
@@ -321,9 +323,7 @@ def _straight_line(
     balanced: bool = False,
 ) -> Model:
     """The model in straight-line code, with a proximal term if constraints are redundant whatever the numbers are."""
-    lowered = partial(
-        lower_flat, equations, choice, sensitivities=sensitivities, explicit=explicit, balanced=balanced
-    )
+    lowered = partial(lower_flat, equations, choice, sensitivities=sensitivities, explicit=explicit, balanced=balanced)
     idle = any(not c.jacobian for c in equations.constraints)
     if not equations.constraints or redundant == "error" or (redundant == "auto" and not idle):
         try:
