@@ -68,6 +68,13 @@ class InterpretedScene(NativeScene):
         return self._kernels.pattern(self._lone_markers[name], "jacobian")
 
 
+def with_iteration_matrix(native: NativeScene, model: Model) -> NativeScene:
+    """A compiled scene that has the iteration matrix of its model, interpreted where the library does without it."""
+    if model.has_iteration_matrix and native.jacobian_pattern is NO_PATTERN:
+        native.add_jacobian(model.pattern(JACOBIAN, "jac"), InterpretedFunction(model, model.kernel(JACOBIAN)))
+    return native
+
+
 class InterpretedFunction(CompiledFunction):
     """A function that is interpreted."""
 
