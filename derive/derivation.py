@@ -8,6 +8,7 @@ over the modes; `lower` unrolls them or generates loops, as the specification re
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import assert_never, get_args
 
 import numpy as np
@@ -235,6 +236,7 @@ def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explic
         sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters
             and inputs, which models with loops over the modes do not have.
         explicit: leave out the kernels of a scene that explicit integration does not call, which takes half the time.
+            A scene that starts in equilibrium or in steady motion keeps the iteration matrix, which gives its start.
 
     Raises:
         SpecError: if the specification requires straight-line code that would be too long, or has loops where
@@ -276,14 +278,17 @@ def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explic
 
 def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) -> Model:
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
+    balanced = mechanism.scene.start is not None
     costs = estimate_mechanism_costs(mechanism)
     if costs.selected(requested) == "instances":
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
-        return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve")
+        return lower_instances(
+            mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve", balanced
+        )
     reason = "" if requested == "auto" else costs.reason(requested)
     try:
-        return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant)
+        return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant, balanced)
     except RecursionError:
         raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 
@@ -291,6 +296,7 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
     """Straight-line code, or loops over instances where the specification asks for them or they are faster."""
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
+    balanced = mechanism.scene.start is not None
     if requested == "instances" and sensitivities:
         text = 'loops have no derivatives by parameters in space: lowering = "flat"'
         raise SpecError((Problem("scene.lowering", text),))
@@ -301,25 +307,31 @@ def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: b
     if choice:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
-        return lower_instances(mechanism, choice, explicit, proximal=redundant == "resolve")
+        return lower_instances(mechanism, choice, explicit, proximal=redundant == "resolve", balanced=balanced)
     try:
-        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant)
+        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant, balanced)
     except RecursionError:
         raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 
 
 def _straight_line(
-    equations: Equations, choice: str, sensitivities: bool, explicit: bool, redundant: Redundant = "auto"
+    equations: Equations,
+    choice: str,
+    sensitivities: bool,
+    explicit: bool,
+    redundant: Redundant = "auto",
+    balanced: bool = False,
 ) -> Model:
     """The model in straight-line code, with a proximal term if constraints are redundant whatever the numbers are."""
+    lowered = partial(lower_flat, equations, choice, sensitivities=sensitivities, explicit=explicit, balanced=balanced)
     idle = any(not c.jacobian for c in equations.constraints)
     if not equations.constraints or redundant == "error" or (redundant == "auto" and not idle):
         try:
-            return lower_flat(equations, choice, sensitivities=sensitivities, explicit=explicit)
+            return lowered()
         except DependentConstraints:
             if redundant == "error":
                 raise
-    return lower_flat(equations, choice, sensitivities=sensitivities, explicit=explicit, proximal=True)
+    return lowered(proximal=True)
 
 
 def lowered_form(derived: Equations | AnyMechanism, model: Model) -> Equations:

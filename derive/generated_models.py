@@ -46,10 +46,8 @@ def generated(spec: Specification) -> Generated:
 def generated_explicit(scene: AnyScene) -> Generated:
     """The model of a scene with the kernels that explicit integration calls, and its C, kept in the cache as well.
 
-    It is complete if the scene starts in equilibrium, which is computed with the iteration matrix.
+    It has the iteration matrix as well if the scene starts in equilibrium or in steady motion.
     """
-    if scene.start is not None:
-        return generated(scene)
     return _kept("explicit model", scene, lambda: _made(scene, explicit=True))
 
 

@@ -15,7 +15,7 @@ from derive.backends.c.source import ABI, CBackend
 from derive.backends.description import MODEL_HASH
 from derive.backends.protocol import Backend
 from derive.backends.python.backend import PythonBackend
-from derive.ir.model import Model
+from derive.ir.model import JACOBIAN, Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
@@ -40,8 +40,18 @@ def emit(model: Model, spec: Specification, backends: Sequence[str] = ("c", "pyt
 
 
 def explicit_files(model: Model, spec: Specification) -> tuple[File, ...]:
-    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest."""
-    return _with_hash(BACKENDS["c"].files(model, fingerprint(spec)))
+    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest.
+
+    The iteration matrix of straight-line code is left out, if it is there, as only starts need it: it is interpreted in
+    a hundredth of the time that the compiler takes.
+    """
+    return _with_hash(BACKENDS["c"].files(_without_iteration_matrix(model), fingerprint(spec)))
+
+
+def _without_iteration_matrix(model: Model) -> Model:
+    if model.lowering != "flat" or model.inputs:
+        return model
+    return dataclasses.replace(model, kernels=tuple(k for k in model.kernels if k.name != JACOBIAN))
 
 
 def fingerprint(spec: Specification) -> str:

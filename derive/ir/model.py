@@ -13,6 +13,8 @@ from derive.roles import Role
 from derive.short_text import WIDTH, listed, summary
 from derive.spec.model.time_function import Spline
 
+RESIDUAL = "residual"
+"""The name of the kernel of the residual of implicit integrators."""
 JACOBIAN = "jacobian"
 """The name of the kernel of the iteration matrix of implicit integrators."""
 PARAMETER_JACOBIAN = "parameter_jacobian"
@@ -213,7 +215,12 @@ class Model:
     @property
     def explicit(self) -> bool:
         """Whether the kernels are left out that explicit integration does not call."""
-        return all(kernel.name != JACOBIAN for kernel in self.kernels)
+        return all(kernel.name != RESIDUAL for kernel in self.kernels)
+
+    @property
+    def has_iteration_matrix(self) -> bool:
+        """Whether the model has the iteration matrix of index 3."""
+        return any(kernel.name == JACOBIAN for kernel in self.kernels)
 
     @property
     def sensitivities(self) -> bool:

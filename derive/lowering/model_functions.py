@@ -97,11 +97,12 @@ ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 
 
 def functions_of(
-    equations: Equations, sensitivities: bool = False, explicit: bool = False
+    equations: Equations, sensitivities: bool = False, explicit: bool = False, balanced: bool = False
 ) -> tuple[ModelFunction, ...]:
     """All functions of a model, in the order of the generated code; `sensitivities` adds those for derivatives.
 
-    explicit: without those of `IMPLICIT`.
+    explicit: without those of `IMPLICIT`; balanced: but with the iteration matrix, of which equilibria and steady
+    motions are computed.
     """
     mechanism = bool(equations.poses)
     in_space = any(isinstance(pose, SpatialPose) for pose in equations.poses)
@@ -112,7 +113,8 @@ def functions_of(
     if sensitivities:
         every += tuple(_of_sensitivities(mechanism))
     if explicit:
-        every = tuple(function for function in every if function.kind not in IMPLICIT)
+        kept = {JACOBIAN} if balanced else set()
+        every = tuple(function for function in every if function.kind not in IMPLICIT or function.name in kept)
     return tuple(map(_with_inputs, every)) if equations.inputs else every
 
 

@@ -111,14 +111,12 @@ def rigid_rows(body: Body, kept: Collection[sp.Symbol] = ()) -> tuple[sp.Expr, .
         expanded.dependent.projected(expanded.written(part), expanded.reasons).terms for part in (work.rigid, weight)
     )
     terms, _ = zeros.drop_terms(tuple(chain.from_iterable(complete)), expanded.reasons)
-    replaced = [definition for definition in reversed(expanded.definitions) if definition.symbol not in kept]
-    result = []
-    for row in body.motion.rigid_rows:
-        total = sp.Add(*(term.expr for term in terms if term.row == row.name))
-        for definition in replaced:
-            total = total.xreplace({definition.symbol: definition.expr})
-        result.append(total)
-    return tuple(result)
+    known: dict[sp.Basic, sp.Expr] = {}
+    for definition in expanded.definitions:  # each in terms of those before it
+        if definition.symbol not in kept:
+            known[definition.symbol] = definition.expr.xreplace(known)
+    totals = (sp.Add(*(t.expr for t in terms if t.row == row.name)) for row in body.motion.rigid_rows)
+    return tuple(total.xreplace(known) for total in totals)
 
 
 def _moments(

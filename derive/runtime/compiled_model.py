@@ -142,6 +142,11 @@ class Native:
             self._add(of, "evaluate", state, results, f"marker_{point}", order=marker.bound)
             self._add(of, "load", (m.nq, dimension, m.nk), (m.nv,), f"load_{point}", order=marker.bound)
 
+    def add_jacobian(self, pattern: Pattern, jacobian: CompiledFunction) -> None:
+        """Take the iteration matrix, which the library does without, from elsewhere."""
+        self.jacobian_pattern = pattern
+        self._compiled["jacobian"] = jacobian
+
     def _add(
         self,
         holder: Any,

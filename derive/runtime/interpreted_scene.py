@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from derive.ir.interpreter import RequirementError, check_requirement, interpret
 from derive.ir.kernel import Kernel
-from derive.ir.model import Model, Variable
+from derive.ir.model import JACOBIAN, Model, Variable
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ReturnCode
 from derive.ir.straight_line import StraightLine, straight_line_function
@@ -45,8 +45,7 @@ class InterpretedScene(NativeScene):
         self._lone_markers = {m.title: f"marker_{m.name}" for m in model.markers}
         self.inputs, self.outputs = _names(model.inputs), _names(model.outputs)
         self.mass_pattern = model.pattern("mass", "M")
-        implicit = any(kernel.name == "jacobian" for kernel in model.kernels)
-        self.jacobian_pattern = model.pattern("jacobian", "jac") if implicit else NO_PATTERN
+        self.jacobian_pattern = model.pattern(JACOBIAN, "jac") if model.has_iteration_matrix else NO_PATTERN
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
         self._compiled = CompiledFunctions(
             {kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels}
@@ -67,6 +66,13 @@ class InterpretedScene(NativeScene):
             of, number = self._instances[name]
             return of.pattern.among(of.columns[number], self.nv)
         return self._kernels.pattern(self._lone_markers[name], "jacobian")
+
+
+def with_iteration_matrix(native: NativeScene, model: Model) -> NativeScene:
+    """A compiled scene that has the iteration matrix of its model, interpreted where the library does without it."""
+    if model.has_iteration_matrix and native.jacobian_pattern is NO_PATTERN:
+        native.add_jacobian(model.pattern(JACOBIAN, "jac"), InterpretedFunction(model, model.kernel(JACOBIAN)))
+    return native
 
 
 class InterpretedFunction(CompiledFunction):

@@ -8,6 +8,7 @@ from dataclasses import replace
 from derive.artifacts import File
 from derive.errors import Problem, SpecError, quoted
 from derive.generated_models import generated, generated_explicit
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.dependence_note import dependence_note
@@ -185,6 +186,7 @@ class PreparedRun:
     def _compiled(self, files: Sequence[File]) -> tuple[NativeScene, Integrator]:
         """The compiled model, in which inputs follow functions in Python, and the integrator."""
         name, compiled = self.settings.integrator, self._compile(files)
+        with_iteration_matrix(compiled.native, self.complete_model)
         if not self.inputs:
             return compiled.native, compiled
         if compiled.through_python is None:

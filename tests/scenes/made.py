@@ -13,8 +13,11 @@ import zoo
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
+from derive.artifacts import File
 from derive.generated_models import generated, generated_explicit
+from derive.ir.model import Model
 from derive.runtime.compiler import ESSENTIAL
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -64,7 +67,11 @@ def make(spec: Any, complete: bool = False) -> Made:
     """
     assert isinstance(spec, Scene)
     model, files = generated(spec) if complete else generated_explicit(spec)
-    return Made(spec, model, load_scene(files, QUICK if complete else (*QUICK, *ESSENTIAL)), files)
+    return Made(spec, model, _loaded(model, files, complete), files)
+
+
+def _loaded(model: Model, files: tuple[File, ...], complete: bool) -> NativeScene:
+    return with_iteration_matrix(load_scene(files, QUICK if complete else (*QUICK, *ESSENTIAL)), model)
 
 
 @cache

@@ -60,12 +60,13 @@ def lower(
     elimination: EliminationRule = EliminationRule.SAFE,
     sensitivities: bool = False,
     explicit: bool = False,
+    balanced: bool = False,
     proximal: bool = False,
 ) -> Model:
     """The model, with all of its kernels, from its expanded equations.
 
     choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix;
-    sensitivities: with the derivatives with respect to the parameters; explicit: without the functions of `IMPLICIT`;
+    sensitivities: with the derivatives with respect to the parameters; explicit, balanced: see `functions_of`;
     proximal: with multipliers of least norm where constraints are redundant.
     Raises LoweringError if a kernel cannot be evaluated.
     """
@@ -73,7 +74,7 @@ def lower(
     context = Context(differentiated, elimination, proximal, sensitivities)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
-    every = functions_of(equations, sensitivities, explicit)
+    every = functions_of(equations, sensitivities, explicit, balanced)
     lowered = (implementations[function.kind](context, function) for function in every)
     kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
     setup, constants = setup_kernel(context, kernels)

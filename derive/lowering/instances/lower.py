@@ -63,6 +63,7 @@ def lower_instances(
     explicit: bool = False,
     sensitivities: bool = False,
     proximal: bool = False,
+    balanced: bool = False,
 ) -> Model:
     """The model of a mechanism in loops over its instances, see `derive.lowering.flat.lower`."""
     context = InstanceContext(mechanism, sensitivities, proximal)
@@ -72,7 +73,7 @@ def lower_instances(
     markers = Markers(context)
     named = replace(equations, markers=markers.equations, outputs=context.output_components)
     made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
-    functions = functions_of(named, sensitivities, explicit)
+    functions = functions_of(named, sensitivities, explicit, balanced)
     kernels = tuple(made[function.kind](context, function) for function in functions)
     setup, constants = _setup(context, kernels)
     for of in context.codes:

@@ -66,7 +66,7 @@ def start_state(spec: AnyScene | NodalBody, model: Model) -> StartState:
     if spec.inputs:
         redundant = "resolve" if model.proximal else spec.redundant
         spec = replace(with_functions(spec, {}), outputs=(), redundant=redundant)
-        model = lower(derive(spec), explicit=spec.start is None)  # equilibria and steady motions need derivatives
+        model = lower(derive(spec), explicit=True)
     state = state_of(spec, InterpretedScene(model))
     with mpmath.workdps(WORKING_DIGITS):
         q, v = _projected(model, *([_rounded(float(x)) for x in part] for part in (state.q, state.v)))

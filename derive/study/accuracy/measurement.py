@@ -19,6 +19,7 @@ from derive.remaining_time import RemainingTime
 from derive.runtime.compiler import QUICK_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.loading import load_data, model_library
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -134,7 +135,7 @@ def _prepared(changed: AnyScene, variant: ModelVariant) -> PreparedModel:
     complete = with_monitors(changed) if variant.monitored else changed
     code, files = generated_explicit(complete) if variant.explicit else generated(complete)
     name, library = model_library(files, variant.flags)
-    native = NativeScene(load_data(library), name)
+    native = with_iteration_matrix(NativeScene(load_data(library), name), code)
     own = len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     start = state_of(changed, native, native.setup())
     return PreparedModel(variant, changed, code, tuple(files), own, name, library, start)

@@ -36,7 +36,9 @@ TOLERANCE = 1e-10
 
 
 LEAST = 3
-"""The least number of models that make a reference."""
+"""The least number of models that make a reference, unless two agree so well that a third one would change nothing."""
+CLEARLY = 0.2
+"""The part of the error that is good enough, within which two models are a reference."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,8 @@ def _own(
 ) -> Reference:
     """The reference from the finest of ever finer models; its error is its difference from the one before.
 
-    Beyond `LEAST` models, finer ones are run only while that error is larger than `enough`.
+    Beyond `LEAST` models, finer ones are run only while that error is larger than `enough`; the third model only if the
+    error is larger than `CLEARLY` of it.
     """
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
@@ -110,7 +113,7 @@ def _own(
     variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in finer]
     models.expect(variants[:LEAST])
     for n, variant in enumerate(variants, 1):
-        if n > LEAST and difference is not None and difference <= enough:
+        if difference is not None and difference <= (enough if n > LEAST else CLEARLY * enough):
             break
         label = variant.model.label
         progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")

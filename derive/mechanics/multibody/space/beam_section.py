@@ -236,11 +236,18 @@ class SpatialBeamSection:
         return symbol
 
 
-def section_at_marker(parts: SpatialParts, marker: MarkerRef) -> SpatialBeamSection:
-    """The section of a beam at a marker, with its own axes."""
+def section_at_marker(parts: SpatialParts, marker: MarkerRef, of_frame: bool = False) -> SpatialBeamSection:
+    """The section of a beam at a marker, with its own axes or with those of the floating frame, made once."""
+    if (marker, of_frame) not in parts.sections:
+        parts.sections[marker, of_frame] = _section_at_marker(parts, marker, of_frame)
+    return parts.sections[marker, of_frame]
+
+
+def _section_at_marker(parts: SpatialParts, marker: MarkerRef, of_frame: bool) -> SpatialBeamSection:
     beam = next(body for body in parts.scene.bodies if body.name == marker.body)
     assert isinstance(beam, SpatialBeam)
     of = next(m for m in beam.markers if m.name == marker.marker)
-    axes = sp.Matrix(parts.at(marker).axes) * matrix_of(of.rotation).T
+    own = sp.Matrix(parts.at(marker).axes) * matrix_of(of.rotation).T
+    axes = sp.Matrix(parts.at(MarkerRef(beam.name, BODY_FRAME)).frame) if of_frame else own
     position = sp.Matrix(parts.at(marker).position)
     return SpatialBeamSection(f"{marker.body}_{marker.marker}_part", parts, beam, of.at, position, axes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
@@ -18,6 +18,7 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 if TYPE_CHECKING:
     from derive.mechanics.multibody.instances import InstanceEquations
     from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+    from derive.mechanics.multibody.space.beam_section import SpatialBeamSection
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
     from derive.mechanics.multibody.space.joint_motion import JointMotion
     from derive.mechanics.terms import ModelConstant
@@ -30,7 +31,8 @@ class SpatialParts:
     joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
     that has eliminated coordinates, the marker of the body that it supports. joints: all of them by their names.
     drive_multipliers: of each drive that is a constraint, its multiplier. motion: that of a joint by its name.
-    gear_loads: those of all gears. dissipations: the powers of dampings between components, W.
+    gear_loads: those of all gears. dissipations: the powers of dampings between components, W. sections: those of beams
+    that outputs have asked for so far, as several outputs of a section have its equilibrium in common.
     """
 
     scene: SpatialScene
@@ -44,6 +46,7 @@ class SpatialParts:
     motion: Callable[[str], JointMotion]
     gear_loads: tuple[MarkerLoad, ...]
     dissipations: Iterable[sp.Expr]
+    sections: dict[tuple[MarkerRef, bool], SpatialBeamSection] = field(default_factory=dict)
 
     def joint(self, name: str) -> SpatialJoint:
         """A joint by its name, with its constants as expressions."""

@@ -51,9 +51,9 @@ def _gap(doc: str, unit: str, gap: Callable[[SpatialBeamSection, int], sp.Expr])
     def components(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
         from derive.mechanics.multibody.space.beam_section import section_at_marker
 
-        section = section_at_marker(parts, values[SECTION.name])
-        if section.beam.order is DisplacementOrder.FIRST_ORDER:
-            section.axes = sp.Matrix(parts.at(MarkerRef(section.beam.name, BODY_FRAME)).frame)
+        marker = values[SECTION.name]
+        beam = next(body for body in parts.scene.bodies if body.name == marker.body)
+        section = section_at_marker(parts, marker, of_frame=beam.order is DisplacementOrder.FIRST_ORDER)
         expr, text = gap(section, values[AXIS.name]), f"{doc} at {values[SECTION.name]} along e{values[AXIS.name]}"
         return (SpatialComponent("", unit, text, expr, section.constants),)
 
