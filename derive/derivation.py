@@ -260,11 +260,13 @@ def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explic
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
         return _straight_line(derived.expanded(), "", sensitivities, explicit)
     estimate = cost_model.estimate_costs(derived.body)
+    needed = derived.lowering == "auto" and sensitivities and estimate.selected("auto") == "loops"
+    requested: Lowering = "flat" if needed else derived.lowering  # loops have no derivatives by parameters
     try:
-        flat = estimate.selected(derived.lowering) == "flat"
+        flat = estimate.selected(requested) == "flat"
     except cost_model.CodeTooLong as error:
         raise SpecError((Problem("body.lowering", str(error)),)) from None
-    reason = estimate.reason(derived.lowering)
+    reason = "unrolled, for derivatives by parameters" if needed else estimate.reason(requested)
     if sensitivities and not flat:
         raise SpecError(
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)

@@ -73,6 +73,10 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
             symbol = value["symbol"] if isinstance(value, Mapping) else None
             changes.append(SetValue(name, _shown(known[path]), _shown(new), symbol))
             tables = _replaced(tables, path, value)
+            terms = (*path[:-1], "terms")
+            if path[-1] == "order" and new == 1 and terms in known and path_text(terms) not in assignments:
+                changes.append(SetValue(path_text(terms), _shown(known[terms]), "left out, since those are of order 2"))
+                tables = _without(tables, terms)
         elif (added := _added(spec, tables, name, new)) is not None:
             if isinstance(added, Problem):
                 problems.append(added)
@@ -202,6 +206,14 @@ def _replaced(value: Any, path: KeyPath, new: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: _replaced(item, path[1:], new) if str(key) == path[0] else item for key, item in value.items()}
     return [_replaced(item, path[1:], new) if index == path[0] else item for index, item in enumerate(value)]
+
+
+def _without(tables: Mapping[str, Any], path: KeyPath) -> dict[str, Any]:
+    """A copy of tables without the key at a path."""
+    first, *rest = path
+    if not rest:
+        return {key: item for key, item in tables.items() if key != first}
+    return {key: _without(item, tuple(rest)) if key == first else item for key, item in tables.items()}
 
 
 def _value(text: str) -> Any:

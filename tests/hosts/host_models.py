@@ -253,6 +253,66 @@ output = 0.01
 EVERYWHERE = CHAINS | {"turning": SPATIAL}
 """The scenes that all interfaces take."""
 
+HINGED = """
+name = "NAME"
+scene.gravity = [0, 0, -9.81]
+ground.markers = { pivot = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } } }
+
+[bodies.rod]
+BODY
+
+[joints.hinge]
+kind = "revolute"
+between = ["ground.pivot", "rod.left"]
+start = { angle = 0.3, speed = 2 }
+
+[inputs.push]
+value = 0.2
+unit = "N"
+
+[forces.push]
+at = "rod.right"
+force = [0, { input = "push" }, 0]
+
+[outputs.tip]
+kind = "position"
+marker = "rod.right"
+
+[outputs.support]
+kind = "reaction"
+joint = "hinge"
+
+[simulation]
+duration = 0.1
+output = 0.01
+"""
+BEAM = """
+length = 3
+mass = 8
+rotary_inertia = 5e-3
+bending_stiffness = { symbol = "EI", default = 3600, unit = "N m^2" }
+lateral = { bending_stiffness = 900 }
+torsion = { ansatz = ["xi"], stiffness = 950 }
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+order = 2
+markers = { left = { at = -1, rotation = { z = [0, 1, 0], x = [1, 0, 0] } }, right = 1 }
+"""
+CRAIG_BAMPTON = f"""
+nodes = "{ROOT.as_posix()}/examples/spatial_rod.npz"
+units = "SI"
+modes = 7
+interface = ["left", "right"]
+
+[bodies.rod.markers]
+left = {{ nodes = [{", ".join(map(str, range(9)))}], rotation = {{ z = [0, 1, 0], x = [1, 0, 0] }} }}
+right = {{ nodes = [{", ".join(map(str, range(108, 117)))}] }}
+"""
+FLEXIBLE_IN_SPACE = {
+    name: HINGED.replace("NAME", name).replace("BODY", body)
+    for name, body in (("beam_in_space", BEAM), ("component_modes", CRAIG_BAMPTON))
+}
+"""A hinged rod: a beam in space of second order with a parameter, and a body with Craig-Bampton modes."""
+
 TABLE = """
 [tables]
 load = { file = "load.csv", x = "t", y = "F" }

@@ -16,7 +16,7 @@ from types import ModuleType, SimpleNamespace
 import casadi as ca
 import numpy as np
 import pytest
-from host_models import EVERYWHERE, PUSHED, STEERED, looked_up
+from host_models import EVERYWHERE, FLEXIBLE_IN_SPACE, PUSHED, STEERED, looked_up
 from programs import program, run
 
 import derive
@@ -30,7 +30,7 @@ MODELS = {
     "steered": lambda: parse(STEERED),
     "looked_up": looked_up,
     "block": lambda: replace(derive.read(ROOT / "scenes/block.toml"), lowering="flat"),
-    **{name: partial(parse, text) for name, text in EVERYWHERE.items()},
+    **{name: partial(parse, text) for name, text in (EVERYWHERE | FLEXIBLE_IN_SPACE).items()},
 }
 """A force, a prescribed motion, a table, a body in space."""
 

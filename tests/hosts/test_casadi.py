@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from host_models import EVERYWHERE, PUSHED, STEERED, looked_up
+from host_models import EVERYWHERE, FLEXIBLE_IN_SPACE, PUSHED, STEERED, looked_up
 from programs import program, run
 
 import derive
@@ -34,7 +34,7 @@ MODELS = {
     "four_bar": lambda: derive.read(ROOT / "scenes/four_bar.toml"),
     "spinning_beam": lambda: derive.read(ROOT / "scenes/spinning_beam.toml"),
     "block": lambda: replace(derive.read(ROOT / "scenes/block.toml"), lowering="flat"),
-    **{name: partial(parse, text) for name, text in EVERYWHERE.items()},
+    **{name: partial(parse, text) for name, text in (EVERYWHERE | FLEXIBLE_IN_SPACE).items()},
 }
 """A force, a prescribed motion, a function of the time, a table, a scene without ports, bodies in plane and space."""
 
@@ -110,6 +110,21 @@ def test_products_with_the_jacobians(name: str, folder: Path) -> None:
     results = [f.reverse(1).call([*at, *values, *reverse])[1:] for f in (function, own)]
     for ours, theirs in zip(*results, strict=True):
         assert close(ours, theirs)
+
+
+@pytest.mark.parametrize("name", FLEXIBLE_IN_SPACE)
+def test_accelerations_of_flexible_bodies_in_space_are_those_of_the_c(name: str, folder: Path) -> None:
+    """In several states beside the start, to 1e-12 of the largest; CasADi calls the library, and our runtime the C."""
+    host, function = host_of(name), ca.external(name, str(library(name, folder)))
+    native, rng = derive.load(host.files), np.random.default_rng(5)
+    for _ in range(5):
+        _, x, u, p = point(host, rng)
+        x[7 : native.nq] *= 0.01  # amplitudes
+        e0 = native.coordinates.index("rod_e0")
+        x[e0 : e0 + 4] /= np.linalg.norm(x[e0 : e0 + 4])
+        q, v, k = x[: native.nq], x[native.nq :], native.with_inputs(native.setup(p), u)
+        exact = np.concatenate([native.rates(q, v, k), native.solve(0.0, q, v, k)[0]])
+        assert np.array(function(0, x, u, p)[0]).ravel() == pytest.approx(exact, rel=0, abs=1e-12 * np.abs(exact).max())
 
 
 def test_the_initial_values(folder: Path) -> None:

@@ -45,6 +45,17 @@ def test_the_specification_has_the_last_word(lowering: str) -> None:
     assert "as the specification asks" in model.choice and "predicted evaluation time" in model.choice
 
 
+def test_derivatives_by_parameters_unroll_what_is_left_to_the_program() -> None:
+    equations = derive.derive(derive.symbolic_body("b", 2, frame="given"))
+    model = derive.lower(equations, sensitivities=True)
+    assert (derive.lower(equations).lowering, model.lowering) == ("loops", "flat")
+    assert model.choice == "unrolled, for derivatives by parameters"
+    assert "parameter_jacobian" in [kernel.name for kernel in model.kernels]
+    loops = derive.derive(derive.symbolic_body("b", 2, frame="given", lowering="loops"))
+    with pytest.raises(derive.SpecError, match="loops have no derivatives by parameters"):
+        derive.lower(loops, sensitivities=True)
+
+
 def test_the_choice_is_said_with_its_numbers() -> None:
     model = derive.lower(derive.derive(derive.read(ROOT / "scenes/block.toml")))
     assert model.choice.startswith("unrolled, the faster form; predicted evaluation time of h: 4")

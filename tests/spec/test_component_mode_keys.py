@@ -11,6 +11,7 @@ import pytest
 import derive
 from derive.derivation import reduced_bodies
 from derive.notes.body_notes import body_notes, notes_on_flexible_bodies
+from derive.spec.set_values import with_values
 from spring_lattice import lattice
 
 MARKERS = {"left": {"nodes": [0, 1, 2, 3]}, "right": {"nodes": [8, 9, 10, 11]}, "a": 0, "b": 11, "middle": 5}
@@ -40,6 +41,14 @@ def test_what_does_not_go_together_is_one_line(keys: dict[str, Any], path: str, 
     wrong = [problem for problem in raised.value.problems if problem.path == f"bodies.truss.{path}"]
     assert text in wrong[0].message
     assert "\n" not in wrong[0].message
+
+
+def test_an_interface_without_markers_is_none() -> None:
+    """As `--set bodies.truss.interface=[]` writes it, beside component_modes=free or alone."""
+    crane = scene(modes=8, interface=["left", "right"])
+    free, _ = with_values(crane, {"bodies.truss.interface": "[]", "bodies.truss.component_modes": "free"})
+    assert (free.bodies[0].body.component_modes, free.bodies[0].body.interface) == ("free", ())
+    assert scene(modes=8, interface=[]).bodies[0].body.component_modes is None
 
 
 @pytest.mark.parametrize("names", [["a"], ["a", "b"]])

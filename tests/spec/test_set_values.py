@@ -119,3 +119,16 @@ def test_values_are_checked_as_those_of_a_file(name: str, value: str, message: s
     with pytest.raises(derive.SpecError) as error:
         with_values(SPINNING, {name: value})
     assert str(error.value).startswith("--set: ") and message in str(error.value)
+
+
+def test_a_beam_of_second_order_without_it_has_no_terms_either() -> None:
+    """The terms that a specification need not write are left out; those that are set beside the order are refused."""
+    second = {"length": 1, "mass": 1, "bending_stiffness": 1, "order": 2}
+    flat = derive.scene("flat", bodies={"rod": second})
+    space = derive.spatial_scene("space", bodies={"rod": second | {"rotary_inertia": 1}})
+    for scene in (flat, space):
+        first, changes = with_values(scene, {"bodies.rod.order": "1"})
+        assert [change.key for change in changes] == ["bodies.rod.order", "bodies.rod.terms"]
+        assert with_values(first, {"bodies.rod.order": "2"})[0].bodies == scene.bodies
+        with pytest.raises(derive.SpecError, match="is for beams of order 2"):
+            with_values(scene, {"bodies.rod.order": "1", "bodies.rod.terms": "full"})

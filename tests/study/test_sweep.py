@@ -341,3 +341,19 @@ def test_bodies_in_space_are_refused() -> None:
     body = derive.read(ROOT / "scenes/body_symbolic.toml")
     with pytest.raises(SpecError, match="a sweep runs scenes and single beams"):
         make_plan(body, grid({"m": [1]}), ["peak"], RunOptions())
+
+
+def test_a_beam_in_space_is_swept_with_its_pieces(threads: Executor) -> None:
+    """A rod of two pieces that swings about a hinge, as `simulate` has it."""
+    rod = {"length": 1, "mass": 1, "bending_stiffness": 2, "rotary_inertia": 1e-3, "ansatz": ["1", "xi", "xi^2"]}
+    body = {"rod": rod | {"pieces": 2, "markers": {"left": -1, "tip": 1}}}
+    hinge = {"hinge": {"kind": "revolute", "between": ["ground.o", "rod.left"]}}
+    tip = {"tip": {"kind": "position", "marker": "rod.tip"}}
+    places = {"gravity": (0, -10, 0), "ground": {"o": (0, 0, 0)}}
+    scene = derive.spatial_scene("swing", bodies=body, joints=hinge, outputs=tip, **places)
+    samples = grid({"bodies.rod.bending_stiffness": [1, 3]})
+    heights = sweep(scene, samples, "final:tip_2", duration=0.1, interval=0.1, executor=threads)["final:tip_2"]
+    run = replace(scene, simulation=derive.Simulation(duration=0.1, output=0.1))
+    own = [derive.simulate(with_values(run, {"bodies.rod.bending_stiffness": x})[0])["tip_2"][-1] for x in "13"]
+    assert heights == pytest.approx(own, rel=1e-6)
+    assert abs(heights[0] - heights[1]) > 1e-3

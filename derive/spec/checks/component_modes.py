@@ -13,7 +13,7 @@ STATIC = {"craig_bampton": "static modes without the six rigid motions", "attach
 
 def asks_for_component_modes(body: Mapping[str, object]) -> bool:
     """Whether modes are computed even where the files contain some."""
-    return "component_modes" in body or "interface" in body
+    return "component_modes" in body or bool(body.get("interface"))
 
 
 def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Fault]:
@@ -35,7 +35,7 @@ def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Itera
         return
     if kind not in STATIC:
         return
-    if "interface" not in body:
+    if not names:
         text = f'{kind} modes need an interface: the markers at which joints hold the body, interface = ["left"]'
         yield Fault(("body", "component_modes"), text)
     if isinstance(names, (list, tuple)):

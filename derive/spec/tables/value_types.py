@@ -243,8 +243,8 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.BEAM_POINTS: markers_type(_position, "places", Marker),
     KeyType.NODE_POINTS: markers_type(_count, "nodes", NodeMarker),
     KeyType.MARKER_NAMES: Annotated[
-        _several(_name_of, 1, MAX_MARKERS, "markers", 'names of markers is needed, such as ["left", "right"]'),
-        SchemaExtra(minItems=1, maxItems=MAX_MARKERS, uniqueItems=True),
+        _several(_name_of, 0, MAX_MARKERS, "markers", 'names of markers is needed, such as ["left", "right"]'),
+        SchemaExtra(maxItems=MAX_MARKERS, uniqueItems=True),
     ],
     KeyType.NODES: Nodes,
     KeyType.UNITS: UnitNames,

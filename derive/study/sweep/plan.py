@@ -21,6 +21,7 @@ from derive.simulation.redundant_joints import refuse_dependent, with_redundant_
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.studied_scene import without_initial_values
@@ -206,7 +207,7 @@ def _prepared(scene: AnyScene) -> PreparedRun:
 def _simulated(spec: Specification, options: RunOptions) -> AnyScene:
     assert isinstance(spec, AnyScene | PlanarBeam), "values do not change what is specified"
     scene = beam_scene(spec) if isinstance(spec, PlanarBeam) else spec
-    return with_simulation(scene, options.duration, options.interval, options.tolerance, options.until)
+    return in_pieces(with_simulation(scene, options.duration, options.interval, options.tolerance, options.until))
 
 
 def _symbol(name: str, changes: Sequence[SetValue]) -> str | None:
