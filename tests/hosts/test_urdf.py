@@ -1,4 +1,4 @@
-"""Robots become the mechanisms that Pinocchio makes of their descriptions, and those that are written are read by it."""
+"""Imported robots are the mechanisms that Pinocchio makes of their descriptions, and it reads those that are exported."""
 
 from __future__ import annotations
 

@@ -83,7 +83,9 @@ def _notes(scene: SpatialScene, native: NativeScene, k: Vector, t: Vector, q: Ma
 
 def uncounted(scene: SpatialScene, native: NativeScene) -> Iterator[SpatialSpring]:
     """The rotational springs whose turns nothing counts; a damper alone has no torque that could jump."""
-    for spring in (spring for spring in scene.springs if spring.kind == "rotational" and spring.values["stiffness"] != 0):
+    for spring in scene.springs:
+        if spring.kind != "rotational" or spring.values["stiffness"] == 0:
+            continue
         joint = scene.joint_between(spring.first, spring.second)
         if joint is not None:
             of = SPATIAL_JOINTS[joint.kind]
