@@ -1,4 +1,4 @@
-"""Imported robots are the mechanisms that Pinocchio makes of their descriptions, and it reads those that are exported."""
+"""Imported robots are the mechanisms that Pinocchio makes of their descriptions; it reads those that are exported."""
 
 from __future__ import annotations
 
