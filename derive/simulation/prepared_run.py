@@ -30,6 +30,7 @@ from derive.simulation.redundant_joints import foreseen, with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.simulated_scene import surroundings
 from derive.simulation.space.half_turns import half_turn_notes
+from derive.simulation.space.joint_limits import joint_limit_notes
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
 from derive.simulation.validity.fast_spin import fast_spin_notes
@@ -159,6 +160,7 @@ class PreparedRun:
         )
         solution = integrator.integrate(k, q, v, times, settings)
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
+        foreseen += (*joint_limit_notes(self.scene, native, k, solution.t, solution.q),)
         foreseen += (*fast_spin_notes(self.scene, self.body, native, k, solution.q, solution.v),)
         foreseen += (*mode_notes(self.scene, native, k, solution.t, solution.q, solution.v),)
         if earlier is not None:

@@ -150,6 +150,8 @@ class _Reader:
         limit, dynamics = element.first("limit"), element.first("dynamics")
         keys = ("lower", "upper", "effort", "velocity")
         limits = Limits(*(self.number(limit, key, path, None) for key in keys)) if limit else None
+        if limits and limits.lower is not None and limits.upper is not None and limits.lower > limits.upper:
+            self.fault(limit or element, f"{path}.limit", "lower is above upper; exchange the two")
         damping, friction = (self.number(dynamics, key, path, 0.0) or 0.0 for key in ("damping", "friction"))
         if damping < 0:
             self.fault(dynamics or element, f"{path}.damping", f"damping is not negative, and this is {damping:g}")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
@@ -18,6 +17,7 @@ from derive.spec.model.markers import GROUND
 from derive.spec.parsing.names import free_name
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.inertia_tensor import check_tensor
+from derive.urdf.left_out import left_out
 from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, locked_joints, rigid_bodies
 from derive.urdf.robot import HERE, JointKind, Placement, Robot, RobotJoint
 from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, number_text
@@ -36,8 +36,6 @@ KINDS = {
 
 OWN_MARKER = "joint"
 """The marker at which the joint that moves a body acts on it."""
-
-GEOMETRY = ("visual", "collision")
 
 
 @dataclass(frozen=True)
@@ -111,7 +109,9 @@ class _Writer:
         self.check_masses()
         name = self.name(self.robot.name)
         tables = [*self.ground(), *self.body_tables(), *self.joint_tables(), *self.ports()]
-        self.note_rest()
+        if self.renamed:
+            self.notes.append(f"renamed: {', '.join(self.renamed)}")
+        self.notes += left_out(self.robot, [body.joint for body in self.bodies if body.joint])
         head = [
             f"# The robot {printable(self.robot.name)}, written by `tisserand import`.",
             *(f"# {note}" for note in self.notes),
@@ -198,8 +198,8 @@ class _Writer:
             if joint is None or joint.kind is JointKind.FLOATING:
                 continue
             name = self.joints[joint.name]
-            yield from self.limits(joint)
             yield from [f"[joints.{name}]", f'kind = "{KINDS[joint.kind]}"', f"between = {self.between(body)}"]
+            yield from self.limits(joint)
             if joint.kind.has_one_motion and not joint.mimic:
                 yield f"start = {{ {'angle' if joint.kind.turns else 'displacement'} = 0 }}"
             yield ""
@@ -234,19 +234,17 @@ class _Writer:
         yield from [f"between = {self.between(body)}", ""]
 
     def limits(self, joint: RobotJoint) -> Iterator[str]:
-        """The limits of a joint as a comment."""
-        if joint.limits is None:
+        """The limits of a joint with one motion: of its position as a key, of effort and speed as a comment."""
+        limits, (unit, effort) = joint.limits, ("rad", "N m") if joint.kind.turns else ("m", "N")
+        if limits is None or not joint.kind.has_one_motion:
             return
-        unit, effort = ("rad", "N m") if joint.kind.turns else ("m", "N")
-        limits, parts = joint.limits, []
-        if joint.kind is not JointKind.CONTINUOUS and not (limits.lower is None and limits.upper is None):
-            parts.append(f"{limits.lower or 0:g} to {limits.upper or 0:g} {unit}")
-        if limits.velocity:
-            parts.append(f"{limits.velocity:g} {unit}/s")
-        if limits.effort:
-            parts.append(f"{limits.effort:g} {effort}")
-        if parts:
-            yield f"# limits, which nothing enforces: {', '.join(parts)}"
+        others = [(limits.effort, effort), (limits.velocity, f"{unit}/s")]
+        comment = ", ".join(f"{value:g} {of}" for value, of in others if value)
+        if joint.kind is JointKind.CONTINUOUS or (limits.lower is None and limits.upper is None):
+            if comment:
+                yield f"# limits: {comment}"
+        else:
+            yield f"limits = {list_text((limits.lower or 0, limits.upper or 0))}{f'  # {comment}' if comment else ''}"
 
     def ports(self) -> Iterator[str]:
         """An input for each joint with one motion that does not follow another one, and an output, its position."""
@@ -261,29 +259,6 @@ class _Writer:
         for joint in moved:
             name = self.joints[joint.name]
             yield from [f"[outputs.{self.name(f'q_{name}')}]", 'kind = "joint"', f'joint = "{name}"', ""]
-
-    def note_rest(self) -> None:
-        """Note what is left out and renamed."""
-        if self.renamed:
-            self.notes.append(f"renamed: {', '.join(self.renamed)}")
-        locked = [j for j in self.robot.joints.values() if j.name in self.locked and j.kind is not JointKind.FIXED]
-        if locked:
-            self.notes.append(f"do not move, since the joints that they follow do not: {_names(locked)}")
-        rubbing = [j for j in self.robot.joints.values() if j.friction and j.name not in self.locked]
-        if rubbing:
-            self.notes.append(f"friction is left out, of {_names(rubbing)}")
-        several = [j for j in self.robot.joints.values() if j.name in self.joints and not j.kind.has_one_motion]
-        damped = [j for j in several if j.damping]
-        if damped:
-            self.notes.append(f"damping of joints with several motions is left out, of {_names(damped)}")
-        outside = [j for b in self.bodies if (j := b.joint) and j.kind.has_one_motion and _outside(j)]
-        if outside:
-            where = f"outside of the limits of {_names(outside)}"
-            self.notes.append(f"the zero position, in which the motion begins, is {where}")
-        drawn = [f"{self.robot.unread[tag]} <{tag}>" for tag in GEOMETRY if tag in self.robot.unread]
-        rest = [f"{n} <{printable(tag)}>" for tag, n in self.robot.unread.items() if tag not in GEOMETRY]
-        if unread := [*drawn, *rest]:
-            self.notes.append(f"not read: {', '.join(unread)}")
 
 
 def _heavy(body: RobotBody) -> str:
@@ -313,14 +288,3 @@ def _frame_of_joint(joint: RobotJoint, part: LinkPart) -> str:
         angles = f'{{ angles = {list_text((yaw, pitch, roll))}, sequence = "zyx" }}'
         return f"{{ at = {list_text(joint.origin.xyz)}, rotation = {angles} }}"
     return frame_text(part.placement.of(joint.origin.placement), axes)
-
-
-def _names(joints: Sequence[RobotJoint]) -> str:
-    return ", ".join(printable(joint.name) for joint in joints)
-
-
-def _outside(joint: RobotJoint) -> bool:
-    if joint.limits is None or joint.kind is JointKind.CONTINUOUS or joint.mimic:
-        return False
-    lower, upper = joint.limits.lower, joint.limits.upper
-    return not ((lower if lower is not None else -math.inf) <= 0 <= (upper if upper is not None else math.inf))

@@ -175,6 +175,8 @@ class SpatialDraft:
         name = self.name("joints")
         ends = [self.marker(first, at, axes), self.marker(second, at, axes)]
         self.section("joints")[name] = {"kind": kind, "between": ends}
+        if kind in ("revolute", "prismatic") and Draws(f"limits {ends}").chance(0.2):
+            self.section("joints")[name]["limits"] = [-0.3, 0.2]  # type: ignore[index]
         if kind == "screw":
             pitch = self.size * self.draws.between(0.05, 0.5) * self.draws.choice([1, -1])
             self.section("joints")[name]["pitch"] = self.quantity(rounded(pitch, 2), "m")  # type: ignore[index]

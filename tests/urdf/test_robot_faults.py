@@ -43,6 +43,7 @@ def test_all_faults_are_told_at_once() -> None:
         joint("j", "a", "c"),
         joint("k", "a", "b", "screw"),
         joint("l", "a", "b", "revolute", '<axis xyz="0 0 0"/><origin xyz="1 2"/><mimic joint="none"/>'),
+        joint("m", "a", "d", "revolute", '<limit lower="1" upper="-1"/>'),
         '<link name="d"><inertial><mass value="-1"/><inertia ixx="1" iyy="x" izz="nan"/></inertial></link>',
     )
     assert [line for line, _ in found] == sorted(line or 0 for line, _ in found)
@@ -55,9 +56,10 @@ def test_all_faults_are_told_at_once() -> None:
         '7: joint l.origin.xyz: 3 numbers needed, not "1 2"',
         '7: joint l.mimic: there is no joint "none"',
         'link "b" has a parent already, by joint "k" in line 6',
-        "8: link d.mass: the mass is -1 kg; masses are not negative",
-        '8: link d.inertia.iyy: a number needed, not "x"',
-        '8: link d.inertia.izz: a number needed, not "nan"',
+        "8: joint m.limit: lower is above upper",
+        "9: link d.mass: the mass is -1 kg; masses are not negative",
+        '9: link d.inertia.iyy: a number needed, not "x"',
+        '9: link d.inertia.izz: a number needed, not "nan"',
     ):
         assert expected in text
 

@@ -20,13 +20,16 @@ from derive.simulation.space.marker_frames import own_frame
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.spatial_bodies import NO_ROTATION, FrameMarker, SpatialRigidBody
+from derive.spec.model.spatial_bodies import FrameMarker, SpatialRigidBody
+from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.specification import Specification
 from derive.urdf.robot import JointKind, Matrix, Placement, Vector
 from derive.urdf.texts import number_text
 
+UNLIMITED = 1e9
+"""The limits of a joint that has none, where a URDF needs them, in SI units."""
 WORLD = "world"
 """The link of the ground."""
 
@@ -92,8 +95,11 @@ def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict
     if own is None or kind is JointKind.FIXED:
         return
     ET.SubElement(joint, "axis", xyz=f"0 0 {branch.sign}")
-    if kind is JointKind.PRISMATIC:  # limits are required of it, and nothing limits it
-        ET.SubElement(joint, "limit", lower="-1e9", upper="1e9", effort="1e9", velocity="1e9")
+    if own.limits or kind is JointKind.PRISMATIC:  # which needs limits, where nothing limits it
+        kind = JointKind.REVOLUTE if kind is JointKind.CONTINUOUS else kind
+        joint.set("type", kind.value)
+        lower, upper = map(number_text, own.limits or (-UNLIMITED, UNLIMITED))
+        ET.SubElement(joint, "limit", lower=lower, upper=upper, effort=f"{UNLIMITED:g}", velocity=f"{UNLIMITED:g}")
     if damping := sum(map(_damping, _dampers(scene, own))):
         ET.SubElement(joint, "dynamics", damping=number_text(damping))
     if gear := _first_of(scene, own.name):

@@ -13,6 +13,7 @@ from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import NAMED, JointInitialValues
 from derive.spec.model.spatial_scene import SpatialJointInitialValues
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
+from derive.spec.parsing.values import WrongValueError, number
 
 
 def joint_type_of(joint: Raw) -> SpatialJointType | None:
@@ -38,6 +39,17 @@ def joint_faults(view: SceneData) -> Iterator[Fault]:
         if joint_type and joint_type.keeps_distance and "distance" not in joint:
             text = "a joint that keeps a distance needs the key `distance`, such as distance = 0.3"
             yield Fault(("joints", name), text)
+        if _are_exchanged(joint.get("limits")):
+            yield Fault(("joints", name, "limits"), "the first limit is the smaller one; exchange the two")
+
+
+def _are_exchanged(limits: object) -> bool:
+    """Whether these are two numbers of which the first is the larger one."""
+    try:
+        lower, upper = map(number, limits) if isinstance(limits, (list, tuple)) else (0, 0)
+    except (WrongValueError, ValueError):  # which the types of the keys report
+        return False
+    return lower > upper
 
 
 def _without_rotation(

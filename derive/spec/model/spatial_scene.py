@@ -127,6 +127,15 @@ class SpatialJoint:
             example="0.005",
         ),
     ] = None
+    limits: Annotated[
+        tuple[float, float] | None,
+        key(
+            KeyType.FLOAT_PAIR,
+            "Least and largest motion of a revolute, screw or prismatic joint, rad or m. Nothing enforces them; a "
+            "simulation notes where a joint passes them.",
+            example="[-1.5, 2]",
+        ),
+    ] = None
     start: Annotated[
         SpatialJointInitialValues, key(SpatialJointInitialValues, "Initial values of the relative motion.")
     ] = NO_JOINT_START

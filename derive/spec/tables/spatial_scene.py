@@ -36,7 +36,7 @@ from derive.spec.tables.spatial_bodies import bodies_in_space, flexible_body
 from derive.spec.tables.specification import SpecificationKeys
 
 declare(SpatialJointInitialValues, "SpatialJointStartTable")
-OF_KIND = ("removes", "distance", "pitch")
+OF_KIND = ("removes", "distance", "pitch", "limits")
 """The fields of a joint in space that are keys of some kinds alone."""
 
 

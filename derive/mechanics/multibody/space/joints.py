@@ -75,6 +75,7 @@ class SpatialJointType:
             *((_KEYS["removes"],) if self.removes is None else ()),
             *((_KEYS["distance"],) * self.keeps_distance),
             *((replace(_KEYS["pitch"], required=True),) * self.is_screw),
+            *((_KEYS["limits"],) * (self.driven is not None)),
         )
 
     def removed(self, joint: SpatialJoint) -> tuple[str, ...]:
