@@ -3,8 +3,8 @@
 The folder is `tisserand` in $XDG_CACHE_HOME, or in `~/.cache`. Only the user may read or write it and its files
 (0700, 0600); a folder or a file that belongs to someone else, or that others may use, is never used. A file begins
 with the SHA-256 of its name and content. Its name is the hash of all that the content depends on, so that nothing is
-ever out of date; that of `durations.py` alone is always the same. Files are written beside their names and then renamed, so that a process that is killed leaves nothing
-that is read.
+ever out of date; that of `durations.py` alone is always the same. Files are written beside their names and then
+renamed, so that a process that is killed leaves nothing that is read.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ class SimulationProgress:
         self._label, self._end, self._next = label, duration, 0.0
         self._first: tuple[float, float] | None = None
         self._line = DelayedLine(after)
-        self._line.show(f"simulating {label}: compiling ...")
+        self._line.show(f"simulating {label}: preparing the run ...")
 
     def __call__(self, reached: float) -> None:
         """Show that the simulation has reached this time (s)."""

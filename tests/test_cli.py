@@ -78,6 +78,43 @@ def test_manifest_tells_what_was_made(tmp_path: Path) -> None:
     assert manifest["specification_sha256"] in (tmp_path / "free_beam_mean/free_beam_mean.h").read_text()
 
 
+CHAIN = """
+name = "chain"
+[scene]
+lowering = "instances"
+[bodies.link]
+count = 3
+mass = 1
+inertia = 1
+markers = { left = [-1, 0], right = [1, 0] }
+start = { position = ["2*i", 0] }
+[joints.hinge]
+count = 2
+kind = "revolute"
+between = ["link[i].right", "link[i+1].left"]
+[simulation]
+duration = 1
+output = 0.5
+"""
+
+
+def test_bodies_in_loops_are_not_written_out_to_be_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An initial state without rates takes no derivatives of poses either: both take long in chains of many bodies."""
+
+    def refused(*_: object) -> None:
+        raise AssertionError("this takes the square of the number of bodies")
+
+    monkeypatch.setattr("derive.pipeline.Built.equations", property(refused))
+    monkeypatch.setattr("derive.simulation.initial.kinematics.Kinematics.grouped", refused)
+    (tmp_path / "chain.toml").write_text(CHAIN)
+    assert main(["build", str(tmp_path / "chain.toml"), "--out", str(tmp_path), "--json"]) == 0
+    (model,) = json.loads(capsys.readouterr().out)
+    stages = {stage["name"]: stage for stage in model["stages"]}
+    assert stages["derive"]["terms"] is None and stages["lower"]["nonzeros"] == 9 and "start" in stages
+
+
 def test_compare_shows_both_frames(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", MEAN, POINT]) == 0
     output = capsys.readouterr().out

@@ -8,7 +8,7 @@ from typing import Any
 
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.arguments.keywords import keywords
-from derive.cli.result_files import planned_files, print_result, study_files
+from derive.cli.result_files import drawing, planned_files, print_result, study_files
 from derive.cli.specifications import read_scene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.chart import accuracy_svg
@@ -42,8 +42,9 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
             raise
         chart, interrupted = parts[-1], True
     data = accuracy_data(chart)
-    files = _files(chart, data)
-    write(files, folder)
+    with drawing(scene.name):
+        files = _files(chart, data)
+        write(files, folder)
     print_result(accuracy_text(chart), data, [str(folder / file.path) for file in files], options.json)
     return INTERRUPTED if interrupted else 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.keywords import keywords
-from derive.cli.result_files import planned_files, print_result, study_files
+from derive.cli.result_files import drawing, planned_files, print_result, study_files
 from derive.spec.model.specification import AnyScene
 from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import study_methods
@@ -25,7 +25,8 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     study = study_methods(scene, **keywords(study_methods, options), progress=True)
     data, table = methods_data(study), failure_table(failures(study))
-    files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})
-    write(files, folder)
+    with drawing(scene.name):
+        files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})
+        write(files, folder)
     print_result(methods_text(study), data, [str(folder / file.path) for file in files], options.json)
     return 0

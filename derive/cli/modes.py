@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from derive.artifacts import BinaryFile, File, check_folder, write
+from derive.cli.result_files import drawing
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.notes.conditioning import condition_warnings
@@ -44,8 +45,9 @@ def run(options: argparse.Namespace) -> int:
         raise with_lines(error, options.spec) from None
     finally:
         show_progress()
-    files = _files(result, options.count)
-    write(files, options.out)
+    with drawing(spec.name):
+        files = _files(result, options.count)
+        write(files, options.out)
     names = [str(options.out / file.path) for file in files]
     doubts = [*warnings(options.spec, [change.key for change in changes]), *condition_warnings(spec)]
     if isinstance(spec, SymbolicBody):

@@ -7,12 +7,14 @@ which no name of a plot has; studies and sweeps name them after themselves.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from derive.artifacts import MARK, BinaryFile, File, sha256
 from derive.errors import Problem, SpecError, quoted
+from derive.progress_line import show_progress
 from derive.spec.model.plots import Plot
 from derive.version import VERSION
 
@@ -61,6 +63,16 @@ def study_files(study: str, data: Mapping[str, Any], content: Mapping[str, str |
     hashes = {file.path: sha256(file.data) for file in files if file.record}
     everything = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": hashes}
     return [*files, File(record, json.dumps(everything, indent=2) + "\n")]
+
+
+@contextmanager
+def drawing(name: str) -> Iterator[None]:
+    """Meanwhile the results of a model are drawn and written, as the line of progress says."""
+    show_progress(f"{name}: drawing and writing the results ...")
+    try:
+        yield
+    finally:
+        show_progress()
 
 
 def print_result(text: str, data: Mapping[str, Any], written: Sequence[str], as_json: bool) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.artifacts import File, check_folder, write
-from derive.cli.result_files import motion_page_path, picture_names
+from derive.cli.result_files import drawing, motion_page_path, picture_names
 from derive.cli.simulation_summary import (
     Pieces,
     Plain,
@@ -63,8 +63,9 @@ def simulated_files(options: argparse.Namespace) -> Plain:
     check_folder(simulations.planned_files(), options.out, simulations.expected_size())
     earlier = read_run(options.out, simulations.main.spec) if options.resume else None
     result = simulations.result(earlier, changes)
-    files = _files(result.main, result.plots)
-    write(files, options.out)
+    with drawing(spec.name):
+        files = _files(result.main, result.plots)
+        write(files, options.out)
     return summary_data(options.spec, result, [str(options.out / file.path) for file in files])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.keywords import keywords
-from derive.cli.result_files import planned_files, print_result, study_files
+from derive.cli.result_files import drawing, planned_files, print_result, study_files
 from derive.cli.specifications import read_changed_scene
 from derive.spec.model.specification import AnyScene
 from derive.study.stability.chart import stability_svg
@@ -26,8 +26,9 @@ def run(scene: AnyScene, options: argparse.Namespace) -> int:
     scene, changes = read_changed_scene(options.spec, options.set)
     result = study_stability(scene, options.parameter, **keywords(study_stability, options), progress=True)
     data = {**stability_data(result), "set": list(map(str, changes))}
-    files = study_files(NAME, data, {"svg": stability_svg(result), "csv": mode_table(result).csv})
-    write(files, folder)
+    with drawing(scene.name):
+        files = study_files(NAME, data, {"svg": stability_svg(result), "csv": mode_table(result).csv})
+        write(files, folder)
     text = "\n".join([*(f"{scene.name}: {change}" for change in changes), stability_text(result)])
     print_result(text, data, [str(folder / file.path) for file in files], options.json)
     return 0

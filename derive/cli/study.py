@@ -11,7 +11,7 @@ from typing import Any
 from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
 from derive.cli.arguments.keywords import keywords
-from derive.cli.result_files import print_result
+from derive.cli.result_files import drawing, print_result
 from derive.cli.specifications import read_planar_scene, read_scene
 from derive.errors import SpecError
 from derive.progress_line import show_progress
@@ -43,7 +43,8 @@ def _frames(scene: Scene, options: argparse.Namespace) -> int:
     target = options.chart or Path("results") / scene.name / f"{FRAMES}.svg"
     check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
     study = study_frames(scene, **keywords(study_frames, options), progress=True)
-    write([File(target.name, frame_cost_svg(study))], target.parent)
+    with drawing(scene.name):
+        write([File(target.name, frame_cost_svg(study))], target.parent)
     print_result(frame_cost_text(study), frame_cost_data(study), [str(target)], options.json)
     return 0
 

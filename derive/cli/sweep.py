@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from derive.artifacts import BinaryFile, File, check_folder, write
-from derive.cli.result_files import planned_files, print_result, study_files
+from derive.cli.result_files import drawing, planned_files, print_result, study_files
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.progress_line import show_progress
@@ -62,13 +62,14 @@ def run(options: argparse.Namespace) -> int:
         result = _run(plan, store, options)
         data = sweep_data(result, plan)
         files = _files(result, data, plan)
-    drawing = sweep_svg(result)
-    write(files, folder)
-    if drawing:
-        write([File(picture.name, drawing)], picture.parent)
+    with drawing(plan.name):
+        drawn = sweep_svg(result)
+        write(files, folder)
+        if drawn:
+            write([File(picture.name, drawn)], picture.parent)
     store.unlink(missing_ok=True)
-    written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawing else [])]
-    missing = [] if drawing else [f"  no picture: {len(samples.varying)} values vary, and a picture shows one or two"]
+    written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawn else [])]
+    missing = [] if drawn else [f"  no picture: {len(samples.varying)} values vary, and a picture shows one or two"]
     print_result("\n".join([sweep_text(data, samples), *missing]), data, written, options.json)
     return 0
 

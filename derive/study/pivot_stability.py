@@ -108,15 +108,15 @@ def frame_stability(variant: SceneVariant, count: int, numberings: int, step: st
 
 def _frame_stability(variant: SceneVariant, count: int, numberings: int, step: str, task: Report) -> FrameStability:
     label = f"{step}{variant.scene.name}, {variant.frame} frame: "
-    task(f"{label}deriving and compiling")
+    task(f"{label}deriving and compiling ...")
     equations = derive(variant.scene).expanded()
     model = lower(equations, explicit=True)
     native = load_scene(explicit_files(model, variant.scene), UNOPTIMISED)
     k, shape = native.setup(), kkt_pattern(Context(equations))
-    task(f"{label}simulating")
+    task(f"{label}simulating ...")
     moving_states = simulated_states(variant.scene, native, k, count)
     kinds = (undeformed_states(variant.scene, native, k, moving_states), moving_states)
-    task(f"{label}eliminating")
+    task(f"{label}eliminating ...")
     at_rest, moving = (kkt_systems(native, k, kind) for kind in kinds)
     largest = np.maximum(np.abs(at_rest[0]).max(axis=0), np.abs(moving[0]).max(axis=0))
     scaled_at_rest, scaled = equilibrated(*at_rest), equilibrated(*moving)
@@ -154,7 +154,7 @@ def broken(
     random, failed = np.random.default_rng(1988), dict.fromkeys(ORDERS, 0)
     new, multipliers = np.arange(shape.rows), shape.rows - coordinates
     for number in range(numberings):
-        task(f"{label}numbering {number + 1} of {numberings}")
+        task(f"{label}numbering {number + 1} of {numberings} ...")
         place = np.argsort(new)
         pairs = ((int(place[i]), int(place[j])) for i, j in shape.entries)
         again = pattern(shape.rows, shape.cols, {(max(p), min(p)) for p in pairs}, symmetric=True)

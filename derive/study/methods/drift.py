@@ -84,7 +84,7 @@ def drift_runs(
     result = []
     for method, projected in KINDS:
         if method in methods:
-            progress(f"{of.scene.name}: drift over {steps} steps of {method.value}")
+            progress(f"{of.scene.name}: drift over {steps} steps of {method.value} ...")
             result.append(drift_run(of, method, projected, h, steps, energy))
     return result
 

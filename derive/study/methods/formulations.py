@@ -65,7 +65,7 @@ def form_runs(of: MethodScene, h: float, progress: Callable[[str], None], steps:
     result = []
     for name in FORM_NAMES:
         for rule in (Rule.TRAPEZOIDAL, Rule.BDF2):
-            progress(f"{of.scene.name}: {name}, {rule.value}")
+            progress(f"{of.scene.name}: {name}, {rule.value} ...")
             result.append(form_run(of, name, rule, h, steps))
     return result
 

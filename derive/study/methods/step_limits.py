@@ -93,7 +93,7 @@ def step_limits(
     """The limits of the methods in the state with the highest frequency."""
     result = []
     for method in methods:
-        progress(f"{of.scene.name}: largest stable step of {method.value}")
+        progress(f"{of.scene.name}: largest stable step of {method.value} ...")
         growth = GROWTH[method]()
         limit = theory.step_limit(growth)
         result.append(
