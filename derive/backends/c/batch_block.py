@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from copy import copy
 from functools import cached_property
+from itertools import groupby
 
 from derive.backends.c.block_parts import BlockPart, block_parts
 from derive.backends.c.linear_sums import KernelSums
@@ -161,8 +162,9 @@ class StateBlock:
         codes = ["    unsigned long long failures = 0;"] if self.checked else []
         if not self.is_divided:
             zeros = {"codes": " = {0.0}"} if self.repeats else {}
-            arrays = (f"{name}{_brackets(shape)}{zeros.get(name, '')}" for name, shape in self._shapes.items())
-            return [*lines, *declarations(arrays), *codes]
+            groups = groupby(self._shapes.items(), lambda item: (len(item[1]), item[0] == "codes"))
+            arrays = ([f"{name}{_brackets(shape)}{zeros.get(name, '')}" for name, shape in of] for _, of in groups)
+            return [*lines, *(line for group in arrays for line in declarations(group)), *codes]
         lines += [f"    {self._work} work;", *self._named({*self._used_here, "codes"}, "work.")]
         zero = f"    for (int b = 0; b < {self.width}; b++) codes[b] = 0.0;"
         return [*lines, *codes, *([zero] if self.checked else [])]
