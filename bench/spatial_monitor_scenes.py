@@ -25,7 +25,7 @@ from derive.spec.model.spatial_scene import SpatialScene
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from corpus.draws import Draws
-from corpus.generator import corpus_scene
+from corpus.generator import corpus_scene as corpus_scene
 
 SAGS = (4e-4, 3e-3, 2e-2)
 """The deflections of a beam between pins under its weight, over its length, from which its stiffnesses follow."""

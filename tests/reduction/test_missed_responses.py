@@ -27,6 +27,7 @@ def truss(kind: str, modes: int) -> NodalBody:
         **interface,
     }
     (found,) = derive.spatial_scene("scene", bodies={"truss": body}).bodies
+    assert isinstance(found, derive.FlexibleBody)
     return found.body
 
 
