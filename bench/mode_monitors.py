@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from spatial_monitor_scenes import corpus_scene
 
 import derive
 from derive.errors import TisserandError, first_line
@@ -38,6 +37,9 @@ from derive.spec.model.spatial_scene import SpatialScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.spatial_models import can_have
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from corpus.generator import corpus_scene
 
 HELD, FREE = Shapes.CRAIG_BAMPTON, Shapes.FREE
 FEW = (3, 4, 6, 9)

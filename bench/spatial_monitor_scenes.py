@@ -12,7 +12,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,7 @@ from derive.spec.model.spatial_scene import SpatialScene
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from corpus.draws import Draws
-from corpus.generator import corpus_scene as corpus_scene
+from corpus.generator import corpus_scene
 
 SAGS = (4e-4, 3e-3, 2e-2)
 """The deflections of a beam between pins under its weight, over its length, from which its stiffnesses follow."""
@@ -62,7 +61,7 @@ class RandomScene:
         if beam.torsion is not None:
             own = replace(own, torsion=replace(beam.torsion, stiffness=twist))
         frequency = np.pi**2 * np.sqrt(min(first, second) / (si_value(beam.mass) * si_value(beam.length) ** 3))
-        duration = Fraction(f"{self.periods * 2 * np.pi / frequency:.3g}")
+        duration = float(f"{self.periods * 2 * np.pi / frequency:.3g}")
         settings = replace(self.scene.simulation, duration=duration, output=duration / ROWS, until=None)
         bodies = tuple(own if body.name == beam.name else body for body in self.scene.bodies)
         return replace(self.scene, bodies=bodies, simulation=settings)

@@ -168,7 +168,7 @@ def truth(scenes: Sequence[SpatialScene], model: LadderModel, kept: Path) -> dic
                 continue
             known |= {f"{n}_{axis}": deflections(run, scene, beam.name, axis) for axis in (2, 3)}
         kept.mkdir(exist_ok=True, parents=True)
-        np.savez(path, **known)
+        np.savez(path, allow_pickle=False, **known)
     with np.load(path) as loaded:
         return dict(loaded)
 
