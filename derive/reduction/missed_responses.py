@@ -1,4 +1,4 @@
-"""What the modes of a body miss of its static response to loads at markers and to the inertia of its modes.
+"""The part of the static response of a body to loads at markers and to the inertia of its modes that these miss.
 
 The response of all nodes, with inertia relief, less what the modes can represent of it: their response to the same
 loads. This is the difference of the methods of mode acceleration and of mode displacement (Craig, Structural Dynamics,

@@ -1,4 +1,4 @@
-"""What modes miss of static responses: of a free lattice against pseudo-inverses, and nothing of attachment modes."""
+"""The part of static responses that modes miss: of a free lattice against pseudo-inverses, and nothing of attachment modes."""
 
 from __future__ import annotations
 

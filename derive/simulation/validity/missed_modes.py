@@ -64,7 +64,7 @@ class MissedModes:
 
     @cached_property
     def missed(self) -> MissedResponses:
-        """What the modes miss of the response to unit loads."""
+        """The responses to unit loads that the modes miss."""
         from derive.reduction.missed_responses import missed_responses  # only for finite-element bodies
 
         markers = [next(m for m in self.body.markers if m.name == name) for name, _ in self._held]
