@@ -1,4 +1,4 @@
-"""The part of static responses that modes miss: of a free lattice against pseudo-inverses, and nothing of attachment modes."""
+"""The part of static responses that modes miss: of free modes the residual flexibility, of attachment modes nothing."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def cantilever(**changes: Any) -> derive.SpatialScene:
 
 
 def causes(scene: derive.SpatialScene, load: tuple[float, float, float]) -> set[Cause]:
-    """What a run warns of under a load that grows for three seconds."""
+    """The causes that a run warns of under a load that grows for three seconds."""
     inputs = {axis: (lambda t, of=of: of * t / 3) for axis, of in zip("xyz", load, strict=True)}
     run = derive.simulate(scene, duration=3, output=0.05, tolerance=1e-5, inputs=inputs)
     return {monitor.cause for monitor in run.validity if monitor.passed}
