@@ -53,6 +53,6 @@ def test_free_modes_miss_the_residual_flexibility(modes: int) -> None:
 
 
 def test_more_modes_miss_less() -> None:
-    """What is missed falls with the number of modes for every load."""
+    """The missed energy of every load falls with the number of modes."""
     few, many = (missed_responses(truss("free", modes), MARKERS) for modes in (3, 12))
     assert np.all(np.diag(many.energy)[:12] < np.diag(few.energy)[:12])
