@@ -12,7 +12,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +61,7 @@ class RandomScene:
         if beam.torsion is not None:
             own = replace(own, torsion=replace(beam.torsion, stiffness=twist))
         frequency = np.pi**2 * np.sqrt(min(first, second) / (si_value(beam.mass) * si_value(beam.length) ** 3))
-        duration = Fraction(f"{self.periods * 2 * np.pi / frequency:.3g}")
+        duration = float(f"{self.periods * 2 * np.pi / frequency:.3g}")
         settings = replace(self.scene.simulation, duration=duration, output=duration / ROWS, until=None)
         bodies = tuple(own if body.name == beam.name else body for body in self.scene.bodies)
         return replace(self.scene, bodies=bodies, simulation=settings)

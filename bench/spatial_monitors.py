@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from spatial_monitor_scenes import NAMES, RandomScene, random_scenes
+from spatial_monitor_scenes import RandomScene, random_scenes
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
@@ -37,6 +37,7 @@ from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_beam_parts import SectionFrame
 from derive.spec.model.spatial_scene import SpatialScene
@@ -109,7 +110,7 @@ def with_stiffness(of: CompiledLadderModel, scene: SpatialScene) -> CompiledLadd
     changed = in_pieces(model_scene(scene, of.model))
     (beam,) = (body for body in scene.bodies if isinstance(body, SpatialBeam))
     quantities = (*beam.bending_stiffnesses, *([beam.torsion.stiffness] if beam.torsion else []))
-    values = {q.symbol: q.default for q in quantities if getattr(q, "symbol", "") in NAMES}
+    values = {q.symbol: q.default for q in quantities if isinstance(q, Parameter)}
     k = of.native.setup(values)
     return replace(of, scene=changed, k=k, start=state_of(changed, of.native, k))
 
@@ -158,7 +159,7 @@ def truth(scenes: Sequence[SpatialScene], model: LadderModel, kept: Path) -> dic
     """The deflections of the beam in a finer model by stiffness and axis; none where its run fails."""
     path = kept / f"{scenes[0].name}_{model.pieces}.npz"
     if not path.exists():
-        of, known = compiled(scenes[0], model, False), {}
+        of, known = compiled(scenes[0], model, False), dict[str, np.ndarray]()
         for n, scene in enumerate(scenes):
             (beam,) = (body for body in scene.bodies if isinstance(body, SpatialBeam))
             try:
@@ -168,7 +169,7 @@ def truth(scenes: Sequence[SpatialScene], model: LadderModel, kept: Path) -> dic
                 continue
             known |= {f"{n}_{axis}": deflections(run, scene, beam.name, axis) for axis in (2, 3)}
         kept.mkdir(exist_ok=True, parents=True)
-        np.savez(path, **known)
+        np.savez(path, allow_pickle=False, **known)
     with np.load(path) as loaded:
         return dict(loaded)
 

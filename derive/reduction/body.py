@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -124,6 +125,7 @@ def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
     return symmetric_part(mass_products(mass, elastic, elastic))
 
 
+@lru_cache(2)
 def prepare(body: NodalBody) -> Prepared:
     """The modes that `reduce` integrates: given or computed, in the body frame, orthonormalised, and symmetrised.
 

@@ -1,8 +1,8 @@
-"""What the modes of a body miss of its static response to loads at markers and to the inertia of its modes.
+"""The part of the static response of a body to loads at markers and to the inertia of its modes that these miss.
 
 The response of all nodes, with inertia relief, less what the modes can represent of it: their response to the same
-loads. This is the difference of the methods of mode acceleration and of mode displacement (Craig, Structural Dynamics,
-1981, section 15.4). Free modes miss the deformation near the loads; Craig-Bampton modes miss that of the inertia alone.
+loads. This is the difference of the methods of mode acceleration and of mode displacement of structural
+dynamics. Free modes miss the deformation near the loads; Craig-Bampton modes miss that of the inertia alone.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ class MissedModes:
 
     @cached_property
     def missed(self) -> MissedResponses:
-        """What the modes miss of the response to unit loads."""
+        """The responses to unit loads that the modes miss."""
         from derive.reduction.missed_responses import missed_responses  # only for finite-element bodies
 
         markers = [next(m for m in self.body.markers if m.name == name) for name, _ in self._held]
@@ -125,7 +125,7 @@ class MissedModes:
         missed = float(load @ self.missed.energy @ load)
         rate = _sizes(shape[None], self._mass(q))[0] * (v[:, self.rates] @ stiffness @ shape) / kept
         late = missed / (missed + kept) / 2 * _rms(rate * (t - t[0]))
-        return min(late, np.sqrt(2) * _rms(rate) / mode.frequency)
+        return float(min(late, np.sqrt(2) * _rms(rate) / mode.frequency))
 
     def _response(self, motion: Vector, t: float, q: Vector) -> Vector:
         """The change of the loads with a small motion from the undeformed state at rest."""
@@ -138,7 +138,8 @@ class MissedModes:
 
 def _sizes(values: Matrix, products: Matrix) -> Vector:
     """(n,): the norms of combinations (n, fields) with these inner products."""
-    return np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", values, products, values), 0.0))
+    result: Vector = np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", values, products, values), 0.0))
+    return result
 
 
 def _rms(values: Vector) -> float:

@@ -117,12 +117,13 @@ def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Ve
     beams = list[WatchedBeam]()
     response = StaticResponse(native, k, t, q)
     for _, of_beam in groupby(bending_planes(scene) if is_monitored(scene) else (), lambda shapes: shapes.beam.name):
-        planes = [
-            _BeamForms(surroundings(scene, shapes), forms, shapes, held_modes((shapes,), native, k, t, q))
-            for shapes in of_beam
-        ]
-        together = held_modes([plane.shapes for plane in planes], native, k, t, q)
-        vibrations = [_Vibration.of(mode, planes, response) for mode in together]
+        planes = list[_BeamForms]()
+        for shapes in of_beam:
+            modes = held_modes((shapes,), native, k, t, q)
+            planes.append(_BeamForms(surroundings(scene, shapes), forms, shapes, modes))
+        if len(planes) > 1:
+            modes = held_modes([plane.shapes for plane in planes], native, k, t, q)
+        vibrations = [_Vibration.of(mode, planes, response) for mode in modes]
         beams += [plane.watched(vibrations) for plane in planes]
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 

@@ -1,0 +1,30 @@
+"""Notes on finite-element bodies whose modes miss the deformation under the forces of joints, and on no others."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import derive
+from spring_lattice import lattice
+
+
+@pytest.mark.parametrize(
+    ("modes", "noted"),
+    [({"component_modes": "free", "modes": 3}, True), ({"component_modes": "craig_bampton", "modes": 8}, False)],
+)
+def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
+    """Three free modes of a lattice that a joint fixes miss most of its bending; eight of the fixed body suffice."""
+    held = {} if noted else {"interface": ["left"]}
+    body = {"nodes": lattice(4), "units": "SI", "markers": {"left": {"nodes": [0, 1, 2, 3]}}, **modes, **held}
+    scene = derive.spatial_scene(
+        "held",
+        gravity=[0, 0, -0.1],
+        ground={"o": (0, 0, 0)},
+        bodies={"truss": body},
+        joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
+    )
+    run = derive.simulate(scene, duration=2, output=0.05)
+    assert any("under the forces of its joints its 3 modes imply" in note for note in run.notes) == noted
+    assert any("of its deformation" in note or "in its deformation" in note for note in run.notes) == noted
