@@ -173,3 +173,10 @@ def test_joints_that_bend_a_beam_too_far_are_refused() -> None:
     )
     with pytest.raises(ExcessiveDeformation, match=r"only by bending rod by 0\.8 of the length"):
         run(scene)
+
+
+def test_other_bodies_have_no_curves() -> None:
+    """A rigid body in space has no deflection."""
+    ball = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "start": {"twist": "xi"}}
+    with pytest.raises(derive.SpecError, match=r"bodies\.ball\.start\.twist: unknown key"):
+        derive.spatial_scene("free", bodies={"ball": ball})
