@@ -168,9 +168,8 @@ def test_joints_that_bend_a_beam_too_far_are_refused() -> None:
         "clamp": {"kind": "fixed", "between": ["ground.o", "rod.left"]},
         "ball": {"kind": "spherical", "between": ["ground.far", "rod.tip"]},
     }
-    scene = derive.spatial_scene(
-        "far", ground={"o": (0, 0, 0), "far": (2, 0, "8/5")}, bodies={"rod": rod}, joints=joints
-    )
+    ground: dict[str, Any] = {"o": (0, 0, 0), "far": (2, 0, "8/5")}
+    scene = derive.spatial_scene("far", ground=ground, bodies={"rod": rod}, joints=joints)
     with pytest.raises(ExcessiveDeformation, match=r"only by bending rod by 0\.8 of the length"):
         run(scene)
 
