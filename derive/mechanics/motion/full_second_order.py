@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -135,6 +135,7 @@ class DependentAmplitudes:
         kept: list[Term] = []
         absent: dict[tuple[str, sp.Expr], list[Symbol]] = {}
         moved: dict[tuple[str, str], list[tuple[sp.Symbol, Term, sp.Expr]]] = {}
+        whole = cache(self.put_in)
         for term in terms:
             expr, factors = self.put_in(term.expr, vanishing), self._absent_factors(term.expr, vanishing)
             targets: list[tuple[str, sp.Expr]] = [(term.row, sp.S.One)]
@@ -154,7 +155,7 @@ class DependentAmplitudes:
                 *(t * summand for t, _, expr in parts if t not in vanishing for summand in sp.Add.make_args(expr))
             )
             if total == 0:  # the reasons are in the products that vanish
-                total = sp.expand(sp.Add(*(tangent * self.put_in(term.expr) for tangent, term, _ in parts)))
+                total = sp.Add(*(t * summand for t, term, _ in parts for summand in sp.Add.make_args(whole(term.expr))))
             kept.append(Term(row, f"{name}, second order", Source.SECOND_ORDER, total))
         return ProjectedTerms(tuple(kept), absent)
 
