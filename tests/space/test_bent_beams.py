@@ -197,6 +197,7 @@ def test_models_of_a_study_start_with_the_curve() -> None:
     angle = np.hypot(mean_twist, slope)
     expected = np.r_[np.cos(angle / 2), np.sin(angle / 2) / angle * np.array([mean_twist, 0, slope])]
     assert body.start.rotation == pytest.approx(expected, abs=1e-14)
+    assert body.start.angular_velocity is not None
     assert body.start.angular_velocity[2] == pytest.approx(0.5, rel=0.02)
     assert body.start.guess
     bent = modelled_in_space(scene, scene.bodies[0], coarse)

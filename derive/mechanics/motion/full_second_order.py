@@ -116,7 +116,9 @@ class DependentAmplitudes:
     @cached_property
     def _replaced(self) -> tuple[dict[sp.Basic, sp.Expr], dict[sp.Basic, list[tuple[sp.Expr, sp.Expr]]]]:
         """The amplitudes of the fields and their rates; and their accelerations as sums of products of two factors."""
-        n, known, sums = len(self.motion.alpha), {}, {}
+        n = len(self.motion.alpha)
+        known: dict[sp.Basic, sp.Expr] = {}
+        sums: dict[sp.Basic, list[tuple[sp.Expr, sp.Expr]]] = {}
         for p, row in zip(self.numbers, self.of_fields.rows[-len(self.numbers) :], strict=True):
             known |= {self.of_fields.alpha[n + p - 1]: self._beta(p), row.v: self._beta(p, 1)}
             products = [*zip(self._tangents(p), self.motion.alphaddot, strict=True), (self._beta(p, 2), sp.S.One)]
