@@ -18,7 +18,6 @@ ASKING = {
     "export/exudyn/floating_frame.py": "the interface is for bodies in space",
     "export/fmi/variables.py": "sizes of states are those of a scene",
     "report/model_page.py": "a beam and a body in space have other kinematics, another frame and another subtitle",
-    "report/scene_page.py": "second order of a page is that of beams",
     "cli/report.py": "a scene has a page of its own, with the results of its runs",
     "cli/specifications.py": "studies that need a scene refuse a body",
     "cli/sid.py": "the command is for bodies of nodes",

@@ -15,6 +15,9 @@ from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.observables.beams import function_values
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.spatial_beam import SpatialBeam
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.models import start_remainders
+from derive.study.accuracy.spatial_models import modelled_in_space
 
 ROD: dict[str, Any] = {"length": 2, "mass": 3, "bending_stiffness": 100, "ansatz": ["1", "xi", "xi^2", "xi^3"]}
 IN_SPACE = {"rotary_inertia": "1/50", "torsion": {"ansatz": ["xi", "xi^2"], "stiffness": 30}}
@@ -168,8 +171,39 @@ def test_joints_that_bend_a_beam_too_far_are_refused() -> None:
         "clamp": {"kind": "fixed", "between": ["ground.o", "rod.left"]},
         "ball": {"kind": "spherical", "between": ["ground.far", "rod.tip"]},
     }
-    scene = derive.spatial_scene(
-        "far", ground={"o": (0, 0, 0), "far": (2, 0, "8/5")}, bodies={"rod": rod}, joints=joints
-    )
+    ground: dict[str, Any] = {"o": (0, 0, 0), "far": (2, 0, "8/5")}
+    scene = derive.spatial_scene("far", ground=ground, bodies={"rod": rod}, joints=joints)
     with pytest.raises(ExcessiveDeformation, match=r"only by bending rod by 0\.8 of the length"):
         run(scene)
+
+
+def test_other_bodies_have_no_curves() -> None:
+    """A rigid body in space has no deflection."""
+    ball = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "start": {"twist": "xi"}}
+    with pytest.raises(derive.SpecError, match=r"bodies\.ball\.start\.twist: unknown key"):
+        derive.spatial_scene("free", bodies={"ball": ball})
+
+
+def test_models_of_a_study_start_with_the_curve() -> None:
+    """Other shapes take the nearest curve, and say so; a rigid rod starts along the line nearest to the curve."""
+    start = {"position": [1, 2, 3], "rotation": [1, 0, 0, 0], "velocity": [0, 0, 0], "angular_velocity": [0, 0, 0]}
+    curves = {"deflection": ["0.3*xi^3", "0.1"], "deflection_rate": ["0.5*xi", 0], "twist": "0.2 + 0.1*xi^2"}
+    scene = derive.spatial_scene("free", bodies={"rod": ROD | IN_SPACE | {"start": start | curves}})
+    rigid, coarse = LadderModel(Shapes.RIGID), LadderModel(Shapes.POLYNOMIALS, 1)
+    body = modelled_in_space(scene, scene.bodies[0], rigid)
+    slope = 3 / 5 * 0.3  # of the line nearest to xi^3, over half the length, 1 m
+    assert body.start.position == pytest.approx((1, 2, 3.1), abs=1e-15)
+    mean_twist = 0.2 + 0.1 / 3
+    angle = np.hypot(mean_twist, slope)
+    expected = np.r_[np.cos(angle / 2), np.sin(angle / 2) / angle * np.array([mean_twist, 0, slope])]
+    assert body.start.rotation == pytest.approx(expected, abs=1e-14)
+    assert body.start.angular_velocity is not None
+    assert body.start.angular_velocity[2] == pytest.approx(0.5, rel=0.02)
+    assert body.start.guess
+    bent = modelled_in_space(scene, scene.bodies[0], coarse)
+    assert bent.start.guess
+    assert bent.start.deflection == scene.bodies[0].start.deflection
+    (line,) = start_remainders(scene, coarse)
+    assert "start.deflection: " in line
+    left = [line.split("(rms) is not in ")[1] for line in start_remainders(scene, rigid)]
+    assert [text[:16] for text in left] == ["the rigid motion"] * 2

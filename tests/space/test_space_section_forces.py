@@ -11,6 +11,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 import derive
+from derive.mechanics.bodies.spatial_beam_part import spatial_part
 from derive.runtime.interpreted_scene import InterpretedScene
 
 GRAVITY = ("1", "-9.81", "2")
@@ -127,10 +128,36 @@ def test_statics_of_a_cantilever(order: int) -> None:
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-14)
 
 
-@pytest.mark.parametrize(("order", "frame"), [(1, "mean"), (2, {"kind": "point", "at": "1/3"})])
-def test_force_at_the_root_is_the_reaction(order: int, frame: Any) -> None:
+FEW = {
+    "ansatz": ["1", "xi", "xi^2"],
+    "lateral": {"bending_stiffness": 12},
+    "torsion": {"ansatz": ["xi"], "stiffness": 7},
+}
+FULL = FEW | {"order": 2, "terms": "full", "frame": "chord"}
+
+
+def test_parts_of_full_beams_have_their_field_weights() -> None:
+    """All symbols of the inertia of a part have values; without them a full beam could not be monitored."""
+    (rod,) = derive.spatial_scene("alone", bodies={"rod": ROD | FULL}).bodies
+    body, rows = spatial_part(rod, Fraction(1, 3), ())
+    known = {c.symbol for c in body.constants}
+    weights = {s for row in rows for s in row.free_symbols if str(s).startswith("z_")}
+    assert weights
+    assert weights <= known
+
+
+@pytest.mark.parametrize(
+    "kept",
+    [
+        {"order": 1, "frame": "mean"},
+        {"order": 2, "frame": {"kind": "point", "at": "1/3"}},
+        pytest.param(FULL, marks=pytest.mark.long),
+    ],
+    ids=["first", "truncated", "full"],
+)
+def test_force_at_the_root_is_the_reaction(kept: dict[str, Any]) -> None:
     """The section force and moment at an end that a joint holds are the joint's, whatever the motion."""
-    rod = ROD | {"order": order, "frame": frame, "centre": ["1/30", "-1/20"], "markers": {"left": -1, "right": 1}}
+    rod = ROD | kept | {"centre": ["1/30", "-1/20"], "markers": {"left": -1, "right": 1}}
     rod["loads"] = {
         "wind": {"force": ["xi", 2, "xi^2"], "torque": [1, "xi", 0], "time": "1 + t"},
         "jet": {"force": ["1 + xi", "xi", 1], "frame": "body"},

@@ -21,9 +21,9 @@ from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.spatial_bodies import FrameMarker, SpatialRigidBody
-from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
+from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.specification import Specification
 from derive.urdf.robot import JointKind, Matrix, Placement, Vector
 from derive.urdf.texts import number_text

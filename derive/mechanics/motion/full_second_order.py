@@ -16,8 +16,9 @@ row of alpha_i is what the rows of the beta_p add to it, since the virtual displ
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -85,13 +86,44 @@ class DependentAmplitudes:
         """
         if not self.numbers:
             return expr
-        n, result = len(self.motion.alpha), {}
+        parts: list[sp.Expr] = []
+        for summand in sp.Add.make_args(expr):
+            if not any(symbol in vanishing for symbol in summand.free_symbols):
+                parts += self._summands(summand, vanishing)
+        return sp.Add(*parts)
+
+    def _summands(self, product: sp.Expr, vanishing: Container[sp.Basic]) -> Iterator[sp.Expr]:
+        """The summands of a product of the larger family, multiplied out.
+
+        A product of symbols contains at most one acceleration, whose sum is multiplied out here: SymPy takes several
+        times as long, as it looks for powers and fractions to expand.
+        """
+        factors = sp.Mul.make_args(product)
+        known, sums = self._replaced
+        if not all(f.is_Atom or (f.is_Pow and f.base.is_Atom and f.base not in sums) for f in factors):
+            every = {a: sp.Add(*(t * x for t, x in of if t not in vanishing)) for a, of in sums.items()}
+            yield from sp.Add.make_args(sp.expand(product.xreplace(known | every)))
+            return
+        accelerations = [f for f in factors if f in sums]
+        assert len(accelerations) <= 1, "the equations are linear in the accelerations"
+        beside = [known.get(f) or f.xreplace(known) for f in factors if f not in sums]
+        if not accelerations:
+            yield sp.Mul(*beside)
+        for tangent, acceleration in sums[accelerations[0]] if accelerations else ():
+            if tangent not in vanishing:
+                yield sp.Mul(*beside, tangent, acceleration)
+
+    @cached_property
+    def _replaced(self) -> tuple[dict[sp.Basic, sp.Expr], dict[sp.Basic, list[tuple[sp.Expr, sp.Expr]]]]:
+        """The amplitudes of the fields and their rates; and their accelerations as sums of products of two factors."""
+        n = len(self.motion.alpha)
+        known: dict[sp.Basic, sp.Expr] = {}
+        sums: dict[sp.Basic, list[tuple[sp.Expr, sp.Expr]]] = {}
         for p, row in zip(self.numbers, self.of_fields.rows[-len(self.numbers) :], strict=True):
-            tangents = [sp.S.Zero if t in vanishing else t for t in self._tangents(p)]
-            result[self.of_fields.alpha[n + p - 1]] = self._beta(p)
-            result[row.v] = self._beta(p, 1)
-            result[row.a] = _dot(tangents, self.motion.alphaddot) + self._beta(p, 2)
-        return sp.expand(_without(expr, vanishing).xreplace(result))
+            known |= {self.of_fields.alpha[n + p - 1]: self._beta(p), row.v: self._beta(p, 1)}
+            products = [*zip(self._tangents(p), self.motion.alphaddot, strict=True), (self._beta(p, 2), sp.S.One)]
+            sums[row.a] = products
+        return known, sums
 
     def projected(self, terms: Iterable[Term], vanishing: Container[sp.Basic]) -> ProjectedTerms:
         """The terms of the larger family, where the rows of its fields are projected on the rows of the shapes.
@@ -105,6 +137,7 @@ class DependentAmplitudes:
         kept: list[Term] = []
         absent: dict[tuple[str, sp.Expr], list[Symbol]] = {}
         moved: dict[tuple[str, str], list[tuple[sp.Symbol, Term, sp.Expr]]] = {}
+        whole = cache(self.put_in)
         for term in terms:
             expr, factors = self.put_in(term.expr, vanishing), self._absent_factors(term.expr, vanishing)
             targets: list[tuple[str, sp.Expr]] = [(term.row, sp.S.One)]
@@ -124,7 +157,7 @@ class DependentAmplitudes:
                 *(t * summand for t, _, expr in parts if t not in vanishing for summand in sp.Add.make_args(expr))
             )
             if total == 0:  # the reasons are in the products that vanish
-                total = sp.expand(sp.Add(*(tangent * self.put_in(term.expr) for tangent, term, _ in parts)))
+                total = sp.Add(*(t * summand for t, term, _ in parts for summand in sp.Add.make_args(whole(term.expr))))
             kept.append(Term(row, f"{name}, second order", Source.SECOND_ORDER, total))
         return ProjectedTerms(tuple(kept), absent)
 
@@ -157,12 +190,6 @@ class DependentAmplitudes:
 
     def _beta(self, p: int, derivative: int = 0) -> sp.Symbol:
         return quantity(Family.FIELD_AMPLITUDE, derivative=derivative, shapes=(p,))
-
-
-def _without(expr: sp.Expr, vanishing: Container[sp.Basic]) -> sp.Expr:
-    """A sum without the summands in which a symbol vanishes."""
-    summands = sp.Add.make_args(expr)
-    return sp.Add(*(s for s in summands if not any(symbol in vanishing for symbol in s.free_symbols)))
 
 
 def _dot(a: Iterable[sp.Expr], b: Iterable[sp.Expr]) -> sp.Expr:

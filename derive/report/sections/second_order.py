@@ -153,7 +153,7 @@ def _geometric_stiffness() -> tuple[Block, ...]:
 
 
 def _kept(model: str, order: DisplacementOrder, sections: bool = False) -> tuple[Block, ...]:
-    """What a model keeps; sections: whether fields of second order turn sections, as those of beams in space do."""
+    """Return what a model keeps; sections: whether fields of second order turn sections, as of beams in space."""
     match order:
         case DisplacementOrder.FIRST_ORDER:
             return ()

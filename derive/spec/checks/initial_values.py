@@ -59,8 +59,9 @@ def spatial_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Faul
     path, counts = ("bodies", name, "start"), piece_counts(view, name, body)
     for key in ("deflection", "deflection_rate"):
         pair = start.get(key)
-        for i, deflection in enumerate(deflections if isinstance(pair, (list, tuple)) and len(pair) == 2 else ()):
-            curve = readable(values.load_polynomial, pair[i])
+        given = pair if isinstance(pair, (list, tuple)) and len(pair) == 2 else ()
+        for i, (of_pair, deflection) in enumerate(zip(given, deflections, strict=False)):
+            curve = readable(values.load_polynomial, of_pair)
             if curve:
                 shapes, of = assumed_shapes(deflection), _combination(deflection.ansatz)
                 yield from _curve_faults((*path, key, i), name, curve, shapes, counts, of)

@@ -95,17 +95,13 @@ def _check_start(start: SpatialInitialValues) -> None:
             raise WrongValueError(f"`{amplitudes}` and `{given[0]}` describe the same; leave one of them out")
 
 
-_start = declare(
-    SpatialInitialValues,
-    "SpatialBeamStartTable",
-    check=_check_start,
-    doc="Initial values of a beam in space. The initial state keeps what is given; values not given adapt to it.",
-)
-
-
 def beam_in_space() -> DeclaredTable:
-    """The table of a beam in space, after those of its parts are declared."""
-    tables = {**TABLES, SpatialInitialValues: _start}
-    return declare(
-        SpatialBeam, "SpatialBeamTable", keys=(*declared_keys(SpatialBeam), COUNT), make=_beam, tables=tables
+    """The table of a beam in space, after that of the initial values of every body is declared."""
+    start = declare(
+        SpatialInitialValues,
+        "SpatialBeamStartTable",
+        check=_check_start,
+        doc="Initial values of a beam in space. The initial state keeps what is given; values not given adapt to it.",
     )
+    tables, keys = {**TABLES, SpatialInitialValues: start}, (*declared_keys(SpatialBeam), COUNT)
+    return declare(SpatialBeam, "SpatialBeamTable", keys=keys, make=_beam, tables=tables)
