@@ -10,6 +10,7 @@ import pytest
 
 import derive
 from derive.cli.main import main
+from derive.simulation.linear import steady_motion
 from derive.simulation.linear.modes import Modes, modes
 from derive.simulation.linear.steady_motion import NoSteadyMotion
 from derive.spec.model.scene import STEADY
@@ -87,3 +88,13 @@ def test_positions_are_those_in_axes_that_rotate() -> None:
     assert found[found > 0] == pytest.approx([2, 8], rel=1e-9)
     with pytest.raises(NoSteadyMotion, match="is not the same in axes that move with the scene"):
         result(51)
+
+
+def test_another_angle_of_a_steady_rotation_is_no_other_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc on springs that are alike in all directions is the same at each angle, which rounding may change."""
+    disc = {"mass": 2, "inertia": 1, "markers": {"pin": [0, 0]}, "start": {"position": [0, 0], "spin": 3}}
+    tie = {"kind": "bushing", "between": ["ground.axis", "disc.pin"], "stiffness_x": 50, "stiffness_y": 50}
+    scene = derive.scene("whirling", ground={"axis": [0, 0]}, bodies={"disc": disc}, springs={"tie": tie}, start=STEADY)
+    monkeypatch.setattr(steady_motion, "_balanced", lambda native, k, q, field: np.add(q, [0, 0, 2]))
+    found = 2 * np.pi * modes(scene).frequencies
+    assert found[found > 0] == pytest.approx([2, 8], rel=1e-9)

@@ -20,6 +20,7 @@ import derive
 from conftest import QUICK
 from derive.generated_models import generated, generated_explicit
 from derive.runtime.compiler import ESSENTIAL
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import initial_state
@@ -50,7 +51,8 @@ def compiled_scene(scene: Scene, complete: bool = False) -> NativeScene:
     """The compiled C of a scene; of one that is not complete, what explicit integration calls."""
     if complete:
         return load_scene(generated(scene)[1], QUICK)
-    return load_scene(generated_explicit(scene)[1], FLAGS)
+    model, files = generated_explicit(scene)
+    return with_iteration_matrix(load_scene(files, FLAGS), model)
 
 
 @cache

@@ -12,6 +12,7 @@ import derive
 from conftest import QUICK, ROOT
 from derive.generated_models import generated, generated_explicit
 from derive.runtime.compiler import ESSENTIAL
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -121,5 +122,6 @@ def compiled(scene: object, complete: bool = False) -> Compiled:
     if complete:
         native = load_scene(generated(scene)[1], QUICK)
     else:
-        native = load_scene(generated_explicit(scene)[1], (*QUICK, *ESSENTIAL))
+        model, files = generated_explicit(scene)
+        native = with_iteration_matrix(load_scene(files, (*QUICK, *ESSENTIAL)), model)
     return Compiled(scene, native, native.setup())

@@ -14,7 +14,11 @@ from test_space_motions import KEPT, MGL, top_scene
 from tops import SymmetricTop, steady_precession
 
 import derive
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.linear import steady_rotation
 from derive.simulation.linear.modes import Modes, modes
+from derive.simulation.linear.rotating_field import RotatingField
 from derive.simulation.linear.steady_motion import NoSteadyMotion
 from derive.spec.toml.read import parse
 from derive.visual.mode_pages import modes_page, modes_picture
@@ -216,6 +220,22 @@ start = {{ position = [0, 0, 0], rotation = [1, 0, 0, 0], angular_velocity = [0,
     stiffness = ROD_STIFFNESS + RATE**2 * (slope**2 / J - modal)
     assert abs(result.linear.q[-1]) == pytest.approx(q * np.sqrt(modal), rel=1e-9)  # of a mode of unit modal mass
     assert np.min(np.abs(angular(result) - np.sqrt(stiffness / modal))) < 1e-7 * np.sqrt(stiffness / modal)
+
+
+# ---- the angle about the axis, which nothing determines
+
+
+def test_another_angle_about_the_axis_is_no_other_rotation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Newton's method may turn a scene by rounding errors about the axis of its rotation, about which it is free."""
+    balanced = steady_rotation._balanced
+
+    def elsewhere(native: NativeScene, k: Vector, q: Vector, field: RotatingField, size: float) -> Vector:
+        return field.later(balanced(native, k, q, field, size), 2.0 / max(field.rates))
+
+    expected = [modes(parse(PENDULUM.replace("KEEP", keep))) for keep in ("", KEPT)]
+    monkeypatch.setattr(steady_rotation, "_balanced", elsewhere)
+    for keep, of in zip(("", KEPT), expected, strict=True):
+        assert angular(modes(parse(PENDULUM.replace("KEEP", keep)))) == pytest.approx(angular(of), rel=1e-6)
 
 
 # ---- what is no steady rotation

@@ -141,6 +141,12 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
             "9: bodies.rod.ansatz: the ansatz is empty after the conditions of the mean frame (int v dxi = 0 and "
             "int xi v dxi = 0); add polynomials of higher degree",
         ),
+        (
+            "length = 1",
+            'ansatz = ["xi^2", "xi^3"]',
+            "9: bodies.rod.ansatz: the ansatz is empty after the conditions of the mean frame (int v dxi = 0 and "
+            'int xi v dxi = 0); add "1" and "xi", which the conditions use up',
+        ),
         ("length = 1", "length = 1\nstart = 3", "10: bodies.rod.start: a table is needed here, not a number"),
         (
             "length = 1",

@@ -355,6 +355,19 @@ def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch
     assert (file.source, file.error) == ("crank_slider_A.csv", 1e-3)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(("enough", "finest"), [(0.0016, "P2 to P4"), (0.001, "P2 to P5")])
+def test_two_models_that_clearly_agree_are_a_reference(
+    crank_slider: Scene, monkeypatch: pytest.MonkeyPatch, enough: float, finest: str
+) -> None:
+    """The second and the third differ by 0.037 %, and the first two are said to do so as well."""
+    models = tuple(LadderModel(Shapes.POLYNOMIALS, count, TRUNCATED) for count in (2, 3, 4))
+    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda scene: models)
+    monkeypatch.setattr("derive.study.accuracy.reference.rms_difference", lambda finer, coarser: 0.00037)
+    made = reference(crank_slider, crank_slider.plots[0], None, True, lambda _: None, enough=enough)
+    assert made.source == f"own run, 1 beam, {finest}, truncated"
+
+
 @pytest.mark.parametrize(
     ("asked", "message"),
     [

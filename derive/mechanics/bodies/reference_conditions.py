@@ -7,14 +7,15 @@ phi_i of (30) and (38). The shapes of a family are known, and have to fulfil the
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import lcm
 from typing import assert_never
 
-from derive.errors import TisserandError
+from derive.enumerations import enumeration
+from derive.errors import TisserandError, quoted
 from derive.mechanics.bodies.beam_functions import (
     LEFT,
     NOTHING,
@@ -126,7 +127,7 @@ def assumed_shapes(deflection: AssumedDeflection) -> tuple[BeamFunction, ...]:
         raise ConditionError(f"the ansatz is linearly dependent: {d} = 0; leave one of these out" for d in dependent)
     left = _solve(polynomials, (*conditions(deflection.frame), *end_conditions(deflection.ends)))
     if not left:
-        raise ConditionError([_nothing_left(deflection)])
+        raise ConditionError([_nothing_left(deflection, polynomials)])
     if deflection.orthogonal:
         left = orthogonalised(left)
     rigid = _rigid_motions(left)
@@ -224,13 +225,15 @@ def normalised(shape: BeamFunction) -> BeamFunction:
     return shape.scaled(1 / derivative.at(RIGHT))
 
 
-def _nothing_left(deflection: AssumedDeflection) -> str:
+def _nothing_left(deflection: AssumedDeflection, ansatz: Sequence[BeamFunction]) -> str:
     frame, ends = deflection.frame, deflection.ends
     asked = " and ".join(c.text for c in conditions(frame)) or "no condition"
     empty = f"the ansatz is empty after the conditions of the {frame.kind} frame ({asked})"
     if ends is not None:
         empty += f" and of {ends} ends ({' and '.join(c.text for c in end_conditions(ends))})"
-    return f"{empty}; add polynomials of higher degree"
+    missing = [quoted(p.text) for p in (ONE, XI) if p not in ansatz]
+    advice = f"{enumeration(missing)}, which the conditions use up" if missing else "polynomials of higher degree"
+    return f"{empty}; add {advice}"
 
 
 def _rigid_motions(shapes: list[BeamFunction]) -> list[str]:

@@ -75,7 +75,7 @@ def steady_motion(native: NativeScene, k: Vector, q: Vector, v: Vector, guess: V
     field = _rigid_field(native, q, v)
     first = q if guess is None else guess
     q = _balanced(native, k, first, field)
-    turned = np.where(coordinates_with(native, Role.ROTATION), np.abs(q - first), 0.0)
+    turned = _turned(native, first, q, field)
     if turned.max(initial=0.0) > NEAR:
         name, angle = native.coordinates[int(np.argmax(turned))], turned.max()
         raise NoSteadyMotion(
@@ -84,6 +84,13 @@ def steady_motion(native: NativeScene, k: Vector, q: Vector, v: Vector, guess: V
         )
     _check_steady(native, k, q, field)
     return SteadyMotion(q, field.velocities(q), field.spin, field.spin * field.E, str(field))
+
+
+def _turned(native: NativeScene, first: Vector, q: Vector, field: _RigidField) -> Vector:
+    """The rotations (nq,), rad, between two configurations, apart from that of the steady rotation, which all share."""
+    angles, change = coordinates_with(native, Role.ROTATION), q - first
+    common = (change[angles].max() + change[angles].min()) / 2 if field.spin and angles.any() else 0.0
+    return np.where(angles, np.abs(change - common), 0.0)
 
 
 def rotating_axes(native: NativeScene) -> Matrix:

@@ -15,7 +15,15 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix, max_norm
-from derive.simulation.configurations import difference, displaced, normalised, rate_matrix, velocities_with
+from derive.simulation.configurations import (
+    ROTATION,
+    attitudes,
+    difference,
+    displaced,
+    normalised,
+    rate_matrix,
+    velocities_with,
+)
 from derive.simulation.linear.rotating_field import RotatingField
 from derive.simulation.linear.steady_motion import (
     ASIDE,
@@ -35,6 +43,8 @@ LARGEST_STEP = 0.3
 """rad, and part of the size: the largest change in one iteration."""
 NEAR = 1.0
 """rad: a steady rotation in which a body is rotated by more than this from the guess is not the one that is sought."""
+ANGLES = 65
+"""The number of configurations along one turn of the axes with which a steady rotation is compared."""
 
 
 def steady_rotation(native: NativeScene, k: Vector, q: Vector, field: RotatingField, size: float) -> SteadyMotion:
@@ -44,7 +54,7 @@ def steady_rotation(native: NativeScene, k: Vector, q: Vector, field: RotatingFi
     not converge or goes far away, or where forces or joints depend on time or on directions that do not rotate along.
     """
     balanced = _balanced(native, k, q, field, size)
-    turned = np.abs(np.where(velocities_with(native, Role.ROTATION), difference(native, q, balanced), 0.0))
+    turned = _turned(native, q, balanced, field)
     if turned.max(initial=0.0) > NEAR:
         name, angle = native.velocities[int(np.argmax(turned))], turned.max()
         raise NoSteadyMotion(
@@ -53,6 +63,29 @@ def steady_rotation(native: NativeScene, k: Vector, q: Vector, field: RotatingFi
         )
     _check_steady(native, k, balanced, field)
     return SteadyMotion(balanced, field.velocities(balanced), field.spin, field.axes, field.text(size), field.rotation)
+
+
+def _turned(native: NativeScene, q: Vector, balanced: Vector, field: RotatingField) -> Vector:
+    """The rotations (nv,), rad, from a configuration q (nq,) to the balanced one, apart from the motion itself.
+
+    In a steady rotation all configurations that the motion passes are alike, and so are those in which a body that
+    spins, or a joint that turns at a constant rate, has another angle.
+    """
+    times = np.linspace(0.0, 2 * np.pi / field.spin, ANGLES) if field.spin else (0.0,)
+    every = (_aside(native, field.later(q, t), balanced, field) for t in times)
+    return min(every, key=lambda rotations: float(rotations.max(initial=0.0)))
+
+
+def _aside(native: NativeScene, q: Vector, balanced: Vector, field: RotatingField) -> Vector:
+    """The rotations (nv,), rad, between two configurations, without those about the axes of spins of their own."""
+    result = np.where(velocities_with(native, Role.ROTATION), difference(native, q, balanced), 0.0)
+    turning = field.own != 0.0
+    for _, j in attitudes(native):
+        block = slice(j, j + ROTATION)
+        spin, turning[block] = field.own[block], False
+        if spin.any():
+            result[block] -= spin * (spin @ result[block]) / (spin @ spin)
+    return np.where(turning, 0.0, np.abs(result))
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,7 @@ TOLERANCE = 1e-10
 
 LEAST = 3
 """The least number of models that make a reference, unless two agree so well that a third one would change nothing."""
-CLEARLY = 0.2
+CLEARLY = 0.25
 """The part of the error that is good enough, within which two models are a reference."""
 
 

@@ -20,6 +20,7 @@ from derive.mechanics.multibody.space.output_parts import SpatialComponent, Spat
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.spatial_beam import SpatialBeam
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.space.beam_section import SpatialBeamSection
@@ -53,6 +54,7 @@ def _gap(doc: str, unit: str, gap: Callable[[SpatialBeamSection, int], sp.Expr])
 
         marker = values[SECTION.name]
         beam = next(body for body in parts.scene.bodies if body.name == marker.body)
+        assert isinstance(beam, SpatialBeam)
         section = section_at_marker(parts, marker, of_frame=beam.order is DisplacementOrder.FIRST_ORDER)
         expr, text = gap(section, values[AXIS.name]), f"{doc} at {values[SECTION.name]} along e{values[AXIS.name]}"
         return (SpatialComponent("", unit, text, expr, section.constants),)
