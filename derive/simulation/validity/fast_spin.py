@@ -70,7 +70,7 @@ def fast_spin_notes(
 
 
 def _lack(spec: NodalBody | SpatialBeam) -> str:
-    second = isinstance(spec, NodalBody) and spec.second_order
+    second = not isinstance(spec, SpatialBeam) and spec.second_order
     return "files lack K0omega, its centrifugal stiffening" if second else KNOW_NONE
 
 
