@@ -10,12 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import derive
+from conftest import ROOT
+from derive.cli.main import main
+from derive.derivation import reduced_bodies
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import reduce
 from derive.reduction.body import prepare
 from derive.reduction.integrals import OMEGA_PRODUCTS
 from derive.sid import SidError, read, write
 from derive.sid.mapping import to_matrices
+from derive.sid.unused import SidWarning
+from derive.sid.write import fortran_number
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
@@ -279,3 +285,30 @@ def test_quantities_that_a_file_contains_twice_agree_to_four_digits(change: floa
         assert read(text).c2.tolist() == [[0, 1, 0]]
     else:
         assert any("mdCM has another first order than Ct" in fault for fault in faults(text))
+
+
+def test_component_modes_of_a_scene_have_a_sid_with_the_rotations_of_their_markers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`sid` of a scene prints its body with Craig-Bampton modes: what `read` returns of it, and psi in the text."""
+    scene = (
+        (ROOT / "examples/spatial_crank_slider.toml")
+        .read_text()
+        .replace("spatial_rod.npz", f"{ROOT}/examples/spatial_rod.npz")
+    )
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.replace("modes = 4", 'modes = 7\ninterface = ["ball", "yoke"]'))
+    assert main(["sid", str(path)]) == 0
+    text = capsys.readouterr().out
+    reduced = reduced_bodies(derive.read(path))["rod"]
+    with pytest.warns(SidWarning, match="psi"):
+        again = read(text)
+    assert np.array_equal(again.stiffness, reduced.body.stiffness) and np.array_equal(again.C5, reduced.body.C5)
+    assert [point.name for point in again.points] == ["ball", "middle", "yoke"]
+    twists = reduced.frames[2].twists
+    assert (
+        f") = {fortran_number(twists.flat[np.abs(twists).argmax()])}"
+        in text.partition("node = 3")[2].partition("psi")[2]
+    )
+    assert main(["sid", str(path), "--body", "rad"]) == 2
+    assert 'did you mean "rod"?' in capsys.readouterr().err

@@ -11,6 +11,8 @@ import pytest
 from bodies import MODAL_BODY, save, save_mtx, toml, without
 from scipy.io import mmwrite
 
+import derive
+from conftest import ROOT
 from derive.cli.build_notes import build_notes
 from derive.errors import SpecError
 from derive.pipeline import build
@@ -157,3 +159,15 @@ def test_build_says_what_is_used(tmp_path) -> None:
     ]
     (note,) = notes(tmp_path, "")
     assert "displacements of first order in the amplitudes: there is no geometric stiffness" in note
+
+
+def test_a_run_notes_a_body_whose_tables_lack_those_of_its_spin() -> None:
+    """At a fifth of its lowest frequency; with K0omega, or without spin, there is nothing to note."""
+    arrays = dict(np.load(ROOT / "scenes/solid_beam.npz"))
+    few = {name: array for name, array in arrays.items() if name != "K0omega"}
+    times = {"duration": 1e-4, "output": 1e-4}
+    for data, spin, noted in ((few, 60, True), (arrays, 60, False), (few, 0, False)):
+        body = {"nodes": data, "units": "SI", "start": {"angular_velocity": [0, spin, 0]}}
+        run = derive.simulate(derive.spatial_scene("free", bodies={"beam": body}, simulation=times))
+        notes = [note for note in run.notes if "its files lack K0omega, its centrifugal stiffening" in note]
+        assert len(notes) == noted

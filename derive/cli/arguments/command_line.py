@@ -236,7 +236,8 @@ def _add_check(commands: Any) -> None:
 
 def _add_sid(commands: Any) -> None:
     sid = add_command(commands, "sid", "print a finite-element body as standard input data (SID)")
-    sid.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} with a [body] given by nodes")
+    sid.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} with a body given by nodes")
+    sid.add_argument("--body", metavar="NAME", help="the body of a scene with several bodies given by nodes")
 
 
 def _add_schema(commands: Any) -> None:

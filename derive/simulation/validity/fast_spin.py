@@ -32,6 +32,7 @@ from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 RIGID = 6
+KNOW_NONE = "displacements of first order know no centrifugal stiffening"
 
 
 @dataclass(frozen=True)
@@ -64,13 +65,25 @@ def fast_spin_notes(
             yield (
                 f"{of.spec.name}: it spins at up to {spin:.4g} rad/s about axes of large inertia, "
                 f"{percent(spin / lowest)} of its lowest natural frequency of {lowest:.4g} rad/s ({where}), and its "
-                f"displacements of first order know no centrifugal stiffening: {_remedy(of.spec)}"
+                f"{_lack(of.spec)}: {_remedy(of.spec)}"
             )
+
+
+def _lack(spec: NodalBody | SpatialBeam) -> str:
+    second = not isinstance(spec, SpatialBeam) and spec.second_order
+    return "files lack K0omega, its centrifugal stiffening" if second else KNOW_NONE
+
+
+def _lacks_stiffening(spec: NodalBody) -> bool:
+    """Whether a body is of first order, or of second order by files without the matrices of its spin."""
+    return not spec.second_order or spec.data.K0omega is None
 
 
 def _remedy(spec: NodalBody | SpatialBeam) -> str:
     if isinstance(spec, SpatialBeam):
         return "write order = 2, with which it shortens as it bends"
+    if spec.second_order:
+        return "add it, see scenes/geometric_stiffness.py"
     if spec.uses_given_modes and spec.data.has_geometric_stiffness:
         return "write order = 2, which uses the geometric stiffness of its files"
     if spec.data.has_geometric_stiffness:
@@ -81,7 +94,7 @@ def _remedy(spec: NodalBody | SpatialBeam) -> str:
 def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) -> Iterator[Spinning]:
     """The bodies of first order with modes."""
     if body is not None:
-        if not body.second_order and native.nv > RIGID:
+        if _lacks_stiffening(body) and native.nv > RIGID:
             yield Spinning(body, 0, RIGID + 1)
         return
     for own in scene.bodies if isinstance(scene, SpatialScene) else ():
@@ -98,7 +111,7 @@ def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) 
 def _of_first_order(body: SpatialBody) -> NodalBody | SpatialBeam | None:
     """The flexible body if its displacements are of first order, else None."""
     if isinstance(body, FlexibleBody):
-        return None if body.body.second_order else body.body
+        return body.body if _lacks_stiffening(body.body) else None
     if isinstance(body, SpatialBeam):
         return body if body.order is DisplacementOrder.FIRST_ORDER else None
     return None
