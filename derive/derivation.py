@@ -291,17 +291,14 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
     """Straight-line code, or loops over instances where the specification asks for them or they are faster."""
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
-    if requested == "instances" and sensitivities:
-        text = 'loops have no derivatives by parameters in space: lowering = "flat"'
-        raise SpecError((Problem("scene.lowering", text),))
     choice = "looped over instances, as the specification asks" if requested == "instances" else ""
-    if requested == "auto" and not sensitivities and is_predicted(mechanism):
+    if requested == "auto" and is_predicted(mechanism):
         costs = estimate_mechanism_costs(mechanism)
         choice = costs.reason(requested) if costs.lowering == "instances" else ""
     if choice:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
-        return lower_instances(mechanism, choice, explicit, proximal=redundant == "resolve")
+        return lower_instances(mechanism, choice, explicit, sensitivities, redundant == "resolve")
     try:
         return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant)
     except RecursionError:
