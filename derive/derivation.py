@@ -291,16 +291,17 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
     """Straight-line code, or loops over instances where the specification asks for them or they are faster."""
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
-    choice = "looped over instances, as the specification asks" if requested == "instances" else ""
+    looped = requested == "instances"
+    choice = "looped over instances, as the specification asks" if looped else ""
     if requested == "auto" and is_predicted(mechanism):
         costs = estimate_mechanism_costs(mechanism)
-        choice = costs.reason(requested) if costs.lowering == "instances" else ""
-    if choice:
+        looped, choice = costs.lowering == "instances", costs.reason(requested)
+    if looped:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
         return lower_instances(mechanism, choice, explicit, sensitivities, redundant == "resolve")
     try:
-        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant)
+        return _straight_line(mechanism.expanded(), choice, sensitivities, explicit, redundant)
     except RecursionError:
         raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 

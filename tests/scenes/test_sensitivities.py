@@ -192,7 +192,9 @@ def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
         assert structural.sum() == (np.abs(expected.astype(float)) > 0).sum()
 
 
-@pytest.mark.parametrize("name", [LONG[0], "stretching", "point", "space", "looped loads", "looped stretching", "looped space"])
+@pytest.mark.parametrize(
+    "name", [LONG[0], "stretching", "point", "space", "looped loads", "looped stretching", "looped space"]
+)
 def test_the_solution_satisfies_its_equations(name: str) -> None:
     model, files, native = made(name)
     t, q = state(native, 4)[0], 0.3 * state(native, 4)[1]  # far enough from where M is not definite
