@@ -299,19 +299,17 @@ def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: b
     """Straight-line code, or loops over instances where the specification asks for them or they are faster."""
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
     balanced = mechanism.scene.start is not None
-    if requested == "instances" and sensitivities:
-        text = 'loops have no derivatives by parameters in space: lowering = "flat"'
-        raise SpecError((Problem("scene.lowering", text),))
-    choice = "looped over instances, as the specification asks" if requested == "instances" else ""
-    if requested == "auto" and not sensitivities and is_predicted(mechanism):
+    looped = requested == "instances"
+    choice = "looped over instances, as the specification asks" if looped else ""
+    if requested == "auto" and is_predicted(mechanism):
         costs = estimate_mechanism_costs(mechanism)
-        choice = costs.reason(requested) if costs.lowering == "instances" else ""
-    if choice:
+        looped, choice = costs.lowering == "instances", costs.reason(requested)
+    if looped:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
-        return lower_instances(mechanism, choice, explicit, proximal=redundant == "resolve", balanced=balanced)
+        return lower_instances(mechanism, choice, explicit, sensitivities, redundant == "resolve", balanced)
     try:
-        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, redundant, balanced)
+        return _straight_line(mechanism.expanded(), choice, sensitivities, explicit, redundant, balanced)
     except RecursionError:
         raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 

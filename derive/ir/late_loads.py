@@ -12,7 +12,7 @@ from dataclasses import replace
 from derive.ir.accesses import are_apart
 from derive.ir.analysis import names_read
 from derive.ir.expressions import Element, Ends
-from derive.ir.loop_nests import Assign, For, Node
+from derive.ir.loop_nests import Assign, BlockProduct, For, Node, Sines, every
 from derive.ir.statements import Let
 
 
@@ -33,11 +33,23 @@ def _kept(node: Node, waiting: dict[str, Let]) -> Iterator[Node]:
 def _due(node: Node, waiting: dict[str, Let]) -> Iterator[Node]:
     """The loads that have to precede a line."""
     read = dict.fromkeys(names_read([node]))
-    written = node.target if isinstance(node, Assign) else None
-    met = [name for name, load in waiting.items() if _may_change(load.expr, written)]
+    written = tuple(_written(node))
+    met = [name for name, load in waiting.items() if any(_may_change(load.expr, of) for of in written)]
     for name in (*(name for name in read if name in waiting), *met):
         if name in waiting:
             yield waiting.pop(name)
+
+
+def _written(node: Node) -> Iterator[object]:
+    """What a line writes, also in its body."""
+    for line in every([node]):
+        match line:
+            case Assign(target=target) | BlockProduct(target=target):
+                yield target
+            case Sines():
+                yield from (Element(array, None) for array in (line.sine, line.cosine))
+            case _:
+                pass
 
 
 def _may_change(loaded: object, written: object) -> bool:

@@ -15,8 +15,12 @@ non-zeros of M, and with e products in the elimination of the joints, in ns:
 A joint whose constraints depend on both of its bodies at once takes 6 more in straight-line code, and 11 in loops, of
 which many of a kind take the same parts as many bodies of a class do: a rough fit to 15 scenes with 1 to 8 such joints.
 Bodies with fewer joints join the class of others where the loops then take less (`joined_classes.py`).
-In space the same constants serve for rigid bodies with ball joints, whose loops take 0.74 (2 bodies), 0.58 (4) or 0.44
-(8) of the time of straight-line code; the predicted times are up to 1.7 of those measured on an AMD EPYC, family 26.
+In space the same constants serve for rigid bodies with ball joints. Where joints remove rotations, straight-line code
+eliminates these along the joints, and takes 95 ns for each body and 5 for each pair of a joint and one on its way to
+the ground. Times in space are some 0.6 of those predicted on an AMD EPYC, family 26. Of 20 scenes there (chains, trees,
+stars and closed loops of 2 to 8 bodies with balls, hinges, crosses and welds) the form that is chosen takes at most
+1.09 of the time of the other one. How much straight-line code leaves the instruction cache depends on its joints:
+chains of five hinges take twice their time, eight welds 1.3 times; this is left out.
 The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
 than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
 where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +
@@ -37,6 +41,7 @@ from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.spec.model.markers import GROUND
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 
 LONG = 30.0
@@ -47,6 +52,8 @@ TWO = 2
 """The number of bodies that stay in straight-line code, which explains each entry: loops save a seventh at most."""
 IN_CACHE, TWICE = 350.0, 650.0
 """The times (ns) up to which straight-line code is in the instruction cache, and from which on it takes twice that."""
+IN_SPACE = 0.6
+"""The times of straight-line code in space, relative to those predicted: the compiler takes its time for the former."""
 LOOPS_IN_CACHE, LOOPS_TWICE = 300.0, 550.0
 """The times (ns) of one body of each class up to which loops are in it, and from which on they take twice as long."""
 
@@ -92,16 +99,16 @@ class MechanismCosts:
 
 
 def is_predicted(mechanism: SpatialMechanism) -> bool:
-    """Whether the predictions hold for a mechanism in space: a row of rigid bodies whose joints are balls, no gears.
+    """Whether the predictions hold for a mechanism in space: rigid bodies that keep their coordinates, without gears.
 
-    Where the axes of one body are in the rows of another, straight-line code has shorter ways of its own; where many
-    bodies are at one, its code takes less time than the predictions, which are those of planar mechanisms.
+    Where joints have eliminated coordinates, they hold for a row of bodies with ball joints alone.
     """
     rigid = all(isinstance(body, SpatialRigidBody) for body in mechanism.scene.bodies)
-    if not rigid or not mechanism.joints or mechanism.gears or any(map(varies, mechanism.joints)):
+    if not rigid or not mechanism.joints or mechanism.gears:
         return False
     rows = [joint.multipliers for joint in mechanism.joints]
-    return _system(body_classes(mechanism), rows).is_path
+    is_row = _system(body_classes(mechanism), rows).is_path and not any(map(varies, mechanism.joints))
+    return is_row or not mechanism.eliminated_joints
 
 
 def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
@@ -120,7 +127,31 @@ def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
     varying = _varying_joints(mechanism, classes)
     flat += 6.0 * sum(varying)
     looped += 11.0 * sum(map(_passes, varying))
-    return MechanismCosts(flat * (1 + _beyond(flat, IN_CACHE, TWICE)), looped, 0.02 * flat + 2.2e-8 * flat**3)
+    if not isinstance(mechanism, SpatialMechanism):
+        return MechanismCosts(flat * (1 + _beyond(flat, IN_CACHE, TWICE)), looped, _of_compiler(flat))
+    if varying:
+        flat = 95.0 * len(mechanism.instances) + 5.0 * _pairs_to_ground(mechanism)
+    return MechanismCosts(flat, looped, _of_compiler(IN_SPACE * flat))
+
+
+def _of_compiler(flat: float) -> float:
+    """The time of the compiler (s) for straight-line code that takes so many ns."""
+    return 0.02 * flat + 2.2e-8 * flat**3
+
+
+def _pairs_to_ground(mechanism: SpatialMechanism) -> int:
+    """The pairs of a joint and one on its shortest way to the ground, itself among them, summed over all bodies."""
+    beside: dict[str, set[str]] = {}
+    for joint in mechanism.joints:
+        first, second = joint.joint.first.body, joint.joint.second.body
+        beside.setdefault(first, set()).add(second)
+        beside.setdefault(second, set()).add(first)
+    total, distance, reached, last = 0, 0, {GROUND}, {GROUND}
+    while last:
+        total, distance = total + distance * len(last), distance + 1
+        last = {body for other in last for body in beside.get(other, ())} - reached
+        reached |= last
+    return total
 
 
 def _loops(mechanism: AnyMechanism, classes: Sequence[BodyClass], rows: Sequence[int]) -> float:

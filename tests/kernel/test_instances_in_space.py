@@ -21,6 +21,8 @@ from derive.ir.kernel import Kernel
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.classes.body_classes import body_classes
 from derive.lowering.instances.lower import lower_instances
+from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.simulation.observables.default_plots import default_plots
 from derive.spec.toml.read import parse
 
@@ -304,22 +306,40 @@ def test_the_code_does_not_grow_with_the_number_of_bodies() -> None:
     assert np.abs(np.diff(np.log(np.array(sizes) + 1.0), axis=0)).max() < 0.2
 
 
-def test_loops_are_chosen_for_chains_of_balls() -> None:
-    """From three bodies on, with the reason and the times; neither in stars nor with other joints, nor with gears."""
+def test_loops_are_chosen_where_they_are_faster() -> None:
+    """With the reason and the times; measured ratios of the times, loops to straight-line code, are beside."""
 
     def lowered(kind: str, count: int, **options: bool) -> tuple[str, str]:
         scene = replace(chain(kind, count), lowering="auto")
         model = derive.lower(derive.derive(scene), explicit=True, **options)
         return model.lowering, model.choice
 
-    form, choice = lowered("spherical", 3)
+    def chosen(text: str) -> str:
+        mechanism = derive.derive(parse(text))
+        assert isinstance(mechanism, SpatialMechanism)
+        assert is_predicted(mechanism)
+        return estimate_mechanism_costs(mechanism).lowering
+
+    def links(kind: str, count: int) -> str:
+        return LINKS.format(kind=kind, count=count, joints=count - 1, turned=TURNED)
+
+    form, choice = lowered("spherical", 3, sensitivities=True)  # 0.53
     assert form == "instances"
     assert choice.startswith("looped over instances, the faster form; predicted evaluation time")
-    assert lowered("spherical", 2)[0] == lowered("revolute", 3)[0] == "flat"
-    assert lowered("spherical", 3, sensitivities=True)[0] == "flat"
-    star = LINKS.format(kind="spherical", count=6, joints=5, turned=TURNED).replace("link[i].b", "link[0].b")
-    of_star = replace(parse(star), lowering="auto")
-    assert derive.lower(derive.derive(of_star), explicit=True).lowering == "flat"  # loops take longer there
+    form, choice = lowered("revolute", 2)  # 1.47
+    assert form == "flat"
+    assert choice.startswith("unrolled, the faster form; predicted evaluation time")
+    assert [chosen(links("revolute", count)) for count in (4, 5)] == ["instances"] * 2  # 0.84, 0.44
+    assert [chosen(links("fixed", count)) for count in (3, 8)] == ["flat"] * 2  # 1.31, 1.38
+    assert chosen(links("universal", 5)) == "instances"  # 0.12
+    stars = {
+        (kind, n): links(kind, n).replace("link[i].b", "link[0].b") for kind, n in (("spherical", 6), ("revolute", 5))
+    }
+    assert [chosen(star) for star in stars.values()] == ["flat"] * 2  # 1.03, 3.25
+    assert chosen(CLOSED.replace("universal", "spherical")) == "flat"  # 1.32
+    geared = derive.derive(parse(MIXED.replace('"instances"', '"auto"') + GEARED))
+    assert isinstance(geared, SpatialMechanism)
+    assert not is_predicted(geared)
 
 
 def test_default_plots_name_the_columns_of_instances() -> None:

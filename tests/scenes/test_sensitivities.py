@@ -117,7 +117,7 @@ SCENES: dict[str, Callable[[], Any]] = {
     "reduced": lambda: parse(zoo.REDUCED),
     "space": lambda: parse(SPACE),
 }
-LOOPED = [f"looped {name}" for name in ("functions", "loads", "tables", "stretching")]
+LOOPED = [f"looped {name}" for name in ("functions", "loads", "tables", "stretching", "space")]
 """Scenes with loops over their bodies, of which there are fewer than loops are worth."""
 FLAT = [name for name in SCENES if name not in ("loads", "reduced", "full")]
 LONG = [pytest.param(name, marks=pytest.mark.long) for name in ("loads", "full")]
@@ -192,7 +192,9 @@ def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
         assert structural.sum() == (np.abs(expected.astype(float)) > 0).sum()
 
 
-@pytest.mark.parametrize("name", [LONG[0], "stretching", "point", "space", "looped loads", "looped stretching"])
+@pytest.mark.parametrize(
+    "name", [LONG[0], "stretching", "point", "space", "looped loads", "looped stretching", "looped space"]
+)
 def test_the_solution_satisfies_its_equations(name: str) -> None:
     model, files, native = made(name)
     t, q = state(native, 4)[0], 0.3 * state(native, 4)[1]  # far enough from where M is not definite
