@@ -23,8 +23,12 @@ from derive.ir.statements import ForEach, Work
 from derive.ir.sums_over_modes import ROW, with_sums_over_modes
 from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
 from derive.ir.written_out_rows import with_rows_written_out
-from derive.lowering.instances.functions.constant_modes import constant_modes
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.instances.functions.constant_modes import ConstantModes, constant_modes
+from derive.lowering.instances.loop_code.class_code import ClassCode
 from derive.lowering.instances.lower import lower_instances
+from derive.lowering.ldlt import Factorisation
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.spec.toml.read import parse
 
 MODES, NODES = 6, 9
@@ -71,7 +75,9 @@ def chain(count: int, kinds: tuple[str, ...], alike: bool = False) -> derive.Spa
 
 @cache
 def looped(count: int, alike: bool = False) -> Model:
-    return lower_instances(derive.derive(chain(count, ("fixed",), alike)), explicit=True)
+    mechanism = derive.derive(chain(count, ("fixed",), alike))
+    assert isinstance(mechanism, SpatialMechanism)
+    return lower_instances(mechanism, explicit=True)
 
 
 def state(kernel: Kernel) -> dict[str, list[float] | float]:
@@ -124,12 +130,16 @@ def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
 
 def test_coefficients_take_the_place_of_factors(monkeypatch: pytest.MonkeyPatch) -> None:
     """A joint hands a body three coefficients for its rotation and three for its modes, however many modes it has."""
-    used = []
-    module = "derive.lowering.instances.functions.local_system.constant_modes"
-    monkeypatch.setattr(module, lambda *args: used.append(constant_modes(*args)) or used[-1])
-    model = lower_instances(derive.derive(chain(2, ("fixed",))), explicit=True)
+    used: list[ConstantModes | None] = []
+
+    def noted(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
+        used.append(constant_modes(of, symbols, factors))
+        return used[-1]
+
+    monkeypatch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)
+    mechanism = derive.derive(chain(2, ("fixed",)))
+    assert isinstance(mechanism, SpatialMechanism)
+    lower_instances(mechanism, explicit=True)
     assert used
+    assert {len(row.coefficients) for of in used if of for row in of.rows} == {3}
     assert all(used)
-    (rows,) = {len(row.coefficients) for modes in used for row in modes.rows}
-    assert rows == 3
-    assert model.kernel("accel").operations < 2 * 7000
