@@ -1,7 +1,7 @@
 """Loads where their first reader is, so that compilers need not keep what is read from memory anyway.
 
-gcc keeps the order of a long straight line: what is loaded at its beginning and read more than once goes to the stack in
-between. All operations stay as they were, and so do the bits.
+gcc keeps the order of a long straight line: what is loaded at its beginning and read more than once goes to the stack
+in between. All operations stay as they were, and so do the bits.
 """
 
 from __future__ import annotations
