@@ -161,7 +161,7 @@ class _Block:
             *self._in_order(gathered),
             *([self._lanes(before)] if angles else []),
             *(self._sines(array) for array in self.angles),
-            self._lanes(with_late_loads(kept)),
+            self._lanes(kept if self.local else with_late_loads(kept)),  # the loops inside need most of them at once
             *self._in_order(stored),
         ]
 

@@ -9,7 +9,7 @@ over the rows computes them at the beginning of the body. The order of additions
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import reduce
@@ -37,12 +37,15 @@ Row = tuple[Expr, tuple[tuple[int, Expr], ...]]
 """The constant term of a linear form, and its factors with the places of the elements of a window."""
 
 
-def with_sums_over_modes(model: Model) -> Model:
-    """A model whose loops over instances have loops over the rows of tables in place of dense sums."""
+def with_sums_over_modes(model: Model, kept: Container[str] = ()) -> Model:
+    """A model whose loops over instances have loops over the rows of tables in place of dense sums.
+
+    kept: the kernels that stay as they are, since several of them have one text.
+    """
     if model.lowering != "instances" or not model.in_space:
         return model
     tables = _Tables()
-    kernels = [_with_sums(kernel, tables) for kernel in model.kernels]
+    kernels = [kernel if kernel.name in kept else _with_sums(kernel, tables) for kernel in model.kernels]
     arrays = tables.arrays
     return replace(model, kernels=tuple(_with_arrays(kernel, arrays) for kernel in kernels))
 

@@ -62,9 +62,9 @@ def header_and_source(model: Model, fingerprint: str, abi: int, header: str, sou
     fingerprint: that of the specification; abi: the number of the interface.
     """
     sums = linear_sums(model)
-    model = with_sums_over_modes(model)
-    blocks = batch_blocks(with_rows_written_out(model), sums)
     forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
+    model = with_sums_over_modes(model, forms)
+    blocks = batch_blocks(with_rows_written_out(model), sums)
     values = _template_values(model, fingerprint, abi, sums, forms, blocks)
     builder = SourceBuilder(model)
     builder.text(render("c/prologue.c.jinja", values))
