@@ -19,6 +19,24 @@ def places() -> Vector:
     return np.linspace(-1, 1, PLACES)
 
 
+def twists_along(values: Matrix, pieces: int, clamped: int | None) -> Matrix:
+    """(places, pieces fields): the rotations of a twisted beam per unit of each field (fields, PLACES) of each piece.
+
+    They are relative to the end, -1 or 1, that is `clamped` against rotation, or to the left end.
+    """
+    own = (values - values[:, :1]).T
+    along = np.zeros((pieces, PLACES, pieces, len(values)))
+    for j in range(pieces):
+        along[j, :, j] = own
+        along[j, :, :j] = own[-1]
+    rotations = along.reshape(pieces * PLACES, -1)
+    if clamped == 1:
+        rotations = rotations - rotations[-1]
+    rows = np.linspace(0, len(rotations) - 1, PLACES).round().astype(int)
+    result: Matrix = rotations[rows]
+    return result
+
+
 def deflections_along(values: Matrix, slopes: Matrix, length: float, pieces: int, clamped: int | None) -> Matrix:
     """(places, pieces fields): the deflections of a beam per unit of each field of each piece.
 

@@ -35,22 +35,23 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
 
 
 def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator[Monitor]:
-    beam, errors = watched.beam, ImpliedErrors(watched, seen)
+    beam, errors, twists = watched.beam, ImpliedErrors(watched, seen), watched.shapes.twists
 
     def monitor(cause: Cause, value: float, error: float, t: float) -> Monitor:
         return Monitor(
             beam.name, beam.pieces, cause, beam.beam.order, float(value), error, float(t), watched.shapes.axis
         )
 
-    if not errors.straight:
+    if not errors.straight and not twists:
         value, t = errors.peak / watched.length, seen.times[watched.deflection]
         yield monitor(Cause.DEFLECTION, value, errors.of_deflection, t)
-    yield monitor(Cause.AXIAL_FORCE, seen.largest[watched.axial], errors.of_axial_force, seen.times[watched.axial])
+    if not twists:
+        yield monitor(Cause.AXIAL_FORCE, seen.largest[watched.axial], errors.of_axial_force, seen.times[watched.axial])
     if errors.ought_to_bend:
         missed, kept = np.sqrt([seen.mean_squares[i] for i in (watched.missed_moment, watched.moment)])
         value, t = (1.0, seen.times[watched.missed]) if errors.straight else (missed / kept, seen.times[watched.moment])
-        yield monitor(Cause.BENDING_MOMENT, value, errors.of_shapes, t)
-    if beam.beam.order is DisplacementOrder.TRUNCATED:
+        yield monitor(Cause.TWISTING_MOMENT if twists else Cause.BENDING_MOMENT, value, errors.of_shapes, t)
+    if beam.beam.order is DisplacementOrder.TRUNCATED and not twists:
         t, lost = _lost_inertia(scene, watched, seen)
         yield monitor(Cause.MASS_MATRIX, lost, errors.of_lost_inertia(lost), t)
 

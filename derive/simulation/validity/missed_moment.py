@@ -50,7 +50,7 @@ def sections() -> Vector:
 def missed_fields(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> MissedFields:
     """The fields that a piece misses; known: places xi, each with 0 for the moment, N m, or 1 for its derivative, N."""
     xi, weights = gauss_points()
-    kept, half = shapes.moments(xi), shapes.length / 2
+    kept, half, strain = shapes.moments(xi), shapes.length / 2, shapes.strain_order
     kinks = np.array([place for place, order in known if order == 0 and abs(place) < 1])
     degree = len(kept) + len(known) - len(kinks) - 1
 
@@ -69,8 +69,8 @@ def missed_fields(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> Mi
     unit = np.vstack([np.zeros((len(kept), len(known))), np.eye(len(known))])
     factors = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0].T  # for each unit, of each function
     curvatures, slopes, values = (
-        factors @ each(-times, at) * half**times / shapes.bending_stiffness
-        for times, at in enumerate((sections(), ENDS, places()))
+        factors @ each(-times, at) * half**power / shapes.bending_stiffness
+        for power, (times, at) in enumerate(((0, sections()), (1, ENDS), (strain, places())))
     )
     along = factors @ each(0, xi)
     squares, axes = np.linalg.eigh((along * weights) @ along.T * half / (2 * shapes.bending_stiffness))

@@ -68,7 +68,8 @@ def monitored_sections(scene: AnyScene) -> dict[tuple[str, int, Fraction, str], 
     """The outputs of the moment and the shear force that the shapes miss, by beam, plane, place and kind.
 
     Moments at the ends that are clamped against rotation, and where something acts within the beam; shear forces at the
-    ends that something acts on. A plane is the axis along which the beam deflects.
+    ends that something acts on. A plane is the axis along which the beam deflects; about e1 it twists, and the twisting
+    moments at its ends are enough.
     """
     if isinstance(scene, SpatialScene):
         return _sections_in_space(scene)
@@ -96,8 +97,10 @@ def _sections_in_space(scene: SpatialScene) -> dict[tuple[str, int, Fraction, st
     for shapes in bending_planes(scene):
         name, axis = shapes.beam.name, shapes.axis
         loaded, turned = loaded_places(scene, name), turned_places(scene, name)
-        moments = {at: m for at, m in {**loaded, **turned}.items() if abs(at) < 1 or at in turned}
-        shears = {at: m for at, m in loaded.items() if abs(at) == 1}
+        ends = {at: m for at, m in turned.items() if abs(at) == 1}
+        within = {} if shapes.twists else {at: m for at, m in {**loaded, **turned}.items() if abs(at) < 1}
+        moments = {**ends, **within}
+        shears = {} if shapes.twists else {at: m for at, m in loaded.items() if abs(at) == 1}
         for kind, places in ((MOMENT_GAP, moments), (SHEAR_GAP, shears)):
             for at, marker in places.items():
                 of = _name(identifier(kind, marker.body, marker.marker, str(axis)), taken)

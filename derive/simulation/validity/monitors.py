@@ -31,6 +31,7 @@ class Cause(Enum):
     largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of a
     velocity that deflections take away; a truncated one is indefinite where nothing is left. Lateral buckling: the part
     of the stiffness in the weaker plane that bending and twisting moments take away, which first order leaves out.
+    Twisting moment: as the bending moment, in torsion; the error is that of the twist.
     """
 
     DEFLECTION = "deflection"
@@ -38,6 +39,7 @@ class Cause(Enum):
     BENDING_MOMENT = "bending_moment"
     MASS_MATRIX = "mass_matrix"
     LATERAL = "lateral_buckling"
+    TWISTING_MOMENT = "twisting_moment"
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,8 @@ class Monitor:
     """The largest value of a monitored quantity of a beam in a run.
 
     value: of what `Cause` says, without unit. error: what it implies, root mean square over the run, of the peak of the
-    deflection. t: when it occurs, s. axis: the one of a beam in space along which it deflects, 0 in the plane.
+    deflection. t: when it occurs, s. axis: the one of a beam in space along which it deflects, 0 in the plane; 1 of its
+    twist.
     """
 
     beam: str
@@ -88,14 +91,19 @@ class Monitor:
         of_others = enumeration([f"{other._error} in {other._bent}" for other in others], MOST_NAMED)
         return (
             f"{name}: {_WHAT[self.cause].format(percent(self.value))} at t = {self.t:.6g} s; this implies an error of "
-            f"{self._error} in its deflection (rms over the run, relative to the peak; the limit is "
+            f"{self._error} in its {self._wrong} (rms over the run, relative to the peak; the limit is "
             f"{percent(ERROR_LIMIT)}){', and of ' * bool(others)}{of_others}; {self.remedy}"
         )
 
     @property
     def _bent(self) -> str:
         """The beam, and in space the axis along which it deflects."""
-        return f"{self.beam} along its e{self.axis}" if self.axis else self.beam
+        way = "about" if self.cause is Cause.TWISTING_MOMENT else "along"
+        return f"{self.beam} {way} its e{self.axis}" if self.axis else self.beam
+
+    @property
+    def _wrong(self) -> str:
+        return "twist" if self.cause is Cause.TWISTING_MOMENT else "deflection"
 
     @property
     def _error(self) -> str:
@@ -115,6 +123,8 @@ class Monitor:
                 return 'choose terms = "full", or the mean frame'
             case Cause.LATERAL:
                 return "choose order = 2"
+            case Cause.TWISTING_MOMENT:
+                return "add a shape of torsion, or divide the beam into more pieces"
         assert_never(self.cause)
 
     @property
@@ -126,6 +136,7 @@ _WHAT = {
     Cause.DEFLECTION: "it bends by {} of its length",
     Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which a model of first order leaves out,",
     Cause.BENDING_MOMENT: "its shapes miss the bending moment by {} of the largest one",
+    Cause.TWISTING_MOMENT: "its shapes miss the twisting moment by {} of the largest one",
     Cause.LATERAL: "its bending and twisting moments take away {} of its stiffness, which first order leaves out,",
     Cause.MASS_MATRIX: "its deflection reduces the kinetic energy of some velocity by {}",
 }

@@ -9,6 +9,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
+from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
@@ -23,13 +24,17 @@ ROTATIONS = 3
 """The components of the angular velocity, which are before the rates of the amplitudes of a body in space."""
 IN_PLANE = 0
 """The axis of deflections in the plane, where there is no other."""
+TWIST = 1
+"""The axis about which a beam in space twists."""
 
 
 @dataclass(frozen=True)
 class PieceShapes:
     """The shapes of each piece of a beam, with its values in SI units.
 
-    before: the amplitudes of a piece before those of these shapes. axis: the one along which a beam in space deflects.
+    before: the amplitudes of a piece before those of these shapes. axis: the one along which a beam in space deflects,
+    or `TWIST`: then the shapes are the rotations of the sections times half the length of a piece, the stiffness is GJ,
+    moments are twisting moments, and curvatures the first derivatives of the shapes.
     """
 
     beam: BeamBody
@@ -48,8 +53,18 @@ class PieceShapes:
 
     @property
     def bending_stiffness(self) -> float:
-        """The bending stiffness EI, N m^2."""
+        """The stiffness of a section, N m^2: EI in bending, GJ in torsion."""
         return si_value(self.beam.beam.bending_stiffness)
+
+    @property
+    def twists(self) -> bool:
+        """Whether these are the shapes of torsion."""
+        return self.axis == TWIST
+
+    @property
+    def strain_order(self) -> int:
+        """The derivative of the shapes that is strain: the second in bending, the first in torsion."""
+        return 1 if self.twists else 2
 
     @property
     def euler_load(self) -> float:
@@ -65,7 +80,7 @@ class PieceShapes:
     def stiffness(self) -> Matrix:
         """K (shapes, shapes) of the strain energy 1/2 a^T K a, N/m."""
         xi, weights = gauss_points()
-        curvatures = self._derivatives(2, xi) * (2 / self.length) ** 2
+        curvatures = self._derivatives(self.strain_order, xi) * (2 / self.length) ** 2
         stiffness: Matrix = self.bending_stiffness * self.length / 2 * (curvatures * weights) @ curvatures.T
         return stiffness
 
@@ -81,8 +96,8 @@ class PieceShapes:
         return result
 
     def moments(self, xi: Vector) -> Matrix:
-        """(shapes, len(xi)): the bending moments EI v'' of unit amplitudes at places xi of a piece, N."""
-        result: Matrix = self.bending_stiffness * (2 / self.length) ** 2 * self._derivatives(2, xi)
+        """(shapes, len(xi)): the moments of unit amplitudes at places xi of a piece, EI v'' in bending, N."""
+        result: Matrix = self.bending_stiffness * (2 / self.length) ** 2 * self._derivatives(self.strain_order, xi)
         return result
 
     def shear_forces(self, xi: Vector) -> Matrix:
@@ -100,7 +115,8 @@ class PieceShapes:
 
     def _derivatives(self, order: int, xi: Vector) -> Matrix:
         """(shapes, len(xi)): derivatives of the shapes by xi."""
-        return np.array([function_values(f.derivative(order), xi) for f in shape_functions(self.beam)])
+        shapes = stretching_shapes(self.beam.beam) if self.twists else shape_functions(self.beam)
+        return np.array([function_values(f.derivative(order), xi) for f in shapes])
 
     def amplitudes_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the coordinates of a scene that are the amplitudes of a piece."""

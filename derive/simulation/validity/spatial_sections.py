@@ -22,8 +22,8 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 ROTATIONS = ("rx", "ry", "rz")
 ALONG = 0.9
 """The cosine from which on a free axis of a joint is that about which a beam bends."""
-NORMALS = {2: 3, 3: 2}
-"""The axes about which beams that deflect along an axis bend."""
+NORMALS = {1: 1, 2: 3, 3: 2}
+"""The axes about which beams bend that deflect along an axis; about the first one they twist."""
 
 
 def beam_markers(scene: SpatialScene, beam: str) -> dict[MarkerRef, tuple[Fraction, SectionFrame]]:

@@ -20,8 +20,9 @@ from derive.spec.model.specification import AnyScene
 class Surroundings:
     """The ends of a beam, and the outputs that monitor it.
 
-    held: the ends at which a torque can act on it; free: whether nothing acts on the left and on the right end.
-    gaps: the outputs of what the shapes miss, by the place xi and the kind. axial: those of the axial force of pieces.
+    held: the ends at which a torque can act on it; free: whether it bends, and nothing acts on the left and on the
+    right end. gaps: the outputs of what the shapes miss, by the place xi and the kind. axial: those of the axial force
+    of pieces, which torsion has nothing to do with.
     """
 
     held: tuple[int, ...]
@@ -37,7 +38,7 @@ def surroundings(scene: AnyScene, shapes: PieceShapes) -> Surroundings:
         held = tuple(int(at) for at in held_in_plane(scene, beam.name, shapes.axis))
         masses = next(of.masses for of in spatial_beams(scene) if of.name == beam.name)
         loaded = {*loaded_places(scene, beam.name)} | {mass.at for mass in masses}
-        free = (Fraction(-1) not in loaded, Fraction(1) not in loaded)
+        free = (not shapes.twists and Fraction(-1) not in loaded, not shapes.twists and Fraction(1) not in loaded)
     else:
         held = tuple(int(marker.at) for marker in held_ends(planar(scene), beam))
         free = free_ends(planar(scene), beam)
@@ -47,6 +48,8 @@ def surroundings(scene: AnyScene, shapes: PieceShapes) -> Surroundings:
         if (name, axis) == (beam.name, shapes.axis)
     }
     axial = {
-        of.piece: tuple(output.name for output in of.outputs) for of in monitored_pieces(scene) if of.beam == beam.name
+        of.piece: tuple(output.name for output in of.outputs)
+        for of in monitored_pieces(scene)
+        if of.beam == beam.name and not shapes.twists
     }
     return Surroundings(held, free, gaps, axial)

@@ -19,7 +19,7 @@ from derive.runtime.integrators.watch import Watch, Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import piece_names
-from derive.simulation.validity.beam_line import PLACES, deflections_along, places
+from derive.simulation.validity.beam_line import PLACES, deflections_along, places, twists_along
 from derive.simulation.validity.bending_planes import bending_planes
 from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_modes
 from derive.simulation.validity.known_gaps import known_gaps
@@ -219,7 +219,9 @@ class _BeamForms:
         return WatchedVibration(rate, late, of.mode.frequency, of.missed)
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
-        """The deflection of the beam per unit of fields of its pieces."""
+        """The deflection of the beam per unit of fields of its pieces; of torsion see `twists_along`."""
+        if self.shapes.twists:
+            return twists_along(values, len(self.pieces), self.clamped)
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.clamped)
 
     @cached_property
@@ -242,6 +244,8 @@ class _BeamForms:
 
     def hardening(self, bent: Matrix) -> float:
         """The stiffness that a large deflection adds, relative to that of the mode, over its square, 1/m^2."""
+        if self.shapes.twists:
+            return 0.0
         xi, weights = gauss_points()
         a, shapes = self.lowest, self.shapes
         squares = (a @ shapes.moments(xi)) ** 2 * weights
@@ -250,6 +254,8 @@ class _BeamForms:
 
     def axial(self) -> tuple[list[int], Matrix]:
         """The relative stiffness that the axial force adds; pieces that are not monitored have that of the nearest."""
+        if not self.around.axial:
+            return [], np.zeros((1, 0))
         where = np.array([self.pieces.index(piece) for piece in self.around.axial])
         nearest = [int(np.abs(where - i).argmin()) for i in range(len(self.pieces))]
         columns, factors = list[int](), list[float]()

@@ -25,16 +25,16 @@ from derive.spec.model.spatial_beam import SpatialBeam
 if TYPE_CHECKING:
     from derive.mechanics.multibody.space.beam_section import SpatialBeamSection
 
-AXIS = Key("axis", KeyType.CHOICE, "", "The axis along which the beam deflects, 2 or 3.", required=True)
+AXIS = Key("axis", KeyType.CHOICE, "", "The axis along which the beam deflects, 2 or 3; 1 of torsion.", required=True)
 COMPONENT = Key("component", KeyType.CHOICE, "", "The beam, or a piece of it.", required=True)
 DIRECTIONS = {2: Direction.ALONG_E2, 3: Direction.ALONG_E3}
 
 
 def _moment_gap(section: SpatialBeamSection, axis: int) -> sp.Expr:
-    """The bending moment from equilibrium less that from the curvature."""
-    about = 5 - axis  # a deflection along e2 is bent about e3, one along e3 about -e2
+    """The bending moment from equilibrium less that from the curvature, for axis 1 the twisting moments."""
+    about = 1 if axis == 1 else 5 - axis  # a deflection along e2 is bent about e3, one along e3 about -e2
     gap = section.resultant[1][about - 1] - section.moments_of_curvature[about - 1]
-    return gap if axis == 2 else -gap
+    return -gap if axis == 3 else gap
 
 
 def _shear_gap(section: SpatialBeamSection, axis: int) -> sp.Expr:
