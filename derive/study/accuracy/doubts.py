@@ -13,6 +13,7 @@ CAUSES = {
     "bending_moment": "the bending moment",
     "mass_matrix": "the mass matrix",
     "lateral_buckling": "the lateral stiffness",
+    "twisting_moment": "the twisting moment",
 }
 """The texts of the causes of monitors by their values."""
 SMALLER = 2
