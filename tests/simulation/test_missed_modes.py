@@ -12,12 +12,12 @@ from spring_lattice import lattice
 
 @pytest.mark.parametrize(
     ("modes", "noted"),
-    [({"component_modes": "free", "modes": 3}, True), ({"component_modes": "craig_bampton", "modes": 8}, False)],
+    [({"component_modes": "free", "modes": 3}, True), ({"component_modes": "craig_bampton", "modes": 3}, False)],
 )
 def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
-    """Three free modes of a lattice that a joint fixes miss most of its bending; eight of the fixed body suffice."""
+    """Three free modes of a lattice that a joint fixes miss most of its deformation; three of the fixed body suffice."""
     held = {} if noted else {"interface": ["left"]}
-    body = {"nodes": lattice(4), "units": "SI", "markers": {"left": {"nodes": [0, 1, 2, 3]}}, **modes, **held}
+    body = {"nodes": lattice(1), "units": "SI", "markers": {"left": {"nodes": [0, 1, 2, 3]}}, **modes, **held}
     scene = derive.spatial_scene(
         "held",
         gravity=[0, 0, -0.1],
@@ -25,6 +25,6 @@ def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
         bodies={"truss": body},
         joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
     )
-    run = derive.simulate(scene, duration=2, output=0.05)
+    run = derive.simulate(scene, duration=0.5, output=0.05)
     assert any("under the forces of its joints its 3 modes imply" in note for note in run.notes) == noted
     assert any("of its deformation" in note or "in its deformation" in note for note in run.notes) == noted
