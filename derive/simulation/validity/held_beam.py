@@ -21,8 +21,8 @@ from derive.simulation.validity.piece_shapes import PieceShapes
 
 SMALL = 1e-5
 """The size of a motion in which forces are linear, relative to the largest coordinate."""
-RIGID = 1e-9
-"""Squared frequencies below this, relative to the largest, are those of rigid motion."""
+RIGID = 1e-12
+"""Squared frequencies below this, relative to the largest, are those of rigid motion: torsion is fast in a thin rod."""
 
 APART = 1e-6
 """The relative difference of the stiffnesses of two planes that keeps equal vibrations in them apart."""
