@@ -15,7 +15,7 @@ from spring_lattice import lattice
     [({"component_modes": "free", "modes": 3}, True), ({"component_modes": "craig_bampton", "modes": 3}, False)],
 )
 def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
-    """Three free modes of a lattice that a joint fixes miss most of its deformation; three of the fixed body suffice."""
+    """Three free modes of a lattice that a joint fixes miss most of its motion; three of the fixed body suffice."""
     held = {} if noted else {"interface": ["left"]}
     body = {"nodes": lattice(1), "units": "SI", "markers": {"left": {"nodes": [0, 1, 2, 3]}}, **modes, **held}
     scene = derive.spatial_scene(
