@@ -58,3 +58,13 @@ def test_a_fast_torque_on_a_clamped_rod(twists: int, warned: bool) -> None:
     assert error / 2 < twisted.error < 2 * error
     assert (twisted.axis, twisted.passed) == (1, warned)
     assert any("rod about its e1" in of and "in its twist" in of for of in run.warnings) == warned
+
+
+def test_a_wrong_twist_makes_the_deflection_that_it_is_coupled_with_wrong() -> None:
+    """Sections with their mass beside the axis: one twist is late, and the deflection along e3 with it."""
+    scene = shaft(1, centre=[0.01, 0], ansatz=["1", "xi", "xi^2", "xi^3", "xi^4"])
+    run = derive.simulate(scene, duration=3, output=0.05)
+    assert {(m.cause, m.axis) for m in run.validity if m.passed} == {
+        (Cause.BENDING_MOMENT, 3),
+        (Cause.TWISTING_MOMENT, 1),
+    }
