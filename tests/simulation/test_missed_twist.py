@@ -50,7 +50,7 @@ def exact(t: Vector) -> Vector:
 
 @pytest.mark.parametrize(("twists", "warned"), [(1, True), (2, False)])
 def test_a_fast_torque_on_a_clamped_rod(twists: int, warned: bool) -> None:
-    """One twist is wrong by a fifth, which the run says, and two by a hundredth, of which it is silent."""
+    """One twist is wrong by a fifth, which the run says, and two by a sixtieth, of which it is silent."""
     run = derive.simulate(shaft(twists), duration=3, output=0.02)
     (twisted,) = (m for m in run.validity if m.cause is Cause.TWISTING_MOMENT)
     known = exact(run.motion.t)
