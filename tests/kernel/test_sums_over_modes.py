@@ -15,10 +15,11 @@ from test_instances_in_space import both, check
 
 import derive
 from derive.backends.c.source import CBackend
+from derive.ir.expressions import ScalarRef, walk
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import For, Node, every
+from derive.ir.loop_nests import Assign, For, Node, every
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, Work
 from derive.ir.sums_over_modes import ROW, with_sums_over_modes
@@ -113,6 +114,18 @@ def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
         for output, values in expected.items():
             assert np.abs(np.subtract(found[output], values)).max() < 2e-13 * np.abs(values).max(), name
     assert sum(loop.count or 0 for loop in loops_over_rows(changed, "accel")) >= 100
+
+
+def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
+    """A joint needs sums over the modes of both of its bodies, and their loops stay loops in the text of C."""
+    model = with_sums_over_modes(looped(3))
+    for loop in loops_over_rows(model, "accel"):
+        (line,) = loop.body
+        assert isinstance(line, Assign)
+        assert sum(isinstance(part, ScalarRef) for part in walk(line.expr)) <= MODES
+    (text,) = (file.text for file in CBackend().files(looped(3), "") if file.path.endswith(".c"))
+    heads = [line.strip() for line in text.splitlines() if f"; {ROW} < 6; {ROW}++" in line]
+    assert heads and all(head.startswith("TISSERAND_SHORT for") for head in heads)
 
 
 def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
