@@ -135,7 +135,7 @@ def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
 
 
 def test_behind_rows_numbers_are_read_where_they_are_needed() -> None:
-    """Loops over rows have before them what they need alone; a load behind them is read by the next line that is none."""
+    """Before loops over rows is what they need alone; a load behind them is read by the next line that is none."""
     _, nodes = in_blocks(with_sums_over_modes(looped(3)).kernel("accel"))
     blocks = [node.body for node in every(nodes) if isinstance(node, For) and node.variable == LANE]
     with_rows = [body for body in blocks if any(isinstance(line, For) for line in body)]
@@ -143,7 +143,7 @@ def test_behind_rows_numbers_are_read_where_they_are_needed() -> None:
         loops = [line for line in body if isinstance(line, For)]
         last = body.index(loops[-1])
         before = [line.name for line in body[:last] if isinstance(line, Let)]
-        assert set(before) <= names_read(body[: last + 1])
+        assert set(before) <= set(names_read(body[: last + 1]))
         lines = body[last + 1 :]
         for k, line in enumerate(lines):
             if isinstance(line, Let) and is_load(line):
