@@ -40,6 +40,7 @@ from derive.ir.loop_nests import (
     expressions_of,
     reindexed,
 )
+from derive.ir.ordering import with_few_waiting
 from derive.ir.statements import Let, Require
 
 IN_LANE = variable(LANE)
@@ -161,7 +162,7 @@ class _Block:
             *self._in_order(gathered),
             *([self._lanes(before)] if angles else []),
             *(self._sines(array) for array in self.angles),
-            self._lanes(kept if self.local else with_late_loads(kept)),  # the loops inside need most of them at once
+            self._lanes(_rows_first(kept) if self.local else with_late_loads(kept)),
             *self._in_order(stored),
         ]
 
@@ -229,6 +230,16 @@ class _Block:
         used = {term.variable for e in elements if e.index for term in e.index.terms}
         integers = [node for name, node in self.integers.items() if name in used]
         return [For(LANE, START, constant(self.lanes), self._split([*integers, *copies]))]
+
+
+def _rows_first(lines: Sequence[Node]) -> tuple[Node, ...]:
+    """Lines whose loops over rows come first, with what these need; behind them, few values wait for their readers.
+
+    The straight line behind the loops is so long that its values and loads are not in registers in any given order.
+    """
+    rows = [node for node in lines if isinstance(node, For)]
+    before = needed(lines, rows)
+    return (*before, *rows, *with_few_waiting([node for node in lines if node not in before and node not in rows]))
 
 
 def _is_inner(node: Node) -> bool:

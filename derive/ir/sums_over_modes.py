@@ -114,6 +114,20 @@ def _parts_of(row: Row) -> Iterator[Expr]:
         yield from walk(expr)
 
 
+def _apart(rows: Iterable[Row]) -> list[list[Row]]:
+    """The rows of a window in parts whose elements lie apart, such as the modes of two bodies that a joint connects."""
+    spans = {row: (row[1][0][0], row[1][-1][0]) for row in rows}
+    parts: list[list[Row]] = []
+    stop = -1
+    for row, (first, last) in sorted(spans.items(), key=lambda item: item[1]):
+        if first > stop or not parts:
+            parts.append([])
+        parts[-1].append(row)
+        stop = max(stop, last)
+    order = {row: number for number, row in enumerate(spans)}
+    return [sorted(part, key=order.__getitem__) for part in parts]
+
+
 def _times(a: Expr, b: Expr) -> Expr:
     if ZERO in (a, b):
         return ZERO
@@ -168,10 +182,12 @@ class _LoopForms:
             return replace(loop, body=(*_read_in_place(loop.body, self.constants),)) if numbers >= MANY else loop
         before: list[InstanceItem] = []
         arrays = set[str]()
-        for number, (key, rows) in enumerate(groups.items(), 1):
+        parts = [(key, part) for key, rows in groups.items() for part in _apart(rows)]
+        for number, (key, rows) in enumerate(parts, 1):
             sums = f"sums_over_modes_{number}_of_{len(rows)}"
             arrays.add(sums)
-            self.chosen[key], loops = self._in_table(key, rows, sums, tables)
+            chosen, loops = self._in_table(key, rows, sums, tables)
+            self.chosen[key] = self.chosen.get(key, {}) | chosen
             before += [Work(sums, len(rows)), *loops]
         lines = [self._replaced(item) for item in loop.body]
         first = next(k for k, item in enumerate(lines) if not _is_load(item))

@@ -15,12 +15,15 @@ from test_instances_in_space import both, check
 
 import derive
 from derive.backends.c.source import CBackend
+from derive.ir.analysis import names_read
+from derive.ir.expressions import Element, ScalarRef, walk
+from derive.ir.indices import LANE
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import For, Node, every
+from derive.ir.loop_nests import Assign, For, Node, every
 from derive.ir.model import Model
-from derive.ir.statements import ForEach, Work
+from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import ROW, with_sums_over_modes
 from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
 from derive.ir.written_out_rows import with_rows_written_out
@@ -95,6 +98,10 @@ def in_blocks(kernel: Kernel) -> tuple[Kernel, list[Node]]:
     return replace(kernel, constants=(*kernel.constants, *map(tiled, tables.values()))), nodes
 
 
+def is_load(line: Node) -> bool:
+    return isinstance(line, Let) and isinstance(line.expr, Element)
+
+
 def loops_over_rows(model: Model, name: str) -> Iterator[For]:
     nodes = every(in_blocks(model.kernel(name))[1])
     return (node for node in nodes if isinstance(node, For) and node.variable == ROW)
@@ -113,6 +120,35 @@ def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
         for output, values in expected.items():
             assert np.abs(np.subtract(found[output], values)).max() < 2e-13 * np.abs(values).max(), name
     assert sum(loop.count or 0 for loop in loops_over_rows(changed, "accel")) >= 100
+
+
+def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
+    """A joint needs sums over the modes of both of its bodies, and their loops stay loops in the text of C."""
+    model = with_sums_over_modes(looped(3))
+    for loop in loops_over_rows(model, "accel"):
+        (line,) = loop.body
+        assert isinstance(line, Assign)
+        assert sum(isinstance(part, ScalarRef) for part in walk(line.expr)) <= MODES
+    (text,) = (file.text for file in CBackend().files(looped(3), "") if file.path.endswith(".c"))
+    heads = [line.strip() for line in text.splitlines() if f"; {ROW} < 6; {ROW}++" in line]
+    assert heads and all(head.startswith("TISSERAND_SHORT for") for head in heads)
+
+
+def test_behind_rows_numbers_are_read_where_they_are_needed() -> None:
+    """Before loops over rows is what they need alone; a load behind them is read by the next line that is none."""
+    _, nodes = in_blocks(with_sums_over_modes(looped(3)).kernel("accel"))
+    blocks = [node.body for node in every(nodes) if isinstance(node, For) and node.variable == LANE]
+    with_rows = [body for body in blocks if any(isinstance(line, For) for line in body)]
+    for body in with_rows:
+        loops = [line for line in body if isinstance(line, For)]
+        last = body.index(loops[-1])
+        before = [line.name for line in body[:last] if isinstance(line, Let)]
+        assert set(before) <= set(names_read(body[: last + 1]))
+        lines = body[last + 1 :]
+        for k, line in enumerate(lines):
+            if isinstance(line, Let) and is_load(line):
+                assert line.name in names_read([next(other for other in lines[k:] if not is_load(other))])
+    assert with_rows
 
 
 def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:

@@ -43,6 +43,7 @@ from derive.ir.loop_nests import (
     every,
 )
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
+from derive.ir.sums_over_modes import ROW
 
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
@@ -387,7 +388,8 @@ class CNests:
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
                 if node.count == 0:
                     return []
-                body, head = self._body(node.body), loop_head(node, self.counter, short=self._vectors is None)
+                short = self._vectors is None or node.variable == ROW  # rows of vectors written out run no faster
+                body, head = self._body(node.body), loop_head(node, self.counter, short)
                 last = last_block(node)
                 if last is not None:
                     block = block_name(node.variable)
