@@ -256,8 +256,9 @@ def lateral(soft: float, torsion: float) -> float:
     """The load of lateral buckling at second order, in EI_3/l^2, for soft = EI_2/EI_3 and torsion = GJ/EI_3.
 
     The strain energy of third order about the deflection v of the load P is int (EI_3 - EI_2) v'' theta w'' dx with
-    EI_3 v'' = P (l - x): that of a beam without deflection with the load P (1 - EI_2/EI_3), whatever GJ is. The energy of
-    fourth order, which truncation leaves out, makes of it sqrt((1 - EI_2/EI_3)(1 - GJ/EI_3)): the same for GJ = EI_2.
+    EI_3 v'' = P (l - x): that of a beam without deflection with the load P (1 - EI_2/EI_3), whatever GJ is. The energy
+    of fourth order, which truncation leaves out, makes of this factor sqrt((1 - EI_2/EI_3)(1 - GJ/EI_3)): the same for
+    GJ = EI_2.
     """
     return 4.0126 * float(np.sqrt(soft * torsion)) / (1 - soft)
 

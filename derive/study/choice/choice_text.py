@@ -108,7 +108,7 @@ def verdict_lines(choice: Choice) -> list[str]:
             error = f"has {p.rms / point.rms:.2g} times the error" if point.rms else f"has an error of {percent(p.rms)}"
             what = f"{p.operations / point.operations:.2g} times the operations and {error}"
             result.append(f"  {word}: {other.model.label}, {p.setting}, takes {what}")
-    return result + [f"  note: {text}" for text in line.spins.values()]
+    return result
 
 
 def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:
@@ -161,6 +161,5 @@ def choice_data(choice: Choice) -> dict[str, Any]:
             for line in choice.tried
         ],
         "chosen": None if chosen is None else run(*chosen),
-        "notes": [] if chosen is None else list(chosen[0].spins.values()),
         **{word.replace(" ", "_"): [run(*one) for one in steps] for word, steps in neighbours(choice).items()},
     }
