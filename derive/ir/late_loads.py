@@ -41,7 +41,7 @@ def _due(node: Node, waiting: dict[str, Let]) -> Iterator[Node]:
 
 
 def _written(node: Node) -> Iterator[object]:
-    """What a line writes, also in its body."""
+    """The values that a line writes, also in its body."""
     for line in every([node]):
         match line:
             case Assign(target=target) | BlockProduct(target=target):
