@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,8 +13,9 @@ import pytest
 
 import derive
 from conftest import ROOT
+from derive.mechanics.bodies.section_fields import Direction
 from derive.simulation.observables.motion import SceneMotion
-from docs.gallery import entries, numbers, pages, runs, sources, stroboscope, written
+from docs.gallery import entries, numbers, pages, recording, runs, sources, stroboscope, written
 from docs.gallery.entries import Entry
 
 SCRIPT = '''"""Twice a number.
@@ -152,3 +154,15 @@ def test_files_of_examples_that_are_gone_go_as_well(tmp_path: Path) -> None:
     written.write({"a.md": b"1", "b.md": b"2"}, tmp_path)
     written.write({"a.md": b"1"}, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["a.md"]
+
+
+def test_the_page_of_a_beam_in_space_shows_its_shapes_in_both_planes_and_in_torsion(tmp_path: Path) -> None:
+    (entry,) = (entry for entry in entries.entries() if entry.name == "spatial_crank_slider_beam")
+    shapes = recording._shapes(entry, tmp_path)
+    (tmp_path / "report.html").touch()
+    data = {"numbers": [], "pictures": [], "seconds": 1, "report": "report.html", "shapes": shapes}
+    run = runs.Run(replace(entry, card="output"), tmp_path, data)
+    kinds = [kind.value for kind in (Direction.ALONG_E2, Direction.ALONG_E3, Direction.TORSION)]
+    assert f"![Shape functions of rod: {', '.join(kinds)}]({entry.name}.shapes_1.svg)" in pages.example_page(run)
+    drawn = written.gallery_files([run])[0][f"{entry.name}.shapes_1.svg"].decode()
+    assert all(kind in drawn for kind in kinds)

@@ -86,6 +86,7 @@ def _text(result: Modes, count: int) -> list[str]:
     if result.equilibrium is not None and result.functions_of_time:
         text = f"functions of time have their values at t = 0 there: {', '.join(result.functions_of_time)}"
         lines += wrapped([f"{text}; --at T linearises about the motion at another time"], "  ")
+    lines += wrapped(result.notes, "  ")
     if shown:
         rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
         rows += [[str(i), *_mode(mode)] for i, mode in enumerate(shown, 1)]

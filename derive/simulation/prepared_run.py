@@ -36,7 +36,12 @@ from derive.simulation.trajectory import RunSettings, Trajectory, column_units, 
 from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.mode_content import mode_notes
-from derive.simulation.validity.monitoring_outputs import monitoring_note, monitoring_outputs, with_monitors
+from derive.simulation.validity.monitoring_outputs import (
+    is_monitored,
+    monitoring_note,
+    monitoring_outputs,
+    with_monitors,
+)
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.checks.plotted_columns import missing_columns
 from derive.spec.model.body import NodalBody
@@ -161,7 +166,9 @@ class PreparedRun:
         solution = integrator.integrate(k, q, v, times, settings)
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
         foreseen += (*joint_limit_notes(self.scene, native, k, solution.t, solution.q),)
-        foreseen += (*fast_spin_notes(self.scene, self.body, native, k, solution.q, solution.v),)
+        beams = not is_monitored(self.scene)  # monitors tell of the stiffness that their axial force adds
+        spins = fast_spin_notes(self.scene, native, k, solution.q, solution.v, body=self.body, beams=beams)
+        foreseen += (*spins.values(),)
         foreseen += (*mode_notes(self.scene, native, k, solution.t, solution.q, solution.v),)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)

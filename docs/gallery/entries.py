@@ -122,7 +122,7 @@ GROUPS = (
         "Rigid bodies, finite-element bodies and beams, whose rotations are quaternions.",
         (
             Entry("examples/spatial_crank_slider.toml", card="drawing"),
-            Entry("examples/spatial_crank_slider_beam.toml", card="drawing"),
+            Entry("examples/spatial_crank_slider_beam.toml", (("simulate",), ("report",)), card="drawing"),
             Entry("examples/spatial_crank_slider_rigid.toml", card="drawing"),
             Entry("examples/rotating_blade.toml", (("modes",),)),
             Entry("examples/spun_up_blade.toml", card="drawing"),

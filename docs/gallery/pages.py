@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from derive.report.sections.beam_shapes import UNIT
 from docs.gallery.entries import GROUPS, PAGES, ROOT
 from docs.gallery.runs import Run
 from docs.gallery.sources import described
@@ -46,6 +47,9 @@ def example_page(run: Run) -> str:
         blocks += [*motion, *(["## Curves"] if motion and pictures else []), *pictures]
     else:
         blocks += [*pictures, *motion]
+    if run.shapes:
+        blocks += ["## Shape functions", literal(UNIT)]
+        blocks += [f"![{literal(alt)}]({file_name(run, path)})" for path, alt in run.shapes]
     if report := run.file("report"):
         text = "The report: every equation, term and zero, and the line of C that computes it"
         blocks += ["## Report", _html(_link(file_name(run, report), text))]

@@ -88,7 +88,7 @@ def _script(entry: Entry, folder: Path) -> dict[str, Any]:
 
 
 def _scene(entry: Entry, folder: Path) -> dict[str, Any]:
-    """Run the commands of a scene; keep its pictures, its player and its report."""
+    """Run the commands of a scene; keep its pictures, its player and its report with the shapes of its beams."""
     from derive.cli.main import main
 
     with _recorded_runs() as motions:
@@ -108,7 +108,21 @@ def _scene(entry: Entry, folder: Path) -> dict[str, Any]:
     moving = _moving(motions[:1], folder)
     if moving["motion"]:  # the page of the command has the curves of all plots
         shutil.copy(f"results/{entry.name}/{entry.name}.html", folder / MOTION)
-    return {"numbers": [], "pictures": pictures, **moving, "report": report}
+    shapes = _shapes(entry, folder) if report else []
+    return {"numbers": [], "pictures": pictures, **moving, "report": report, "shapes": shapes}
+
+
+def _shapes(entry: Entry, folder: Path) -> list[dict[str, str]]:
+    """Write the pictures of the shape functions of beams; their names and captions."""
+    from derive.cli.specifications import read_scene
+    from derive.report.document.page import Picture
+    from derive.report.sections.beam_shapes import beam_shapes_of_scene
+
+    drawn = [block for block in beam_shapes_of_scene(read_scene(ROOT / entry.path)) if isinstance(block, Picture)]
+    names = [f"shapes_{k}.svg" for k in range(1, len(drawn) + 1)]
+    for name, picture in zip(names, drawn, strict=True):
+        (folder / name).write_text(picture.svg)
+    return [{"name": name, "alt": picture.alt} for name, picture in zip(names, drawn, strict=True)]
 
 
 @contextmanager

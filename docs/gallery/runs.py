@@ -56,6 +56,11 @@ class Run:
         return [self.folder / name for name in self.data["pictures"]] if self.data else []
 
     @property
+    def shapes(self) -> list[tuple[Path, str]]:
+        """The pictures of the shape functions of beams, with their alternative texts."""
+        return [(self.folder / of["name"], of["alt"]) for of in self.data.get("shapes", ())] if self.data else []
+
+    @property
     def numbers(self) -> list[tuple[str, str]]:
         """The numbers of the example with their labels."""
         return [(label, text) for label, text in self.data["numbers"]] if self.data else []

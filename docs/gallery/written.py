@@ -20,7 +20,8 @@ def gallery_files(runs: list[Run]) -> tuple[Files, Files]:
         for path in (run.entry.path, *run.entry.shown):
             sources[Path(path).name] = (ROOT / path).read_bytes()
         drawing = run.file("drawing")
-        for path in [*run.pictures, *([drawing] if drawing else [])]:
+        shapes = [path for path, _ in run.shapes]
+        for path in [*run.pictures, *shapes, *([drawing] if drawing else [])]:
             sources[file_name(run, path)] = path.read_bytes()
         for kind in ("motion", "report", "drawing"):
             if path := run.file(kind):

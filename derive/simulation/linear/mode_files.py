@@ -52,6 +52,7 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "equilibrium": modes.equilibrium is not None,
         "steady": None if modes.steady is None else {"motion": modes.steady.text, "spin": modes.steady.spin},
         "functions_of_time": list(modes.functions_of_time),
+        "notes": list(modes.notes),
         "coordinates": list(modes.native.coordinates),
         "zero_eigenvalues": modes.zero_eigenvalues,
         "modes": [

@@ -23,7 +23,6 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
 from derive.simulation.configurations import rotation_matrix, skew
 from derive.simulation.space.marker_frames import modal_frames_of
-from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.spec.model.beam_pieces import CUT
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
@@ -47,13 +46,22 @@ class Spinning:
 
 
 def fast_spin_notes(
-    scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem, k: Vector, q: Matrix, v: Matrix
-) -> Iterator[str]:
-    """Yield a note on each flexible body of first order that spins fast; q (n, nq) and v (n, nv) of a motion.
+    scene: AnyScene,
+    native: ConstrainedSystem,
+    k: Vector,
+    q: Matrix,
+    v: Matrix,
+    *,
+    body: NodalBody | None = None,
+    beams: bool = True,
+) -> dict[str, str]:
+    """A note on each flexible body of first order that spins fast, by its name; q (n, nq) and v (n, nv) of a motion.
 
-    body: the body alone that moves, in an empty scene.
+    scene: its beams in pieces. body: the body alone that moves, in an empty scene. beams: whether beams have notes;
+    where their axial force is monitored, or models of both orders are compared, they need none.
     """
-    for of in _bodies(scene, body, native):
+    result = {}
+    for of in _bodies(scene, body, native, beams):
         turning = slice(of.velocity + 3, of.velocity + RIGID)
         inertia = mass_matrix(native, _undeformed(native, q[0]), k)[turning, turning]
         squares = np.einsum("nk,kl,nl->n", v[:, turning], inertia, v[:, turning]) / np.linalg.eigvalsh(inertia)[-1]
@@ -62,11 +70,12 @@ def fast_spin_notes(
             continue
         where, lowest = min(_lowest_frequencies(of, native, k, q[0]), key=lambda pair: pair[1])
         if spin > NOTICEABLE_SPIN * lowest:
-            yield (
+            result[of.spec.name] = (
                 f"{of.spec.name}: it spins at up to {spin:.4g} rad/s about axes of large inertia, "
                 f"{percent(spin / lowest)} of its lowest natural frequency of {lowest:.4g} rad/s ({where}), and its "
                 f"{_lack(of.spec)}: {_remedy(of.spec)}"
             )
+    return result
 
 
 def _lack(spec: NodalBody | SpatialBeam) -> str:
@@ -91,7 +100,7 @@ def _remedy(spec: NodalBody | SpatialBeam) -> str:
     return "add K0t, K0r, K0omega and K0F to its files, see scenes/geometric_stiffness.py, or divide it into bodies"
 
 
-def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) -> Iterator[Spinning]:
+def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem, beams: bool) -> Iterator[Spinning]:
     """The bodies of first order with modes."""
     if body is not None:
         if _lacks_stiffening(body) and native.nv > RIGID:
@@ -99,8 +108,8 @@ def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem) 
         return
     for own in scene.bodies if isinstance(scene, SpatialScene) else ():
         first = amplitude_of(own.name, 1)
-        watched = isinstance(own, SpatialBeam) and is_monitored(scene)  # the stiffness that its axial force adds
-        if not watched and (spec := _of_first_order(own)) and first.shown in native.coordinates:
+        left_out = isinstance(own, SpatialBeam) and not beams
+        if not left_out and (spec := _of_first_order(own)) and first.shown in native.coordinates:
             ends = (end for joint in scene.joints if joint.kind == "fixed" for end in (joint.first, joint.second))
             fixed = tuple(end.marker for end in ends if end.body == own.name)
             velocity = native.velocities.index(amplitude_of(own.name, 1, 1).shown) - RIGID

@@ -25,6 +25,7 @@ from derive.study.accuracy.measurement import (
 from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Reference
+from derive.study.spin_notes import spin_notes
 
 DEARER = 2.0
 """A model is left out if its predicted operations exceed those of an equally accurate model by this factor."""
@@ -66,12 +67,12 @@ class LadderRun:
 
     @property
     def notes(self) -> list[str]:
-        """Lines on the models that were left out, and on starts that a model has only approximately."""
+        """Lines on models that were left out, on starts that they have only approximately, and on fast spin."""
         left_out = (
             f"left out: {'; '.join(model.label for model in models)}: {reason}"
             for reason, models in self._left_out.items()
         )
-        return [*left_out, *self._starts]
+        return [*left_out, *self._starts, *spin_notes((line.label, line.spins) for line in self.lines)]
 
     @property
     def count(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import median
 from typing import NamedTuple
@@ -34,6 +34,7 @@ from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.trajectory import RunSettings, Trajectory
+from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import with_monitors
 from derive.simulation.validity.monitors import Monitor
@@ -229,7 +230,7 @@ class Line:
 
     warning: the monitor with the largest implied error, of those that are beyond their limits in the finest run, if
     there is one. failure: why a run failed, or why there is none; empty if there is nothing. integrator: the method of
-    its runs.
+    its runs. spins: the notes on finite-element bodies that spin fast, by their names.
     """
 
     model: LadderModel
@@ -238,6 +239,7 @@ class Line:
     warning: Monitor | None = None
     failure: str = ""
     integrator: str = "adaptive"
+    spins: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     @property
     def label(self) -> str:
@@ -280,7 +282,7 @@ def measured(
     nothing else runs beside it.
     """
     points: list[Point] = []
-    warning, failure = None, ""
+    warning, failure, spins = None, "", dict[str, str]()
     for tolerance in tolerances:
         try:
             moved = motion(of, tolerance, monitored=True)
@@ -291,12 +293,14 @@ def measured(
         except TisserandError as error:
             warning, failure = None, f"tolerance {tolerance:g}: {first_line(error)}"
             break
+        q, v = moved.solution.q, moved.solution.v
+        spins = fast_spin_notes(of.scene, of.native, of.k, q, v, beams=False)
         cost = run.counts["accelerations"], of.operations(run.counts)
         points.append(Point(tolerance, rms, worst, (run.seconds,) * 3, *cost))
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
         if len(points) > 1 and abs(points[-2].rms - rms) <= SAME * rms:
             break
-    return Line(of.model, of.coordinates, tuple(points), warning, failure)
+    return Line(of.model, of.coordinates, tuple(points), warning, failure, spins=spins)
 
 
 def retimed(

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.runtime.compiler import QUICK_FLAGS, UNOPTIMISED
+from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.specification import AnyScene
@@ -26,7 +27,8 @@ class ModelRuns:
     """The models of a scene, compiled, and the curves of its plots in their runs.
 
     scene: with the plots that are compared; bare: a plot for each curve of them. ready: the models with monitors.
-    models: those of references. progress: takes a line on each task. workers: the number of processes that prepare
+    models: those of references. spins: the notes on finite-element bodies that spin fast, by models and by names of
+    bodies. progress: takes a line on each task. workers: the number of processes that prepare
     models ahead, until `close`.
     """
 
@@ -39,6 +41,7 @@ class ModelRuns:
         self._ahead = preparation(self.scene, workers)
         self.ready: dict[LadderModel, CompiledLadderModel] = {}
         self._unwatched: dict[LadderModel, CompiledLadderModel] = {}
+        self.spins: dict[str, dict[str, str]] = {}
         self._curves: dict[tuple[LadderModel, float], Curves] = {}
         self._seconds: dict[LadderModel, float] = {}
 
@@ -87,6 +90,8 @@ class ModelRuns:
             self.progress(f"running {model.label} ...")
             moved = motion(of, tolerance)
             self._seconds[model] = moved.solution.cost.seconds
+            q, v = moved.solution.q, moved.solution.v
+            self.spins[model.label] = fast_spin_notes(of.scene, of.native, of.k, q, v, beams=False)
             self._curves[model, tolerance] = curves_of(self.bare, moved)
         return self._curves[model, tolerance]
 

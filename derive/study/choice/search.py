@@ -31,6 +31,7 @@ from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials, accurate, usable
 from derive.study.choice.trusted_reference import SHARE, TrustedReference, trusted_reference
 from derive.study.choice.untried import untried
+from derive.study.spin_notes import spin_notes
 
 Progress = Callable[[str], None]
 
@@ -47,7 +48,8 @@ class Choice:
         base: the model of the other bodies while the share of one is measured; None in a scene with one flexible body.
         shares: those of the flexible bodies in the error of a scene with several of them.
         screening: the loads on the flexible bodies relative to their resistance.
-        untried: a line on each kind of models that is left out.
+        untried: a line on each kind of models that is left out, and on finite-element bodies of references whose fast
+            spin they know no stiffening of.
 
     Examples:
         >>> import derive
@@ -165,7 +167,7 @@ def cheapest_model(
     if not trials.good:
         trials.run_until_good(model for model, of in known.errors if usable(model) and of <= trials.budget)
     try_more_accurate(trials)
-    left_out = untried(runs.scene, runs.models.modes)
+    left_out = (*untried(runs.scene, runs.models.modes), *spin_notes(runs.spins.items()))
     return Choice(runs.scene, error, known, trials.timed(), base, shares, screened, left_out)
 
 

@@ -17,6 +17,7 @@ from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import SimulationError
 from derive.simulation.inputs import with_functions
+from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.spec.model.specification import AnyScene
 from derive.study.methods.drift import FEWEST, ORDER_STEPS, DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
@@ -214,6 +215,7 @@ def method_study(
     notes: tuple[str, ...] = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)
     methods = [m for m in methods if of.alpha or m not in IMPLICIT]
     motion = of.motion(states)
+    notes += (*fast_spin_notes(of.scene, of.native, of.k, motion.q, motion.v).values(),)
     frequency, mean_step, stable = (
         highest_frequency(of, motion.states),
         of.period / motion.steps,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from derive.errors import Problem, SpecError, TisserandError, first_line
@@ -16,6 +16,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.simulation.scene_start import steady_motion_of, units_of_initial_values
+from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel
@@ -32,13 +33,15 @@ FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", WITHOUT_BATCHES)
 class PathPoint:
     """A value of the parameter with the eigenvalues there, and the coordinates (nq,) of the steady motion.
 
-    failure: the reason why there is no steady motion; empty if there is one.
+    failure: the reason why there is no steady motion; empty if there is one. spins: the notes on finite-element bodies
+    that spin fast, by their names.
     """
 
     value: float
     eigenvalues: Eigenvalues | None
     q: Vector | None = None
     failure: str = ""
+    spins: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +60,11 @@ class ModelPath:
     def loss(self) -> float | None:
         """The least value of the parameter at which stability is lost."""
         return loss(self.intervals)
+
+    @property
+    def spins(self) -> dict[str, str]:
+        """The notes on finite-element bodies that spin fast, each of the last point that has it."""
+        return {body: note for point in self.points for body, note in point.spins.items()}
 
     @property
     def gaps(self) -> tuple[PathPoint, ...]:
@@ -122,6 +130,7 @@ def _compiled(
             linear = linearise(native, k, 0.0, steady.q, steady.v, steady.axes)
         except TisserandError as error:
             return PathPoint(value, None, failure=first_line(error))
-        return PathPoint(value, eigenvalues(linear.A, steady.spin), steady.q)
+        spins = fast_spin_notes(scene, native, k, steady.q[None], steady.v[None], beams=False)
+        return PathPoint(value, eigenvalues(linear.A, steady.spin), steady.q, spins=spins)
 
     return evaluate, native, units.get(parameter.symbol or parameter.range.name, "")

@@ -7,6 +7,7 @@ from typing import Any
 
 from derive.percentages import percent
 from derive.study.accuracy.ladder_model import MODEL_COLUMNS, model_row
+from derive.study.spin_notes import spin_notes
 from derive.study.stability.ladder_stability import CONVERGED, LadderStability, distance
 from derive.study.stability.model_path import ModelPath
 from derive.study.stability.thresholds import Interval, Threshold
@@ -35,9 +36,14 @@ def loss_table(of: LadderStability) -> StudyTable:
 
 
 def gap_sentences(of: LadderStability) -> list[str]:
-    """A sentence on each model that fails, or has no steady motion at some values."""
+    """A sentence on each model that fails, or has no steady motion at some values, and on bodies that spin fast."""
     failures = [f"{path.model.label}: {path.failure}" for path in _listed(of) if path.failure]
-    return [*failures, *(gap_text(path) for path in _listed(of) if path.gaps and not path.failure)]
+    gaps = (gap_text(path) for path in _listed(of) if path.gaps and not path.failure)
+    return [*failures, *gaps, *_spin_notes(of)]
+
+
+def _spin_notes(of: LadderStability) -> list[str]:
+    return spin_notes((path.model.label, path.spins) for path in _listed(of))
 
 
 def head(of: LadderStability) -> str:
@@ -149,6 +155,7 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
             "values": of.range.count,
         },
         "linearised_about": of.motion,
+        "notes": _spin_notes(of),
         "exact": None if of.known is None else {"loss": of.known.value},
         "reference": {
             "model": of.reference.model.label,

@@ -24,7 +24,9 @@ from derive.simulation.output_times import output_times
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import column_values
+from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.simulation.validity.monitors import warnings
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.scene_functions import breaks
@@ -134,7 +136,10 @@ def _outcome(chunk: Chunk, sample: Sample) -> Outcome:
 
 
 def monitored(chunk: Chunk) -> dict[int, tuple[str, ...]]:
-    """The warnings of the monitors of beams in the samples of a chunk, by their numbers; runs each sample once more."""
+    """The warnings of the monitors of beams in the samples of a chunk, and notes on fast spin, by their numbers.
+
+    It runs each sample once more.
+    """
     result: dict[int, tuple[str, ...]] = {}
     for sample in chunk.samples:
         try:
@@ -155,7 +160,8 @@ def _warnings(chunk: Chunk, sample: Sample) -> tuple[str, ...]:
     start = _computed_start(code, case, values)
     solution = _solution(code, native, integrator, start, k, watched=True)
     motion = SceneMotion(start.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
-    return warnings(validity(motion, solution.watched))
+    spins = fast_spin_notes(start.scene, native, k, solution.q, solution.v, beams=not is_monitored(start.scene))
+    return (*warnings(validity(motion, solution.watched)), *spins.values())
 
 
 def failed(outputs: Sequence[SweepOutput], sample: Sample, text: str) -> Outcome:

@@ -18,7 +18,6 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 if TYPE_CHECKING:
     from derive.mechanics.multibody.instances import InstanceEquations
     from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
-    from derive.mechanics.multibody.space.beam_section import SpatialBeamSection
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
     from derive.mechanics.multibody.space.joint_motion import JointMotion
     from derive.mechanics.terms import ModelConstant
@@ -46,7 +45,7 @@ class SpatialParts:
     motion: Callable[[str], JointMotion]
     gear_loads: tuple[MarkerLoad, ...]
     dissipations: Iterable[sp.Expr]
-    sections: dict[tuple[MarkerRef, bool], SpatialBeamSection] = field(default_factory=dict)
+    sections: dict[tuple[MarkerRef, bool], Any] = field(default_factory=dict)
 
     def joint(self, name: str) -> SpatialJoint:
         """A joint by its name, with its constants as expressions."""
