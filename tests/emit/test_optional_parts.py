@@ -138,7 +138,13 @@ def test_an_explicit_model_has_the_same_bits_and_names_what_it_does_not_have(
 
 def test_the_c_of_an_explicit_model_leaves_out_the_iteration_matrix_of_its_start() -> None:
     """Compiling it takes longer than interpreting it for one start."""
-    start = """[joints.pin]\nkind = "revolute"\nbetween = ["ground.o", "rod.left"]\n[scene]\nstart = "equilibrium"\n"""
+    start = """[joints.pin]
+kind = "revolute"
+between = ["ground.o", "rod.left"]
+[scene]
+lowering = "flat"
+start = "equilibrium"
+"""
     scene = parse(SCENE.partition("[joints.pin]")[0] + start)
     assert isinstance(scene, derive.Scene)
     model, files = generated_explicit(scene)
