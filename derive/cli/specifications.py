@@ -16,6 +16,7 @@ from derive.remaining_time import RemainingTime
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
@@ -64,6 +65,8 @@ def _in_space(spec: SpatialScene, path: Path) -> str:
     flexible = [body.name for body in spec.bodies if isinstance(body, FlexibleBody)]
     column = "final:COLUMN" if not spec.outputs else f"final:{output_columns(spec.outputs[0], True)[0]}"
     commands = [f"tisserand simulate {path} --integrator rk4", f"tisserand modes {path}"]
+    if spec.plots and any(isinstance(body, SpatialBeam) for body in spec.bodies):
+        commands.insert(0, f"tisserand study accuracy {path} --own-reference --frames mean,chord,point,tangent")
     if flexible:
         commands.insert(0, f"tisserand sweep {path} --set bodies.{flexible[0]}.modes=1,2,3 --output {column}")
     return (

@@ -19,6 +19,7 @@ from derive.lowering.flat.constraints import DependentConstraints, kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import lower
 from derive.runtime.compiler import UNOPTIMISED
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
 from derive.simulation.errors import RedundantConstraints
@@ -110,8 +111,8 @@ def _frame_stability(variant: SceneVariant, count: int, numberings: int, step: s
     label = f"{step}{variant.scene.name}, {variant.frame} frame: "
     task(f"{label}deriving and compiling ...")
     equations = derive(variant.scene).expanded()
-    model = lower(equations, explicit=True)
-    native = load_scene(explicit_files(model, variant.scene), UNOPTIMISED)
+    model = lower(equations, explicit=True, balanced=variant.scene.start is not None)
+    native = with_iteration_matrix(load_scene(explicit_files(model, variant.scene), UNOPTIMISED), model)
     k, shape = native.setup(), kkt_pattern(Context(equations))
     task(f"{label}simulating ...")
     moving_states = simulated_states(variant.scene, native, k, count)

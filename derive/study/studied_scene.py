@@ -17,8 +17,11 @@ from derive.spec.model.specification import AnyScene
 
 S = TypeVar("S", bound=AnyScene)
 
-COMPARED = "study {} compares models of beams; see scenes/crank_slider_3.toml"
-"""The reason why a study with a name needs a beam."""
+COMPARED = (
+    "study {} compares models of flexible bodies; see scenes/crank_slider_3.toml, and in space "
+    "examples/spatial_crank_slider.toml"
+)
+"""The reason why a study with a name needs a flexible body."""
 
 
 def planar_scene(scene: Any, needs_beam: str = "") -> Scene:

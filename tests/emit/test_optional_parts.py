@@ -15,6 +15,8 @@ from derive.cache import no_cache
 from derive.generated_models import generated_explicit
 from derive.runtime import loading
 from derive.runtime.compiler import ESSENTIAL, FLAGS, RUN_FLAGS, CompilerError, compile_c
+from derive.runtime.interpreted_scene import with_iteration_matrix
+from derive.spec.toml.read import parse
 
 NAME = "pushed_pendulum"
 SCENE = """
@@ -132,3 +134,24 @@ def test_an_explicit_model_has_the_same_bits_and_names_what_it_does_not_have(
     ):
         with pytest.raises(CompilerError, match=r"no .* in this library, whose model is for explicit integration"):
             missing()
+
+
+def test_the_c_of_an_explicit_model_leaves_out_the_iteration_matrix_of_its_start() -> None:
+    """Compiling it takes longer than interpreting it for one start."""
+    start = """[joints.pin]
+kind = "revolute"
+between = ["ground.o", "rod.left"]
+[scene]
+lowering = "flat"
+start = "equilibrium"
+"""
+    scene = parse(SCENE.partition("[joints.pin]")[0] + start)
+    assert isinstance(scene, derive.Scene)
+    model, files = generated_explicit(scene)
+    assert model.explicit and model.has_iteration_matrix
+    assert f"{NAME}_solve(" in files[1].text and f"{NAME}_jacobian" not in files[1].text
+    native = derive.load_scene(files, RUN_FLAGS)
+    k, zero = native.setup(), np.zeros(native.nq + native.nv + native.nlambda)
+    with pytest.raises(CompilerError, match="no jacobian in this library"):
+        native.jacobian(0.0, zero, zero, 1.0, k)
+    assert with_iteration_matrix(native, model).jacobian(0.0, zero, zero, 1.0, k).any()

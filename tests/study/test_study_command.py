@@ -118,6 +118,16 @@ def test_scenes_in_space_are_refused_with_what_compares_their_runs(
             assert main([*words, "--out", str(tmp_path)]) == 0
 
 
+@pytest.mark.parametrize("command", ["frames", "pivots"])
+def test_the_frames_of_beams_in_space_are_compared_by_the_study_of_accuracy(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = str(ROOT / "examples/spatial_crank_slider_beam.toml")
+    assert main(["study", command, scene]) == 2
+    words = ["study", "accuracy", scene, "--own-reference", "--frames", "mean,chord,point,tangent"]
+    assert f"{NEEDED}: tisserand {' '.join(words)};" in capsys.readouterr().err
+
+
 NEEDED = (
     "a planar scene is needed, and this is a scene in space: models of planar beams are what this command compares. "
     "What compares runs in space"

@@ -192,9 +192,10 @@ class _Models:
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
             run = with_redundant_joints(scene, _prepared)
             name, library = model_library(run.files, RUN_FLAGS)
-            initial = initial_parameters(run.scene, run.complete_model)
+            initial = tuple(sorted(initial_parameters(run.scene, run.complete_model)))
+            needed = run.complete_model if run.complete_model.has_iteration_matrix else None
             self.runs.append(run)
-            self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), tuple(sorted(initial))))
+            self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), initial, needed))
         return replace(scene, plots=()), self._numbers[key]
 
 

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from derive.errors import SpecError, TisserandError
+from derive.ir.model import Model
+from derive.runtime.interpreted_scene import with_iteration_matrix
 from derive.runtime.loading import load_data
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -43,7 +45,8 @@ KEPT_STARTS, KEPT_MODELS = 256, 16
 class ModelCode:
     """A compiled model: its name, its library and that of the integrator; the names of the columns of its runs.
 
-    initial: the parameters that the initial state depends on.
+    initial: the parameters that the initial state depends on. model: what the code was made of, where a start in
+    equilibrium or in steady motion needs its iteration matrix, which the library does without.
     """
 
     name: str
@@ -51,6 +54,7 @@ class ModelCode:
     integrator: bytes
     columns: tuple[str, ...]
     initial: tuple[str, ...]
+    model: Model | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -178,6 +182,8 @@ def reason(error: Exception) -> str:
 @lru_cache(KEPT_MODELS)
 def _loaded(code: ModelCode) -> tuple[NativeScene, Integrator]:
     native = NativeScene(load_data(code.library), code.name)
+    if code.model is not None:
+        with_iteration_matrix(native, code.model)
     return native, adaptive(native, library=code.integrator)
 
 
