@@ -240,7 +240,8 @@ def section_at_marker(parts: SpatialParts, marker: MarkerRef, of_frame: bool = F
     """The section of a beam at a marker, with its own axes or with those of the floating frame, made once."""
     if (marker, of_frame) not in parts.sections:
         parts.sections[marker, of_frame] = _section_at_marker(parts, marker, of_frame)
-    return parts.sections[marker, of_frame]
+    section: SpatialBeamSection = parts.sections[marker, of_frame]
+    return section
 
 
 def _section_at_marker(parts: SpatialParts, marker: MarkerRef, of_frame: bool) -> SpatialBeamSection:
