@@ -22,7 +22,6 @@ from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_pieces import in_pieces
-from derive.spec.model.scene import EQUILIBRIUM, STEADY
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.studied_scene import without_initial_values
@@ -201,7 +200,7 @@ class _Models:
 
 def _prepared(scene: AnyScene) -> PreparedRun:
     """The run of a scene. Raises the errors for redundant joints."""
-    run = PreparedRun(scene, complete=scene.start in (EQUILIBRIUM, STEADY))  # workers seek them by compiled functions
+    run = PreparedRun(scene, complete=False)
     refuse_dependent(run.scene, load_scene(run.files, RUN_FLAGS))
     return run
 
