@@ -155,7 +155,7 @@ def test_bodies_of_a_chain_are_computed_by_the_elimination() -> None:
     loops = loops_of_several(batch(looped("pinned").kernel("accel")).nodes)
     assert len(loops) == 4
     forward, backward = loops[:2], loops[2:]
-    assert all({"update", "kept_joints"} < touched(loop) for loop in forward)
+    assert all({"update", "coupling"} < touched(loop) for loop in forward)
     assert all({"last_reaction", "vdot"} == touched(loop) for loop in backward)
     assert ["second_diagonal_in_turn" in touched(loop) for loop in forward] == [True, False]
     assert ["first_diagonal_in_turn" in touched(loop) for loop in forward] == [False, True]

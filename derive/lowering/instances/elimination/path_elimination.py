@@ -30,7 +30,10 @@ from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONA
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
 KEPT = "kept_joints"
-"""The local array of what back substitution needs, with the joints of both ends side by side."""
+"""The local array of what back substitution needs, with the joints of both ends side by side.
+
+It is for large blocks: with those of planar joints, it displaced others from the cache in long paths (7 % of batches).
+"""
 LARGEST_SOLVED = 3
 """The largest blocks of joints for which elimination solves for all columns; larger ones are half as much work."""
 STEP, END = "step", "end"
@@ -54,6 +57,7 @@ class _Path:
         self.is_half = of.size > LARGEST_SOLVED
         self.kept = self.size**2 + self.size + self.has_factor
         self.kept_in_step = 2 * (self.kept + (of.packed if self.is_half else 0))
+        self.in_place = not self.is_half
 
     def statements(self) -> tuple[InstanceStatement, ...]:
         """The statements of the elimination along the path: arrays, loops from both ends, and the way back."""
@@ -61,7 +65,7 @@ class _Path:
         carried |= {SCALE: 1} if self.has_factor else {}
         works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]
         works += [Work(LAST, 2 * self.size)]
-        works += [Work(KEPT, self.middle * self.kept_in_step)] if self.middle else []
+        works += [Work(KEPT, self.middle * self.kept_in_step)] if self.middle and not self.in_place else []
         both, single = _BothEnds(self), _FirstEnd(self)
         return (
             *works,
@@ -192,8 +196,19 @@ class _Ends:
         """The element of what is carried along."""
         raise NotImplementedError
 
-    def factor(self, component: int) -> Element:
-        """The element of what back substitution needs."""
+    def factor(self, component: int) -> Target:
+        """The element of what back substitution needs; small blocks take the place of what has been read."""
+        if not self.of.in_place:
+            return self.kept(component)
+        square = self.size**2
+        if component < square:
+            return self.coupling(component)
+        if component < square + self.size:
+            return self.own(RIGHT[0], component - square, self.of.of.spacing)
+        return self.own(DIAGONAL[0], max(component - self.of.kept, 0), self.of.of.spacing)
+
+    def kept(self, component: int) -> Element:
+        """The element of what back substitution needs in an array of its own."""
         raise NotImplementedError
 
 
@@ -220,7 +235,7 @@ class _BothEnds(_Ends):
     def carried(self, array: str, component: int) -> Target:
         return Element(array, variable(END, 1, 2 * component))
 
-    def factor(self, component: int) -> Element:
+    def kept(self, component: int) -> Element:
         at = (IndexTerm(self.of.kept_in_step, STEP), IndexTerm(1, END))
         return Element(KEPT, ElementIndex(2 * component, at))
 
@@ -241,5 +256,5 @@ class _FirstEnd(_Ends):
     def carried(self, array: str, component: int) -> Target:
         return Element(array, constant(2 * component))
 
-    def factor(self, component: int) -> Element:
+    def kept(self, component: int) -> Element:
         return Element(KEPT, constant(2 * component + self.of.pairs * self.of.kept_in_step))
