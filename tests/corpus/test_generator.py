@@ -54,6 +54,7 @@ NOT_IN_SPACE = (
     "SpatialStartTable",
     "SpatialSceneTable.start = equilibrium",
     "SpatialInitialValuesTable.guess = false",
+    "SpatialBeamStartTable.guess = false",
     "SpatialJointStartTable.guess = false",
     "NodeFrameTable.motion",
     "FlexibleTable.loads",  # tests/space/test_nodal_loads.py
