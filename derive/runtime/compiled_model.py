@@ -142,11 +142,6 @@ class Native:
             self._add(of, "evaluate", state, results, f"marker_{point}", order=marker.bound)
             self._add(of, "load", (m.nq, dimension, m.nk), (m.nv,), f"load_{point}", order=marker.bound)
 
-    def add_jacobian(self, pattern: Pattern, jacobian: CompiledFunction) -> None:
-        """Take the iteration matrix, which the library does without, from elsewhere."""
-        self.jacobian_pattern = pattern
-        self._compiled["jacobian"] = jacobian
-
     def _add(
         self,
         holder: Any,
@@ -580,3 +575,9 @@ class Native:
             f"{head}{constrained}",
             {"coordinates": listed(self.coordinates), "parameters": listed(self.parameters)},
         )
+
+
+def add_jacobian(native: Native, pattern: Pattern, jacobian: CompiledFunction) -> None:
+    """Give compiled functions the iteration matrix, which their library does without, from elsewhere."""
+    native.jacobian_pattern = pattern
+    native._compiled["jacobian"] = jacobian

@@ -16,7 +16,7 @@ from derive.ir.statements import ReturnCode
 from derive.ir.straight_line import StraightLine, straight_line_function
 from derive.roles import Role
 from derive.runtime.compiled_function import CompiledFunction
-from derive.runtime.compiled_model import NO_PATTERN, CompiledFunctions
+from derive.runtime.compiled_model import NO_PATTERN, CompiledFunctions, add_jacobian
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 
@@ -71,7 +71,7 @@ class InterpretedScene(NativeScene):
 def with_iteration_matrix(native: NativeScene, model: Model) -> NativeScene:
     """A compiled scene that has the iteration matrix of its model, interpreted where the library does without it."""
     if model.has_iteration_matrix and native.jacobian_pattern is NO_PATTERN:
-        native.add_jacobian(model.pattern(JACOBIAN, "jac"), InterpretedFunction(model, model.kernel(JACOBIAN)))
+        add_jacobian(native, model.pattern(JACOBIAN, "jac"), InterpretedFunction(model, model.kernel(JACOBIAN)))
     return native
 
 

@@ -83,6 +83,7 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
         for table in ("rigid body", "flexible body", "beam", "joint", "drive", "scene")
     },
     ("scene", "plots"): "shows results",
+    ("joint", "limits"): "noted where a run passes them",
     ("scene", "outputs"): "compared with differences in test_space_marker_outputs.py and others",
     **{("scene", "start", choice): "initial values" for choice in ("equilibrium", "steady")},
     **{
