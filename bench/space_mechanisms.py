@@ -34,6 +34,7 @@ from space_tables import flexible_tables, free_tables, rigid_tables
 
 from derive.backends.c.source import CBackend
 from derive.derivation import derive, lower
+from derive.ir.model import Model
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
 from derive.runtime.compiler import compiler
@@ -76,7 +77,7 @@ class Case:
 
     title: str
     make: Callable[[Path], SpatialScene]
-    states: Callable[[SpatialScene, Equations | None], tuple[Array, Array]]
+    states: Callable[[SpatialScene, Model], tuple[Array, Array]]
     functions: Sequence[str] = ("accel",)
     hand: Callable[[SpatialScene], HandCode] | None = None
     casadi: bool = True
@@ -84,11 +85,10 @@ class Case:
     bodies: int = 1
 
 
-def _random(scene: SpatialScene, equations: Equations | None) -> tuple[Array, Array]:
-    assert equations is not None
-    names = [str(c.q) for c in equations.coordinates]
+def _random(scene: SpatialScene, model: Model) -> tuple[Array, Array]:
+    names = [name for variable in model.coordinates for name in variable.elements]
     quaternions = [i for i, name in enumerate(names) if name.endswith("e0")]
-    return scenes.any_states(len(names), len(equations.rows), quaternions, STATES)
+    return scenes.any_states(len(names), sum(v.size for v in model.velocities), quaternions, STATES)
 
 
 def _chain(file: str, options: str, tables: Array, count: int) -> HandCode:
@@ -108,7 +108,7 @@ def _rigid_case(kind: str, count: int) -> Case:
     return Case(
         f"chain of {count} rigid bodies, {kind} joints",
         lambda folder: scenes.chain_of_rigid_bodies(count, kind, folder),
-        lambda scene, equations: scenes.rigid_states(count, kind, STATES),
+        lambda scene, model: scenes.rigid_states(count, kind, STATES),
         hand=lambda scene: _chain(
             "joints2.c",
             f"-DKIND={scenes.AXES[kind]}",
@@ -124,7 +124,7 @@ def _flexible_case(count: int) -> Case:
     return Case(
         f"chain of {count} bodies with {scenes.MODES} modes, welded",
         lambda folder: scenes.chain_of_flexible_bodies(count, "fixed", folder),
-        lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
+        lambda scene, model: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
         hand=lambda scene: _chain("flex3.c", "", flexible_tables(scenes.reduced_links(scene)), count),
         casadi=False,  # its C takes the compiler minutes
         bodies=count,
@@ -198,7 +198,7 @@ def times(
     program.compile(folder / f"{name}.c", OWN_OPTION)
     program.declare.append(f'#include "{(folder / name).resolve()}.h"')
     program.once.append(f"if ({name}_setup(p, k)) return 5;")
-    q, v = case.states(scene, equations)
+    q, v = case.states(scene, model)
     program.arrays |= {"q": q, "v": v, "p": np.append(np.array(model.defaults), 0.0)}
     program.scratch["k"] = sum(constant.size for constant in model.constants) + 1
     state = f"q + s * {q.shape[1]}, v + s * {v.shape[1]}"
