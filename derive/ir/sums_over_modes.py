@@ -10,29 +10,25 @@ over the rows computes them at the beginning of the body. The order of additions
 from __future__ import annotations
 
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fractions import Fraction
-from functools import reduce
 
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
-from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.factor_tables import FactorTables, RowPlace
+from derive.ir.indices import constant
 from derive.ir.instance_lanes import runs_in_blocks
 from derive.ir.kernel import ConstantArray, Kernel
-from derive.ir.linear_forms import DENSE, FEWEST_FACTORS, FEWEST_OPERATIONS, FEWEST_ROWS
+from derive.ir.linear_forms import FEWEST_OPERATIONS, FEWEST_ROWS
 from derive.ir.loop_nests import For
 from derive.ir.model import Model
 from derive.ir.operator_functions import ARITHMETIC
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
+from derive.ir.window_forms import ONE, ZERO, Window, WindowForm, combined_forms
 
-ROW = "row"
-"""The variable of the loops over the rows of a table."""
-ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 MANY = 64
 """The numbers of an instance from which on they do not stay in registers, and are read from memory at each use."""
 
-Window = tuple[str, tuple[IndexTerm, ...]]
-"""An array, and the part of the indices that the neighbouring elements of an instance share."""
 Row = tuple[Expr, tuple[tuple[int, Expr], ...]]
 """The constant term of a linear form, and its factors with the places of the elements of a window."""
 
@@ -44,13 +40,13 @@ def with_sums_over_modes(model: Model, kept: Container[str] = ()) -> Model:
     """
     if model.lowering != "instances" or not model.in_space:
         return model
-    tables = _Tables()
+    tables = FactorTables()
     kernels = [kernel if kernel.name in kept else _with_sums(kernel, tables) for kernel in model.kernels]
     arrays = tables.arrays
     return replace(model, kernels=tuple(_with_arrays(kernel, arrays) for kernel in kernels))
 
 
-def _with_sums(kernel: Kernel, tables: _Tables) -> Kernel:
+def _with_sums(kernel: Kernel, tables: FactorTables) -> Kernel:
     """A kernel with sums in loops, still without the constant arrays of their tables."""
     known = {array.name: array for array in kernel.constants if not array.integers}
     sections = tuple(
@@ -69,7 +65,7 @@ def _with_arrays(kernel: Kernel, arrays: Mapping[str, ConstantArray]) -> Kernel:
     return replace(kernel, constants=(*(a for a in kernel.constants if a.name in used), *of_tables))
 
 
-def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables: _Tables) -> Statement:
+def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables: FactorTables) -> Statement:
     """A statement with sums in loops, if it is a loop over instances in vectors that has enough of them."""
     if not isinstance(statement, ForEach) or not statement.independent:
         return statement
@@ -79,33 +75,6 @@ def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables:
     if not isinstance(loop, For) or not runs_in_blocks(loop):
         return statement
     return _LoopForms(statement, known).in_rows(tables)
-
-
-@dataclass(frozen=True)
-class _Form:
-    """A linear form of the elements of a window: their factors by their places, and the constant term."""
-
-    window: Window | None
-    factors: Mapping[int, Expr]
-    offset: Expr
-
-    def scaled(self, factor: Expr) -> _Form:
-        return _Form(self.window, {k: _times(factor, x) for k, x in self.factors.items()}, _times(factor, self.offset))
-
-    def plus(self, other: _Form) -> _Form | None:
-        """The sum; None if the windows differ."""
-        if self.window and other.window and self.window != other.window:
-            return None
-        factors = dict(self.factors)
-        for k, x in other.factors.items():
-            factors[k] = _plus(factors.get(k, ZERO), x)
-        return _Form(self.window or other.window, factors, _plus(self.offset, other.offset))
-
-    @property
-    def is_dense(self) -> bool:
-        """Whether the form has enough factors, and few zeros among them."""
-        span = max(self.factors) - min(self.factors) + 1 if self.factors else 0
-        return len(self.factors) >= FEWEST_FACTORS and len(self.factors) >= DENSE * span
 
 
 def _parts_of(row: Row) -> Iterator[Expr]:
@@ -128,31 +97,13 @@ def _apart(rows: Iterable[Row]) -> list[list[Row]]:
     return [sorted(part, key=order.__getitem__) for part in parts]
 
 
-def _times(a: Expr, b: Expr) -> Expr:
-    if ZERO in (a, b):
-        return ZERO
-    if ONE in (a, b):
-        return b if a == ONE else a
-    if isinstance(a, Number) and isinstance(b, Number):
-        return Number(a.value * b.value)
-    return Operation(Operator.MUL, (a, b))
-
-
-def _plus(a: Expr, b: Expr) -> Expr:
-    if ZERO in (a, b):
-        return b if a == ZERO else a
-    if isinstance(a, Number) and isinstance(b, Number):
-        return Number(a.value + b.value)
-    return Operation(Operator.ADD, (a, b))
-
-
 class _LoopForms:
     """The linear forms of a loop over instances whose factors are numbers."""
 
     def __init__(self, loop: ForEach, constants: Mapping[str, ConstantArray]) -> None:
         self.loop, self.constants = loop, constants
         self.names: dict[Window, dict[int, str]] = {}
-        self.known: dict[str, _Form] = {}
+        self.known: dict[str, WindowForm] = {}
         self.groups: dict[tuple[Window, bool], dict[Row, None]] = {}
         self.chosen: dict[tuple[Window, bool], dict[Row, Expr]] = {}
         written = {item.target.array for item in loop.body if isinstance(item, StoreElement)}
@@ -164,13 +115,13 @@ class _LoopForms:
         """Know an element that is loaded: a number, or one of a window."""
         assert element.index
         if element.array in self.constants:
-            self.known[name] = _Form(None, {}, element)
+            self.known[name] = WindowForm(None, {}, element)
             return
         window = element.array, element.index.terms
         self.names.setdefault(window, {})[element.index.offset] = name
-        self.known[name] = _Form(window, {element.index.offset: ONE}, ZERO)
+        self.known[name] = WindowForm(window, {element.index.offset: ONE}, ZERO)
 
-    def in_rows(self, tables: _Tables) -> ForEach:
+    def in_rows(self, tables: FactorTables) -> ForEach:
         """The loop with loops over rows at its beginning, and without what they replace."""
         loop = self.loop
         for item in loop.body:
@@ -195,7 +146,7 @@ class _LoopForms:
         return replace(loop, body=(*_needed([*_read_in_place(lines, {*self.constants, *arrays})]),))
 
     def _in_table(
-        self, key: tuple[Window, bool], rows: Iterable[Row], sums: str, tables: _Tables
+        self, key: tuple[Window, bool], rows: Iterable[Row], sums: str, tables: FactorTables
     ) -> tuple[dict[Row, Expr], list[ForEach]]:
         """The values of rows of a window as elements of an array, and the loops over rows of a table that fill it."""
         window, is_homogeneous = key
@@ -204,7 +155,7 @@ class _LoopForms:
         differ = any(isinstance(expr, Element) for row in rows for expr in _parts_of(row))
         count = self.loop.stop.offset if differ else 1
         table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
-        places: dict[Row, _Place] = {}
+        places: dict[Row, RowPlace] = {}
         for row in rows:
             offset, factors = row[0], dict(row[1])
             columns = [*([] if is_homogeneous else [offset]), *(factors.get(k, ZERO) for k in names)]
@@ -237,21 +188,21 @@ class _LoopForms:
             return replace(item, expr=self._whole(*self._parts(item.expr)))
         return item
 
-    def _parts(self, expr: Expr) -> tuple[_Form | None, Expr, int]:
+    def _parts(self, expr: Expr) -> tuple[WindowForm | None, Expr, int]:
         """The form of an expression, the expression with the forms in it replaced if it is none, its operations."""
         if isinstance(expr, Operation):
             parts = [self._parts(arg) for arg in expr.args]
             operations = 1 + sum(count for *_, count in parts)
             forms = [form for form, *_ in parts if form is not None]
-            form = _combined(expr.kind, forms) if len(forms) == len(parts) else None
+            form = combined_forms(expr.kind, forms) if len(forms) == len(parts) else None
             if form is not None:
                 return form, expr, operations
             return None, Operation(expr.kind, tuple(self._whole(*part) for part in parts)), operations
         if isinstance(expr, ScalarRef):
             return self.known.get(expr.name), expr, 0
-        return (_Form(None, {}, expr) if isinstance(expr, Number) else None), expr, 0
+        return (WindowForm(None, {}, expr) if isinstance(expr, Number) else None), expr, 0
 
-    def _whole(self, form: _Form | None, expr: Expr, operations: int) -> Expr:
+    def _whole(self, form: WindowForm | None, expr: Expr, operations: int) -> Expr:
         """An expression, or the element of an array in its place if it is a form that is worth a row."""
         if form is None or form.window is None or operations < FEWEST_OPERATIONS or not form.is_dense:
             return expr
@@ -271,28 +222,6 @@ class _LoopForms:
             case Operation():
                 return Fraction(ARITHMETIC[expr.kind](*(self._value(arg, instance) for arg in expr.args)))
         raise AssertionError("factors are made of numbers")
-
-
-def _combined(kind: Operator, forms: Sequence[_Form]) -> _Form | None:
-    """The form of an operation on forms; None if it is not linear, or if its windows differ."""
-    first, *others = forms
-    match kind:
-        case Operator.NEG:
-            return first.scaled(Number(Fraction(-1)))
-        case Operator.ADD:
-            return first.plus(others[0])
-        case Operator.SUB:
-            return first.plus(others[0].scaled(Number(Fraction(-1))))
-        case Operator.MUL:
-            number, form = (first, others[0]) if not first.factors else (others[0], first)
-            return None if number.factors else form.scaled(number.offset)
-        case Operator.DIV:
-            (number,) = others
-            if number.factors or not isinstance(number.offset, Number) or not number.offset.value:
-                return None
-            return first.scaled(Number(1 / number.offset.value))
-        case _:
-            return None
 
 
 def _is_load(item: InstanceItem) -> bool:
@@ -332,80 +261,6 @@ def _expressions(item: InstanceItem) -> Iterable[Expr]:
     if isinstance(item, ForEach):
         return (expr for inner in item.body for expr in _expressions(inner))
     return (item.expr,) if isinstance(item, Let | Require | StoreElement) else ()
-
-
-# ---- tables ----
-
-
-@dataclass(frozen=True)
-class _Place:
-    """The place of a row: its number in a table, and whether that has the opposite row."""
-
-    number: int
-    is_opposite: bool
-
-
-@dataclass
-class _Table:
-    """The rows with as many factors for the same instances, which all loops share.
-
-    columns: the numbers of a row; count: the instances, 1 if all have the same numbers; has_offsets: whether rows begin
-    with a constant term.
-    """
-
-    name: str
-    columns: int
-    count: int
-    has_offsets: bool
-    rows: dict[tuple[Fraction, ...], int] = field(default_factory=dict)
-
-    def place(self, values: tuple[Fraction, ...]) -> _Place:
-        """The place of a row with these values, column by column, which is added if neither it nor its opposite is."""
-        opposite = tuple(-value for value in values)
-        if values not in self.rows and opposite in self.rows:
-            return _Place(self.rows[opposite], True)
-        return _Place(self.rows.setdefault(values, len(self.rows)), False)
-
-    @property
-    def array(self) -> ConstantArray:
-        """The constant array of the table."""
-        return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count)
-
-    def loop(self, first: int, stop: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
-        """The loop over some rows for an instance, whose values go to an array from an element on.
-
-        names: those of the elements of the window.
-        """
-
-        def entry(k: int) -> Expr:
-            own = (IndexTerm(1, instance),) if self.count > 1 else ()
-            terms = IndexTerm(self.count * self.columns, ROW), *own
-            return Element(self.name, ElementIndex(self.count * (k + first * self.columns), terms))
-
-        start = 1 if self.has_offsets else 0
-        parts = [Operation(Operator.MUL, (entry(start + k), ScalarRef(name))) for k, name in enumerate(names)]
-        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*([entry(0)] if start else []), *parts])
-        assert to.index
-        body = StoreElement(replace(to, index=ElementIndex(to.index.offset, (IndexTerm(1, ROW),))), total)
-        return ForEach(ROW, constant(0), constant(stop - first), (body,))
-
-
-class _Tables:
-    """The tables of a model, by the numbers of a row, of the instances, and by whether there are constant terms."""
-
-    def __init__(self) -> None:
-        self.made: dict[tuple[int, int, bool], _Table] = {}
-
-    def of(self, columns: int, count: int, has_offsets: bool) -> _Table:
-        """The table for these numbers."""
-        key = columns, count, has_offsets
-        name = f"factors_of_modes_{len(self.made) + 1}"
-        return self.made.setdefault(key, _Table(name, columns, count, has_offsets))
-
-    @property
-    def arrays(self) -> dict[str, ConstantArray]:
-        """The constant arrays by their names."""
-        return {table.name: table.array for table in self.made.values()}
 
 
 def _runs(numbers: Iterable[int]) -> Iterator[tuple[int, int]]:

@@ -17,6 +17,7 @@ import derive
 from derive.backends.c.source import CBackend
 from derive.ir.analysis import names_read
 from derive.ir.expressions import Element, ScalarRef, walk
+from derive.ir.factor_tables import ROW
 from derive.ir.indices import LANE
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
@@ -24,7 +25,7 @@ from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Assign, For, Node, every
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, Let, Work
-from derive.ir.sums_over_modes import ROW, with_sums_over_modes
+from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
 from derive.ir.written_out_rows import with_rows_written_out
 from derive.lowering.flat.casadi_symbols import Symbols

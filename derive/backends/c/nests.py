@@ -26,6 +26,7 @@ from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import defining, plain, storing
 from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import Element, Ends, Expr, Operation, Operator, ScalarRef, walk
+from derive.ir.factor_tables import ROW
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm
 from derive.ir.loop_nests import (
     Accumulator,
@@ -43,7 +44,6 @@ from derive.ir.loop_nests import (
     every,
 )
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
-from derive.ir.sums_over_modes import ROW
 
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
