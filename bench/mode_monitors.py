@@ -13,18 +13,18 @@ again.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from resumed_rows import resumed
 
 import derive
-from derive.errors import TisserandError, first_line
 from derive.mechanics.symbols import amplitude_of
 from derive.percentages import percent
 from derive.reduction.body import prepare
@@ -141,21 +141,8 @@ def main() -> None:
     parser.add_argument("file", type=Path)
     parser.add_argument("seeds", type=lambda text: range(*map(int, text.split(":"))), nargs="?", default=range(0))
     options = parser.parse_args()
-    path = options.file
-    known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    finished = {row["scene"] for row in known}
-    for number, scene in enumerate(scenes(options.seeds)):
-        if scene.name in finished:
-            continue
-        try:
-            new = list(rows(scene, number))
-        except TisserandError as stopped:
-            new = [{"scene": scene.name, "stopped": first_line(stopped)}]
-        known += new
-        with path.open("a") as file:
-            file.writelines(json.dumps(row) + "\n" for row in new)
-        print(scene.name, file=sys.stderr, flush=True)
-    print(table(known))
+    named = ((scene.name, partial(rows, scene, number)) for number, scene in enumerate(scenes(options.seeds)))
+    print(table(resumed(options.file, named)))
 
 
 if __name__ == "__main__":

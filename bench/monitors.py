@@ -15,16 +15,17 @@ the chord, or from the tangent at the end that is held against rotation, if ther
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from monitor_scenes import scenes
+from resumed_rows import resumed
 
 import derive
 from derive.errors import TisserandError, first_line
@@ -189,21 +190,9 @@ def main() -> None:
     parser.add_argument("names", nargs="*")
     parser.add_argument("--seeds", type=lambda text: range(*map(int, text.split(":"))))
     options = parser.parse_args()
-    path, names = options.file, options.names
-    known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    finished = {row["scene"] for row in known}
-    for scene in corpus(options.seeds) if options.seeds else scenes():
-        if scene.name in finished or (names and scene.name not in names):
-            continue
-        try:
-            new = list(rows(scene))
-        except TisserandError as stopped:
-            new = [{"scene": scene.name, "stopped": first_line(stopped)}]
-        known += new
-        with path.open("a") as file:
-            file.writelines(json.dumps(row) + "\n" for row in new)
-        print(scene.name, file=sys.stderr, flush=True)
-    print(table(known))
+    every = corpus(options.seeds) if options.seeds else scenes()
+    named = ((scene.name, partial(rows, scene)) for scene in every if scene.name in (options.names or [scene.name]))
+    print(table(resumed(options.file, named)))
 
 
 if __name__ == "__main__":

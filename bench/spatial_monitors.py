@@ -15,15 +15,16 @@ less than a millionth of their length are left out of the tables.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from resumed_rows import resumed
 from spatial_monitor_scenes import RandomScene, random_scenes
 
 from derive.errors import TisserandError, first_line
@@ -210,22 +211,15 @@ def main() -> None:
     parser.add_argument("seeds", type=lambda text: range(*map(int, text.split(":"))), nargs="?", default=range(0))
     parser.add_argument("--alone", action="store_true", help="only scenes without other bodies, which take less time")
     options = parser.parse_args()
-    path = options.file
-    known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    finished = {row["scene"] for row in known}
-    for number, random in enumerate(random_scenes(options.seeds)):
-        if random.scene.name in finished or (options.alone and len(random.scene.bodies) > 1):
-            continue
-        model = MODELS[number % len(MODELS)]
-        try:
-            new = list(rows(random, model, number % EVERY == EVERY - 1, path.with_suffix("")))
-        except TisserandError as stopped:
-            new = [{"scene": random.scene.name, "model": model.label, "stopped": first_line(stopped)}]
-        known += new
-        with path.open("a") as file:
-            file.writelines(json.dumps(row) + "\n" for row in new)
-        print(random.scene.name, file=sys.stderr, flush=True)
-    print(table(known))
+    print(table(resumed(options.file, _named(options.file, options.seeds, options.alone))))
+
+
+def _named(path: Path, seeds: range, alone: bool) -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
+    """The names of the scenes, and what computes their rows."""
+    for number, random in enumerate(random_scenes(seeds)):
+        if not alone or len(random.scene.bodies) == 1:
+            model, finer = MODELS[number % len(MODELS)], number % EVERY == EVERY - 1
+            yield random.scene.name, partial(rows, random, model, finer, path.with_suffix(""))
 
 
 if __name__ == "__main__":
