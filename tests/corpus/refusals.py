@@ -43,6 +43,8 @@ REFUSALS: dict[str, str] = {
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
     r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",
     r"export the scene with --to exudyn, or leave this out": "the message names the interface for all scenes",
+    r"the links of a URDF are rigid|a URDF describes rigid bodies in space": "rigid bodies in space alone",
+    r"a URDF (has no|prescribes no)|a link of a URDF needs|a URDF is a tree": "the message says what a URDF can have",
     r"Exudyn has no joint that removes": "the message names those that it has",
     r"body of Exudyn (needs mass|has modes|has displacements)": "the message says what to write",
 }

@@ -81,12 +81,12 @@ def test_a_bent_beam_in_a_plane_starts_as_the_planar_beam(frame: Any, hinged: bo
         )
     )
     assert np.ptp([plane["tip_1"], plane["tip_2"]], axis=1).min() > 1e-4
-    # the weld of pieces of first order turns by a quaternion, which is the planar angle to second order
-    rows = slice(None) if pieces == 1 else slice(1)
+    # the weld of pieces of first order turns by a quaternion: the cube of a slope apart from the planar angle
+    rows, limit = (slice(None), 1e-13) if pieces == 1 else (slice(1), 1e-5)
     for k in ("1", "2"):
-        assert space[f"tip_{k}"][rows] == pytest.approx(plane[f"tip_{k}"][rows], abs=1e-13)
+        assert space[f"tip_{k}"][rows] == pytest.approx(plane[f"tip_{k}"][rows], abs=limit)
     for name in [n for n in plane.columns if "alpha" in n or n.endswith(("c1", "c2", "c1dot", "c2dot"))]:
-        assert space[name][0] == pytest.approx(plane[name][0], abs=1e-13), name
+        assert space[name][0] == pytest.approx(plane[name][0], abs=limit), name
     assert np.abs(space["tip_3"]).max() < 1e-15
 
 

@@ -241,7 +241,7 @@ def test_rotation_constraints_do_not_drift(steps: int) -> None:
         assert np.abs(np.linalg.norm(e, axis=0) - 1).max() < 1e-15
 
 
-DURATIONS = {"adaptive": 6600.0, "c_ida": 300.0, "dop853": 20.0, "rk45": 10.0, "ida": 10.0}
+DURATIONS = {"adaptive": 6800.0, "c_ida": 300.0, "dop853": 20.0, "rk45": 10.0, "ida": 10.0}
 """s; those of the integrators in C are more than 10^5 steps."""
 INTERPOLATED = {"adaptive": 1e-11}
 """The largest constraints (m, rad) in rows within steps of integrators that do not project these."""

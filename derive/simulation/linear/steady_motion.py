@@ -169,13 +169,21 @@ def _balanced(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> 
     raise NoSteadyMotion("Newton's method does not find a steady motion near the initial state")
 
 
+ROUNDING = 4 * float(np.finfo(np.float64).eps)
+"""The part of the largest number of a system below which a row has rounding errors alone."""
+
+
 def least_solution(system: Matrix, right: Vector) -> Vector:
-    """The least solution of a system whose rows are scaled to 1, as forces and positions have different units."""
-    rows = np.abs(system).max(axis=1)
-    rows[rows == 0.0] = 1.0
+    """The least solution of a system whose rows are scaled to 1, as forces and positions have different units.
+
+    Rows of rounding errors are left out: scaled to 1, they would determine motions without stiffness.
+    """
     if not (np.isfinite(system).all() and np.isfinite(right).all()):
         raise NoSteadyMotion("Newton's method leaves the states that the model describes")
-    return np.asarray(np.linalg.lstsq(system / rows[:, None], right / rows, rcond=1e-13)[0])
+    rows = np.abs(system).max(axis=1)
+    some = rows > ROUNDING * rows.max(initial=0.0)
+    scaled = rows[some]
+    return np.asarray(np.linalg.lstsq(system[some] / scaled[:, None], right[some] / scaled, rcond=1e-13)[0])
 
 
 def _check_steady(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> None:
