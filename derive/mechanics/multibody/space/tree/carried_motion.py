@@ -60,6 +60,11 @@ class CarriedMotion:
         """The motions by virtual displacements of its own rows."""
         return self.virtual[len(self.rows) - self.own :]
 
+    @property
+    def turns_with_parent(self) -> bool:
+        """Whether rows of the bodies before it turn it; they do not turn a body that keeps its quaternion."""
+        return any(entry for v in self.virtual[: len(self.rows) - self.own] for entry in v.rotation)
+
     def of_accelerations(self) -> tuple[sp.Matrix, sp.Matrix]:
         """The accelerations xddot and wdot as sums over those of the coordinates."""
         linear, angular = [sp.Matrix(self.acceleration)], [sp.Matrix(self.angular_acceleration)]

@@ -40,6 +40,11 @@ class Inertia:
         return linear, angular
 
 
+    def carried(self, motion: CarriedMotion) -> Inertia:
+        """What the body before it carries: a mass at the point, if this does not turn with that body."""
+        return self if motion.turns_with_parent else Inertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
+
+
 @dataclass(frozen=True)
 class TreeEquations:
     """The contribution of a tree to the equations of motion: its definitions, and the terms of all rows."""
@@ -127,7 +132,7 @@ class _Recursions:
         define = TreeDefinitions(body.name, f"{body.name} composite")
         moments, tensors = [own.moment], [own.tensor]
         for child in behind:
-            part, r = of[child.name], sp.Matrix(child.motion.lever)
+            part, r = of[child.name].carried(child.motion), sp.Matrix(child.motion.lever)
             moved = define.vector(
                 Family.COMPOSITE_MOMENT, summed([part.moment, r * part.mass]), f"first moment behind {child.name}",
                 child.name,
@@ -161,7 +166,7 @@ class _Recursions:
         for child in self.children[body.name]:
             f_child, n_child = of[child.name]
             forces.append(f_child)
-            torques += [n_child, cross(child.motion.lever, f_child)]
+            torques += [*([n_child] * child.motion.turns_with_parent), cross(child.motion.lever, f_child)]
         if len(forces) > 1:
             f = define.vector(Family.FORCE_BEHIND, summed(forces), "force with that behind it")
             n = define.vector(Family.TORQUE_BEHIND, summed(torques), "torque with that behind it")
