@@ -16,7 +16,7 @@ from itertools import permutations, product
 import casadi as ca
 
 from derive.algebra import sp
-from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
+from derive.lowering.flat.casadi_symbols import Symbols, added, divided, multiplied
 from derive.lowering.flat.trees.spatial_vectors import (
     ZERO,
     FullRotation,
@@ -49,16 +49,24 @@ SMALL = 1e-15
 class Link:
     """A body of a tree: its inertia about the origin, in its frame, and the steps to it from its parent.
 
-    parent: its place among the links, -1 at the root. base: the motion from which the steps of a root start.
+    parent: its place among the links, -1 at the root. base: the motion from which the steps of a root start. place: the
+    part of the shift from the parent that is constant.
     """
 
     name: str
     parent: int
     steps: tuple[Step, ...]
     base: Motion
+    place: Vector
     mass: ca.SX
     moment: Vector
     tensor: Matrix
+
+    @property
+    def half_trace(self) -> ca.SX:
+        """Half of the sum of its moments of inertia, which none of them exceeds."""
+        trace = added(added(self.tensor[0][0], self.tensor[1][1]), self.tensor[2][2])
+        return divided(trace, ca.SX(2))
 
     @property
     def inertia(self) -> SpatialInertia:
@@ -87,19 +95,22 @@ class Links:
     def _link(self, body: TreeBody) -> Link:
         hinge, of = body.motion.hinge, self.symbols
         parent = self.numbers.get(body.motion.parent, -1)
-        base = Motion(null(), null(), self.upwards)
+        base, place = Motion(null(), null(), self.upwards), null()
         if hinge is None:
             steps = self._free(body)
         else:
             if parent < 0:
                 base = self._of_marker(hinge)
-            steps = (*self._carried(body, hinge, parent), *self._own(body, hinge))
+            else:
+                own = self._matrix(self.axes[body.motion.parent])
+                place = times(transposed(own), [of(x) for x in hinge.place])
+            steps = (*self._carried(body, hinge, place), *self._own(body, hinge))
         O = self._matrix(self.axes[body.name])
         tensor = self._matrix(body.tensor)
         if self.axes[body.name] != sp.eye(3):
             tensor = FullRotation(transposed(O)).symmetric_back(tensor)
         moment = times(transposed(O), [of(x) for x in body.moment])
-        return Link(body.name, parent, tuple(steps), base, of(body.mass), moment, tensor)
+        return Link(body.name, parent, tuple(steps), base, place, of(body.mass), moment, tensor)
 
     def _matrix(self, matrix: sp.Matrix) -> Matrix:
         return [[self.symbols(matrix[i, j]) for j in range(3)] for i in range(3)]
@@ -121,40 +132,20 @@ class Links:
         for axis, row in enumerate(rows):
             yield Freedom(self.rows[row.name], axis, True, self.symbols(row.v), relative=False)
 
-    def _carried(self, body: TreeBody, hinge: Hinge, parent: int) -> Iterator[Step]:
-        """The steps to the marker that carries a body, in the frame of which it then moves."""
-        of = self.symbols
-        axes = hinge.axes
-        if parent >= 0:
-            own = self.axes[body.motion.parent]
-            axes = cleaned(sp.Matrix(own.T) * sp.Matrix(axes))
-            r = times(transposed(self._matrix(own)), [of(x) for x in hinge.place])
-            for c in hinge.motions:
-                factor = c.along if c.is_rotation else sp.S.One
-                if factor != 0:
-                    axis = [of(axes[i, AXES_OF["z" if c.is_rotation else c.motion]]) for i in range(3)]
-                    s = multiplied(of(c.values[0]), of(factor))
-                    r = plus(r, [multiplied(s, x) for x in axis])
-            yield Shift(r)
-        else:
-            axes = cleaned(sp.Matrix(axes))
-            if slides := self._slides(hinge, axes):
-                yield Shift(slides)
-        turns = tuple(fixed_turns(of, axes))
-        if hinge.ball and not any(not c.is_rotation for c in hinge.motions):
-            return
-        yield from turns
-
-    def _slides(self, hinge: Hinge, axes: sp.Matrix) -> Vector | None:
-        """The displacement of a body along the axes of a marker."""
-        result = None
+    def _carried(self, body: TreeBody, hinge: Hinge, place: Vector) -> Iterator[Step]:
+        """The steps to the marker that carries a body, and along its axes; place: of the marker."""
+        before = self.axes.get(body.motion.parent, sp.eye(3))
+        axes = cleaned(before.T * sp.Matrix(hinge.axes))
+        r = place
         for c in hinge.motions:
             factor = c.along if c.is_rotation else sp.S.One
             if factor != 0:
                 s = multiplied(self.symbols(c.values[0]), self.symbols(factor))
-                axis = [self.symbols(axes[i, AXES_OF["z" if c.is_rotation else c.motion]]) for i in range(3)]
-                result = plus(result or null(), [multiplied(s, x) for x in axis])
-        return result
+                axis = AXES_OF["z" if c.is_rotation else c.motion]
+                r = plus(r, [multiplied(s, self.symbols(axes[i, axis])) for i in range(3)])
+        yield Shift(r)
+        if not hinge.ball or hinge.motions:
+            yield from fixed_turns(self.symbols, axes)
 
     def _own(self, body: TreeBody, hinge: Hinge) -> Iterator[Step]:
         """The steps by the coordinates of a body."""
@@ -163,7 +154,8 @@ class Links:
             if not c.is_rotation:
                 yield Freedom(self.rows[c.row.name], AXES_OF[c.motion], False, of(c.values[1]))
         if hinge.ball:
-            before = self._matrix(sp.Matrix(hinge.known.axes))
+            axes = hinge.known.axes if hinge.motions else hinge.known.frame * self.axes.get(body.motion.parent, sp.eye(3))
+            before = self._matrix(sp.Matrix(axes))
             yield Turn(FullRotation(multiply(transposed(before), self._matrix(body.motion.frame))), free=True)
             yield from self._spins(body.motion.own_rows[-3:])
             return

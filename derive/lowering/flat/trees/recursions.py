@@ -32,7 +32,7 @@ def motions(links: Sequence[Link], accelerations: Mapping[int, ca.SX]) -> list[M
 
 def needed(link: Link, m: Motion) -> Wrench:
     """The wrench that the motion of a link needs: int (a + S X) and int X x (a + S X) over its mass."""
-    S, half = m.of_points, multiplied(ca.SX(0.5), added(added(link.tensor[0][0], link.tensor[1][1]), link.tensor[2][2]))
+    S, half = m.of_points, link.half_trace
     second = [[subtracted(half, x) if i == j else -x for j, x in enumerate(row)] for i, row in enumerate(link.tensor)]
     force = plus([multiplied(link.mass, x) for x in m.linear], times(S, link.moment))
     torque = cross(link.moment, m.linear)
