@@ -107,15 +107,14 @@ def _equations(request: _Request) -> InstanceEquations:
     of_body = component.body.constants if instance.has_inertia else ()
     in_space = kind.motion.rotation.rows == SPACE
     energies = (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
-    in_tree = coordinates.carried is not None  # whose equations are those of the whole tree
     return InstanceEquations(
         coordinates=coordinates.coordinates,
         rows=coordinates.rows,
         coefficients=tuple(_coefficient(component.group, c) for c in (*of_body, *component.point_constants)),
         definitions=tuple(change.definitions),
-        terms=() if in_tree else tuple(_terms(equations, coordinates, change)),
-        vanished=() if repeated or in_tree else tuple(_vanished(equations, coordinates)),
-        mass_zeros=() if repeated or in_tree else tuple(_mass_zeros(equations, coordinates)),
+        terms=tuple(_terms(equations, coordinates, change)),
+        vanished=() if repeated else tuple(_vanished(equations, coordinates)),
+        mass_zeros=() if repeated else tuple(_mass_zeros(equations, coordinates)),
         energies=tuple(change(e or sp.S.Zero) for e in energies),
         linear=tuple(map(change, equations.linear_momentum)),
         angular=tuple(map(change, equations.angular_momentum)),
