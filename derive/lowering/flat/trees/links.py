@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import permutations, product
 
 import casadi as ca
 
@@ -20,6 +19,7 @@ from derive.lowering.flat.casadi_symbols import Symbols, added, divided, multipl
 from derive.lowering.flat.trees.spatial_vectors import (
     ZERO,
     FullRotation,
+    NEXT,
     Matrix,
     Permutation,
     PlanarTurn,
@@ -201,21 +201,16 @@ def fixed_turns(symbols: Symbols, axes: sp.Matrix) -> Iterator[Turn]:
 
 def _planar(symbols: Symbols, axes: sp.Matrix, k: int) -> Iterator[Turn]:
     """The permutation of axes, and the turn about axis k behind it, that make a rotation."""
-    best = max(_right_handed(axes[:, k], k), key=lambda P: sum((P[:, j].T * axes[:, j])[0] for j in range(3)))
-    if best != sp.eye(3):
-        places = [next(i for i in range(3) if best[i, j] != 0) for j in range(3)]
-        yield Turn(Permutation(tuple(places), tuple(int(best[i, j]) for j, i in enumerate(places))))
-    rest = cleaned(best.T * axes)
-    if rest != sp.eye(3):
-        i, j = ((1, 2), (2, 0), (0, 1))[k]
-        yield Turn(PlanarTurn(k, symbols(rest[i, i]), symbols(rest[j, i])))
-
-
-def _right_handed(axis: sp.Matrix, k: int) -> Iterator[sp.Matrix]:
-    """The rotations that permute axes and have a given column k."""
-    for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
-        matrix = sp.zeros(3, 3)
-        for j, (i, sign) in enumerate(zip(order, signs, strict=True)):
-            matrix[i, j] = sign
-        if matrix.det() == 1 and matrix[:, k] == axis:
-            yield matrix
+    i, j = NEXT[k]
+    at = [next(a for a in range(3) if axes[a, k] != 0), max(range(3), key=lambda a: abs(axes[a, i]))]
+    sign = [1 if axes[at[0], k] > 0 else -1, 1 if axes[at[1], i] > 0 else -1]
+    third = 3 - at[0] - at[1]
+    parity = 1 if (at[0], at[1], third) in ((0, 1, 2), (1, 2, 0), (2, 0, 1)) else -1
+    places, signs = [0] * 3, [0] * 3
+    for axis, place, of in ((k, at[0], sign[0]), (i, at[1], sign[1]), (j, third, parity * sign[0] * sign[1])):
+        places[axis], signs[axis] = place, of
+    if (places, signs) != ([0, 1, 2], [1, 1, 1]):
+        yield Turn(Permutation(tuple(places), tuple(signs)))
+    cosine, sine = axes[places[i], i] * signs[i], axes[places[j], i] * signs[j]
+    if sine != 0:
+        yield Turn(PlanarTurn(k, symbols(cosine), symbols(sine)))
