@@ -39,10 +39,13 @@ class Inertia:
         angular = summed([cross(self.moment, v.translation), product(self.tensor, sp.Matrix(v.rotation))])
         return linear, angular
 
-
     def carried(self, motion: CarriedMotion) -> Inertia:
         """What the body before it carries: a mass at the point, if this does not turn with that body."""
         return self if motion.turns_with_parent else Inertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
+
+
+INERTIAL = "(15)"
+"""The equation of all terms of a tree; those of loads on its bodies have another one."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ class _Recursions:
         rows = {row.name: row for body in self.bodies for row in body.motion.own_rows}
         for name, of in factors.items():
             inertial = sp.Add(*(factor * rows[other].a for other, factor in of.items()))
-            terms.append(Term(name, "inertia", "(15)", inertial))
+            terms.append(Term(name, "inertia", INERTIAL, inertial))
         for body in self.bodies:
             f, n = forces[body.name]
             for row, v in zip(body.motion.own_rows, body.motion.own_virtual, strict=True):
@@ -199,9 +202,12 @@ class _Recursions:
         self, row: EquationOfMotion, v: VirtualMotion, f: sp.Matrix, n: sp.Matrix, composite: Inertia
     ) -> Iterator[Term]:
         """The terms of a row besides those with accelerations of coordinates."""
-        yield Term(row.name, "centrifugal and Coriolis", "(15)", sp.Add(dot(v.translation, f), dot(v.rotation, n)))
-        weight = [dot(v.translation, self.gravity) * composite.mass, dot(v.rotation, cross(composite.moment, self.gravity))]
-        yield Term(row.name, "gravity", "(15)", -sp.Add(*weight))
+        yield Term(row.name, "centrifugal and Coriolis", INERTIAL, sp.Add(dot(v.translation, f), dot(v.rotation, n)))
+        weight = [
+            dot(v.translation, self.gravity) * composite.mass,
+            dot(v.rotation, cross(composite.moment, self.gravity)),
+        ]
+        yield Term(row.name, "gravity", INERTIAL, -sp.Add(*weight))
 
 
 def _named_cross(define: TreeDefinitions, w: sp.Matrix, moment: sp.Matrix) -> sp.Matrix:
