@@ -25,8 +25,13 @@ JOINTS: Mapping[str, Mapping[str, Any]] = {
 RIGHT = {"axis": [1, 0, 0], "angle": np.pi / 2}
 
 
-def random_tree(seed: int, bodies: int = 4, free: bool | None = None, coordinates: str = "relative") -> SpatialScene:
-    """A tree: each joint of another kind, in turn; free: whether its first body hangs on nothing, by lot if None."""
+def random_tree(
+    seed: int, bodies: int = 4, free: bool | None = None, loops: bool = False, coordinates: str = "relative"
+) -> SpatialScene:
+    """A tree: each joint of another kind, in turn; free: whether its first body hangs on nothing, by lot if None.
+
+    loops: whether its last bodies close loops, by constraints of one and of three multipliers.
+    """
     rng = np.random.default_rng(seed)
     free = bool(rng.integers(2)) if free is None else free
     kinds = [list(JOINTS)[k] for k in rng.permutation(len(JOINTS))]
@@ -48,6 +53,10 @@ def random_tree(seed: int, bodies: int = 4, free: bool | None = None, coordinate
         ends = [before, f"{name}.own"] if rng.integers(2) else [f"{name}.own", before]
         kind = kinds[n % len(kinds)]
         scene["joints"][f"j{n}"] = {"kind": kind, "between": ends, **JOINTS[kind]}
+    if loops:
+        ends = ["ground.m", f"{names[-1]}.m"], [f"{names[0]}.m", f"{names[-2]}.own"]
+        scene["joints"]["rod"] = {"kind": "distance", "between": ends[0], "distance": 1}
+        scene["joints"]["ball"] = {"kind": "spherical", "between": ends[1], "closes_loop": True}
     scene["springs"] = {
         "s": {"kind": "linear", "between": ["ground.m", f"{names[-1]}.m"], "stiffness": 20.0, "damping": 0.5, "rest": 0.1}
     }

@@ -11,6 +11,7 @@ from contextlib import suppress
 import casadi as ca
 import numpy as np
 
+from derive.ir.analysis import operations
 from derive.ir.expressions import Number
 from derive.ir.kernel import Kernel
 from derive.ir.model import Kkt
@@ -25,7 +26,7 @@ from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.joint_turns import JointTurns, axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.flat.trees.accelerations import articulated_accelerations, by_articulated_bodies
-from derive.lowering.flat.trees.tree_dynamics import force_values, tree_dynamics
+from derive.lowering.flat.trees.tree_dynamics import tree_dynamics
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
@@ -99,14 +100,27 @@ def accelerations(context: Context, function: ModelFunction) -> Kernel:
     return _solved(context, function, {"vdot": OutputElements(context.accelerations)})
 
 
+COMPARED = 20
+"""The largest number of rows and multipliers of trees for which both ways to accelerations are lowered and compared.
+
+With more of them, articulated bodies take fewer operations but in models that consist of loops.
+"""
+
+
 def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, OutputElements]) -> Kernel:
+    """The kernel of the accelerations, by articulated bodies or by the factors of the KKT matrix: the cheaper one."""
     symbols = context.symbols(context.t, context.q, context.v)
     tree = tree_dynamics(context, symbols)
+    candidates = []
     if tree and by_articulated_bodies(context, tree):
         with suppress(LoweringError):  # where constraints are redundant in every state
-            return articulated_accelerations(context, function, outputs, symbols, tree, _bias(context, symbols))
-    right = [-h for h in force_values(context, symbols)] + [-gamma for gamma in _bias(context, symbols)]
-    return by_factors(context, function, outputs, symbols, right)
+            gamma = _bias(context, symbols)
+            candidates.append(articulated_accelerations(context, function, outputs, symbols, tree, gamma))
+            if len(context.rows) + len(gamma) > COMPARED:
+                return candidates[0]
+    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
+    candidates.append(by_factors(context, function, outputs, symbols, right))
+    return min(candidates, key=lambda kernel: sum(map(operations, kernel.statements)))
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:

@@ -32,8 +32,7 @@ Column = Mapping[int, ca.SX]
 def by_articulated_bodies(context: Context, tree: TreeDynamics) -> bool:
     """Whether the accelerations of a model follow from articulated bodies: all of its rows are those of trees.
 
-    They take fewer operations than M and its factors from two bodies on (tests/space/test_tree_dynamics.py). Redundant
-    constraints and orders that a user chooses need the KKT matrix.
+    Redundant constraints and orders that a user chooses need the KKT matrix.
     """
     safe = context.elimination is EliminationRule.SAFE and not context.proximal
     return safe and len(tree.rows) == len(context.rows) and all(c.jacobian for c in context.equations.constraints)
