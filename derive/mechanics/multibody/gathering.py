@@ -186,8 +186,8 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         return sp.Add(*(e for e in expressions if not e.free_symbols & moving))
 
     def total(vectors: Sequence[tuple[sp.Expr, ...]]) -> tuple[sp.Expr, ...]:
-        """The sum of the vectors of the bodies that have coordinates."""
-        own = [vector if b.rows else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
+        """The sum of the vectors of the bodies that coordinates move."""
+        own = [vector if b.moved_by else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
         return tuple(map(summed, zip(*own, strict=True)))
 
     terms = (*chain.from_iterable(b.terms for b in bodies), *of.terms)
@@ -275,7 +275,7 @@ def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:
 def carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
     """The bodies whose pose depends on a prescribed motion, which functions without the argument t cannot describe."""
     reason = "a drive moves it, and these functions do not depend on time"
-    names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
+    names = [name for name, instance in instances.items() if instance.moved_by and _of_time(instance, moving)]
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 
 
