@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from derive.function_names import ON_REQUEST
 from derive.study.study_options import MAX_PIECES
 
 SPEC = "specification file (.toml)"
@@ -38,6 +39,14 @@ def pieces(text: str) -> tuple[int, ...]:
     if max(numbers) > MAX_PIECES:
         raise argparse.ArgumentTypeError(f"a rod is divided into at most {MAX_PIECES} beams, not {max(numbers)}")
     return numbers
+
+
+def function_names(text: str) -> tuple[str, ...]:
+    """Names of functions that a model has on request, or `all`."""
+    names = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
+    if unknown := [name for name in names if name not in (*ON_REQUEST, "all")]:
+        raise argparse.ArgumentTypeError(f"unknown: {', '.join(unknown)}; choose from {', '.join(ON_REQUEST)}, all")
+    return ON_REQUEST if "all" in names else names
 
 
 def tolerance(text: str) -> float:

@@ -54,6 +54,7 @@ class InstanceEquations:
     energies: tuple[sp.Expr, sp.Expr, sp.Expr]
     linear: tuple[sp.Expr, ...]
     angular: tuple[sp.Expr, ...]
+    mass_moments: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
     points: Mapping[str, PointMotion]
     frames: Mapping[str, FrameMotion]
@@ -114,7 +115,10 @@ def _equations(request: _Request) -> InstanceEquations:
         energies=tuple(change(e or sp.S.Zero) for e in energies),
         linear=tuple(map(change, equations.linear_momentum)),
         angular=tuple(map(change, equations.angular_momentum)),
-        markers=tuple(_marker(instance, kind, name, change) for name in component.markers) if instance.moves else (),
+        mass_moments=tuple(map(change, equations.mass_moments)),
+        markers=tuple(_marker(instance, kind, name, change, motions[name]) for name in component.markers)
+        if instance.moves
+        else (),
         points={} if in_space else motions,
         frames=motions if in_space else {},
         rates=_rates(coordinates, kind, change),
@@ -250,8 +254,8 @@ def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[
     ]
 
 
-def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) -> MarkerEquations:
-    """A marker with its Jacobian and load in the coordinates that the body keeps."""
+def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change, motion: Any) -> MarkerEquations:
+    """A marker with its Jacobian and load in the coordinates that the body keeps; motion: that of its frame."""
     component, free = instance.component, marker(kind.motion, instance.component.sections[name].point)
     own = _Change(component.name, change.values)
     own.define(free.definitions, name)
@@ -275,4 +279,5 @@ def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) 
         jacobian=sp.ImmutableMatrix([combined(free.jacobian[i, :]) for i in range(free.jacobian.rows)]),
         force_definitions=tuple(of_force.definitions),
         load=tuple(combined(free.load)),
+        angular_velocity=sp.ImmutableMatrix([motion.angular_velocity]),
     )
