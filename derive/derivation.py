@@ -15,6 +15,7 @@ from typing import assert_never, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
 from derive.function_names import ON_REQUEST
 from derive.garbage_collection import paused
@@ -23,7 +24,7 @@ from derive.lowering import cost_model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
+from derive.lowering.mechanism_costs import LONG, MechanismCosts, estimate_mechanism_costs, is_predicted
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
@@ -235,7 +236,7 @@ def lower(
     derived: Equations | AnyMechanism,
     sensitivities: bool = False,
     explicit: bool = False,
-    functions: Collection[str] = (),
+    functions: str | Collection[str] = (),
 ) -> Model:
     """The kernels of a model: straight-line code, or loops over modes or bodies where these are predicted to be faster.
 
@@ -245,9 +246,9 @@ def lower(
             and inputs, which models with loops over the modes do not have.
         explicit: leave out the kernels of a scene that explicit integration does not call, which takes half the time.
             A scene that starts in equilibrium or in steady motion keeps the iteration matrix, which gives its start.
-        functions: add kernels that few users need: "inverse_dynamics", "gravity_compensation", "centre_of_mass",
-            "centroidal_momentum", "marker_rotations", with their derivatives if there are sensitivities. Only
-            straight-line code has them.
+        functions: add kernels that few users need: "all", one or some of "inverse_dynamics", "gravity_compensation",
+            "centre_of_mass", "centroidal_momentum" and "marker_rotations", and their derivatives if there are
+            sensitivities. Only straight-line code has them.
 
     Raises:
         SpecError: if the specification requires straight-line code that would be too long, or has loops where
@@ -265,9 +266,7 @@ def lower(
     """
     if not isinstance(derived, (Equations, Mechanism, SpatialMechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
-    if unknown := [name for name in functions if name not in ON_REQUEST]:
-        raise UnknownNameError("function of a model on request", unknown[0], ON_REQUEST)
-    functions = tuple(name for name in ON_REQUEST if name in functions)
+    functions = _requested(functions)
     if isinstance(derived, Mechanism):
         return _lower_mechanism(derived, sensitivities, explicit, functions)
     if isinstance(derived, SpatialMechanism):
@@ -275,7 +274,7 @@ def lower(
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
         return _straight_line(derived.expanded(), "", sensitivities, explicit, functions=functions)
     estimate = cost_model.estimate_costs(derived.body)
-    wanted = " and ".join([*(["derivatives by parameters"] if sensitivities else []), *functions])
+    wanted = enumeration([*(["derivatives by parameters"] if sensitivities else []), *functions])
     needed = derived.lowering == "auto" and wanted and estimate.selected("auto") == "loops"
     requested: Lowering = "flat" if needed else derived.lowering  # loops have none of these
     try:
@@ -292,29 +291,44 @@ def lower(
     return lower_loops(derived, reason)
 
 
+def _requested(functions: str | Collection[str]) -> tuple[str, ...]:
+    """The names of functions in the order of `ON_REQUEST`. Raises UnknownNameError for any other."""
+    names = (functions,) if isinstance(functions, str) else tuple(functions)
+    for name in names:
+        if name not in (*ON_REQUEST, "all"):
+            raise UnknownNameError("function on request", name, (*ON_REQUEST, "all"))
+    return tuple(name for name in ON_REQUEST if name in names or "all" in names)
+
+
 def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool, functions: tuple[str, ...]) -> Model:
     requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
     balanced = mechanism.scene.start is not None
     costs = estimate_mechanism_costs(mechanism)
-    if costs.selected(requested) == "instances":
-        _refuse_in_loops(functions, costs.reason(requested))
+    unrolled = _unrolled_for(functions, requested, costs)
+    if costs.selected(requested) == "instances" and not unrolled:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
         return lower_instances(
             mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve", balanced
         )
-    reason = "" if requested == "auto" else costs.reason(requested)
+    reason = unrolled or ("" if requested == "auto" else costs.reason(requested))
     try:
         return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant, balanced, functions)
     except RecursionError:
         raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 
 
-def _refuse_in_loops(functions: tuple[str, ...], reason: str) -> None:
-    """Raise SpecError if functions are requested, which loops over instances do not have."""
-    if functions:
-        text = f'{reason}; loops over instances have no {" and ".join(functions)}: lowering = "flat"'
-        raise SpecError((Problem("scene.lowering", text),))
+def _unrolled_for(functions: tuple[str, ...], requested: str, costs: MechanismCosts) -> str:
+    """The reason why a scene is unrolled that would have loops, in which there are no functions on request.
+
+    Raises SpecError if the specification asks for loops, or if compilers would take too long for straight-line code.
+    """
+    if not functions or costs.selected(requested) == "flat":
+        return ""
+    if requested == "auto" and costs.compiler <= LONG:
+        return f"unrolled, for {enumeration(functions)}"
+    text = f'{costs.reason(requested)}; loops over instances have no {enumeration(functions)}: lowering = "flat"'
+    raise SpecError((Problem("scene.lowering", text),))
 
 
 def _lower_spatial(
@@ -325,11 +339,11 @@ def _lower_spatial(
     balanced = mechanism.scene.start is not None
     looped = requested == "instances"
     choice = "looped over instances, as the specification asks" if looped else ""
-    if requested == "auto" and is_predicted(mechanism):
+    if (requested == "auto" and is_predicted(mechanism)) or (looped and functions):
         costs = estimate_mechanism_costs(mechanism)
-        looped, choice = costs.lowering == "instances", costs.reason(requested)
+        unrolled = _unrolled_for(functions, requested, costs)
+        looped, choice = costs.lowering == "instances" and not unrolled, unrolled or costs.reason(requested)
     if looped:
-        _refuse_in_loops(functions, choice)
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 
         return lower_instances(mechanism, choice, explicit, sensitivities, redundant == "resolve", balanced)

@@ -96,8 +96,9 @@ def generate(
 ) -> Built:
     """Run all stages on a specification: derive, lower, compute the initial state, emit.
 
-    sensitivities, functions: see `lower`. backends: names in `BACKENDS`. start_needed: whether it is an error that a scene has no
-    initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with `start_needed`.
+    sensitivities, functions: see `lower`. backends: names in `BACKENDS`. start_needed: whether it is an error that a
+    scene has no initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with
+    `start_needed`.
     """
     from derive.derivation import derive, lower
 

@@ -131,7 +131,7 @@ def _file(path: Path) -> Iterator[None]:
 
 
 def build_all(paths: Sequence[Path], sensitivities: bool = False, functions: Sequence[str] = ()) -> list[Built]:
-    """Build every specification, with derivatives by the parameters if `sensitivities`, and with `functions` on request.
+    """Build every specification, with derivatives by the parameters if `sensitivities`, and with these `functions`.
 
     Raises SpecError with the problems of all files, also when two models would have the same name in C.
     """

@@ -67,7 +67,7 @@ def _of_motion(equations: Equations) -> Iterator[ModelFunction]:
         "x": "position in the inertial frame [m]",
         "xdot": "velocity in the inertial frame [m/s]",
         "jacobian": "values of d(velocity)/dv by columns",
-        "mass": "mass [kg]",
+        "m_total": "mass [kg]",
     }
     momentum = {"momentum": "linear [N s] and angular [N m s]", "A": "values of A by columns"}
     if has_mass(equations):

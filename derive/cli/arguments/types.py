@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
 from pathlib import Path
 from typing import Any
@@ -41,11 +42,20 @@ def pieces(text: str) -> tuple[int, ...]:
     return numbers
 
 
+def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Names among those that are known."""
+    names = tuple(dict.fromkeys(text.split(",")))
+    for name in names:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"choose from {', '.join(known)}"
+            raise argparse.ArgumentTypeError(f"unknown: {name!r}; {hint}")
+    return names
+
+
 def function_names(text: str) -> tuple[str, ...]:
     """Names of functions that a model has on request, or `all`."""
-    names = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
-    if unknown := [name for name in names if name not in (*ON_REQUEST, "all")]:
-        raise argparse.ArgumentTypeError(f"unknown: {', '.join(unknown)}; choose from {', '.join(ON_REQUEST)}, all")
+    names = among(text, (*ON_REQUEST, "all"))
     return ON_REQUEST if "all" in names else names
 
 

@@ -6,11 +6,12 @@ derivatives of the vectors with respect to the arguments, the parameters and the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from derive.algebra import sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.body_functions import momentum_names
@@ -120,7 +121,7 @@ def _centre_of_mass(context: Context, symbols: Symbols, _: str) -> Quantities:
     vectors = {
         "x": ([f"x{k}" for k, _ in enumerate(centre, 1)], centre),
         "xdot": ([f"x{k}dot" for k, _ in enumerate(centre, 1)], velocity),
-        "mass": (["mass"], [mass]),
+        "m_total": (["m_total"], [mass]),
     }
     return Quantities("int rho x and int rho xdot, divided by the mass", vectors, ("jacobian", "xdot"))
 
@@ -131,13 +132,22 @@ def _mass_and_centre(context: Context, symbols: Symbols) -> tuple[ca.SX, list[ca
 
 
 def _centroidal_momentum(context: Context, symbols: Symbols, _: str) -> Quantities:
-    eq = context.equations
-    x = _mass_and_centre(context, symbols)[1]
-    p, about_origin = ([symbols(e) for e in of] for of in (eq.linear_momentum, eq.angular_momentum))
-    planes = ((0, 1),) if len(x) == PLANE else ((1, 2), (2, 0), (0, 1))
-    angular = [whole - (x[i] * p[j] - x[j] * p[i]) for whole, (i, j) in zip(about_origin, planes, strict=True)]
-    vectors = {"momentum": (momentum_names(eq), [*p, *angular])}
+    values = [symbols(e) for e in (*context.equations.linear_momentum, *_about_centre(context.equations))]
+    vectors = {"momentum": (momentum_names(context.equations), values)}
     return Quantities("int rho xdot and int rho (x - centre) x xdot", vectors, ("A", "momentum"))
+
+
+def _about_centre(equations: Equations) -> Iterator[sp.Expr]:
+    """The angular momentum about the centre of mass; the motion of the origin of a single body cancels out of it."""
+    mass, *moments = equations.mass_moments
+    p = equations.linear_momentum
+    planes = ((0, 1),) if len(moments) == PLANE else ((1, 2), (2, 0), (0, 1))
+    for about_origin, (i, j) in zip(equations.angular_momentum, planes, strict=True):
+        of_centre = moments[i] * p[j] - moments[j] * p[i]
+        if mass.is_Symbol:
+            yield sp.expand(about_origin - of_centre / mass).xreplace({1 / mass: RECIPROCAL})
+        else:
+            yield about_origin - RECIPROCAL * of_centre
 
 
 def _rotation(context: Context, symbols: Symbols, marker: str) -> Quantities:
