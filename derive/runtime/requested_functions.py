@@ -43,6 +43,8 @@ class RequestedFunctions:
         >>> native = derive.load_scene(derive.model_files(model, scene))
         >>> k = native.setup()
         >>> q, v = [3, 4, 0], [1, 0, 2]
+        >>> sorted(native.patterns)[:2]
+        ['centre_of_mass', 'centre_of_mass_jacobian']
     """
 
     name: str
