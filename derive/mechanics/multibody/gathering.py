@@ -43,6 +43,7 @@ from derive.spec.model.time_function import TimeFunction
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
+    from derive.mechanics.multibody.space.tree.recursions import TreeBody
 
 Instances = Mapping[str, InstanceEquations]
 
@@ -153,7 +154,7 @@ class Gathered:
     """The contributions to the equations of a mechanism besides those of its instances.
 
     doc, frame_doc: the description for users of the code; terms, potentials: those of the forces; definitions: those of
-    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs.
+    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs; trees: the bodies in trees.
     """
 
     doc: str
@@ -166,6 +167,7 @@ class Gathered:
     poses: tuple[Pose, ...] | tuple[SpatialPose, ...]
     coefficients: tuple[ModelConstant, ...] = ()
     of_outputs: tuple[ModelConstant, ...] = ()
+    trees: tuple[TreeBody, ...] = ()
 
 
 def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of: Gathered) -> Equations:
@@ -217,11 +219,12 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         linear_momentum=of_unmoved([b.linear for b in bodies]),
         angular_momentum=of_unmoved([b.angular for b in bodies]),
         mass_moments=of_unmoved([b.mass_moments for b in bodies]),
-        markers=tuple(m for m in markers_of_scene(bodies) if not depends(m.definitions, m.position, moving)),
+        markers=tuple(m for m in markers_of_scene(bodies, rows) if not depends(m.definitions, m.position, moving)),
         constraints=of.conditions,
         inputs=inputs,
         outputs=of.outputs,
         poses=of.poses,
+        trees=of.trees,
         eliminated=(*mechanism.eliminated, *carried(instances, moving)),
     )
 
@@ -326,17 +329,18 @@ def depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix,
     return any(symbols & moving for symbols in every)
 
 
-def markers_of_scene(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
-    """The markers of all bodies, with a column and a row for each coordinate of the scene."""
-    bodies = tuple(bodies)
-    own = [len(body.rows) for body in bodies]
-    for k, body in enumerate(bodies):
-        before, after = sum(own[:k]), sum(own[k + 1 :])
+def markers_of_scene(bodies: Iterable[InstanceEquations], rows: Sequence[EquationOfMotion]) -> Iterator[MarkerEquations]:
+    """The markers of all bodies, with a column and an entry of the load for each row of the scene."""
+    number = {row.name: i for i, row in enumerate(rows)}
+    for body in bodies:
+        columns = [number[row.name] for row in body.moved_by]
         for m in body.markers:
             size = m.jacobian.rows
-            columns = sp.zeros(size, before), m.jacobian, sp.zeros(size, after)
-            load = (*[sp.S.Zero] * before, *m.load, *[sp.S.Zero] * after)
-            yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
+            jacobian, load = sp.zeros(size, len(rows)), [sp.S.Zero] * len(rows)
+            for own, column in enumerate(columns):
+                jacobian[:, column] = m.jacobian[:, own]
+                load[column] = m.load[own]
+            yield replace(m, jacobian=sp.ImmutableMatrix(jacobian), load=tuple(load))
 
 
 def _of_time(body: InstanceEquations, moving: frozenset[sp.Symbol]) -> bool:
