@@ -42,11 +42,15 @@ def specification_tables(spec: Specification) -> Data:
     return {"name": spec.name, spec.section: as_table(spec), **others}
 
 
+CHOSEN = ("lowering", "redundant", "coordinates")
+"""The keys of the section `scene` that are written where they are not the default."""
+
+
 def scene_tables(scene: AnyScene) -> Data:
     """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
-    keys = {key: getattr(scene, key) for key in ("lowering", "redundant")}
-    chosen = {key: value for key, value in keys.items() if value != "auto"}
+    keys = [of for of in declared_keys(type(scene)) if of.field in CHOSEN]
+    chosen = {of.field: value for of in keys if (value := getattr(scene, of.field)) != of.default}
     if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, **chosen):
         tables["scene"] = of_scene
     functions = (function for _, function in (*time_functions(scene), *input_functions(scene)))

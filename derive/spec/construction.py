@@ -40,6 +40,7 @@ from derive.spec.model.documentation import key_entries, with_entries
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier
 from derive.spec.model.keys import declared_keys
+from derive.spec.tables.sections import OF_SCENE
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
@@ -300,7 +301,7 @@ def _scene(of: type[AnyOf], given: Mapping[str, Any]) -> AnyOf:
         data = {key: named(key, table) if key in NAMED else table for key, table in given["name"].items()}
     else:
         markers = named("ground", given["ground"])
-        of_scene = without_none(**{key: given[key] for key in ("gravity", "start", "lowering", "redundant")})
+        of_scene = without_none(**{key: given[key] for key in OF_SCENE if key in given})
         data = {
             "name": given["name"],
             **({"ground": {"markers": markers}} if markers else {}),
@@ -323,6 +324,7 @@ def spatial_scene(
     start: str | None = None,
     lowering: str | None = None,
     redundant: str | None = None,
+    coordinates: str | None = None,
     bodies: Named[SpatialBody] = (),
     joints: Named[SpatialJoint] = (),
     drives: Named[Drive] = (),
@@ -349,6 +351,7 @@ def spatial_scene(
         start: "equilibrium", "steady", or None for the initial values of bodies and joints.
         lowering: "flat", "instances" or, by default, "auto".
         redundant: "auto", "resolve" or "error", the treatment of redundant joints.
+        coordinates: "absolute" or "relative", those of rigid bodies that joints connect to bodies that move.
         bodies: rigid bodies with their tensors of inertia, and finite-element bodies.
         joints: such as {"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.left"]}}, about z of the first.
         drives: prescribed motions of joints.

@@ -15,6 +15,7 @@ from derive.mechanics.symbols import Family, owned, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 if TYPE_CHECKING:
+    from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion
     from derive.mechanics.motion.body_motion import Motion
     from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
     from derive.mechanics.typed_symbol import Symbol
@@ -28,7 +29,8 @@ class CoordinateMap:
     coordinate, velocity and acceleration of the free body as an expression of them. weights: for each of `rows`, the
     factors of the equations of the free body, by name, whose sum it is. definitions: the quantities of a prescribed
     motion. reason: why coordinates are eliminated. attitude: in space the rotation tensor of a body without quaternion,
-    which `definitions` define.
+    which `definitions` define. carried: the motion of a body in a tree of joints in space, by which rows of the bodies
+    before it move it as well.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -38,6 +40,7 @@ class CoordinateMap:
     definitions: tuple[Intermediate, ...] = ()
     reason: str = ""
     attitude: sp.ImmutableMatrix | None = None
+    carried: CarriedMotion | None = None
 
 
 def free_coordinates(name: str, motion: Motion) -> CoordinateMap:

@@ -211,7 +211,7 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         weight_energy=weight if scene.gravity else None,
         linear_momentum=total([b.linear for b in bodies]),
         angular_momentum=total([b.angular for b in bodies]),
-        markers=tuple(m for m in markers_of_scene(bodies) if not depends(m.definitions, m.position, moving)),
+        markers=tuple(m for m in markers_of_scene(bodies, rows) if not depends(m.definitions, m.position, moving)),
         constraints=of.conditions,
         inputs=inputs,
         outputs=of.outputs,
@@ -320,17 +320,18 @@ def depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix,
     return any(symbols & moving for symbols in every)
 
 
-def markers_of_scene(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
-    """The markers of all bodies, with a column and a row for each coordinate of the scene."""
-    bodies = tuple(bodies)
-    own = [len(body.rows) for body in bodies]
-    for k, body in enumerate(bodies):
-        before, after = sum(own[:k]), sum(own[k + 1 :])
+def markers_of_scene(bodies: Iterable[InstanceEquations], rows: Sequence[EquationOfMotion]) -> Iterator[MarkerEquations]:
+    """The markers of all bodies, with a column and an entry of the load for each row of the scene."""
+    number = {row.name: i for i, row in enumerate(rows)}
+    for body in bodies:
+        columns = [number[row.name] for row in body.moved_by]
         for m in body.markers:
             size = m.jacobian.rows
-            columns = sp.zeros(size, before), m.jacobian, sp.zeros(size, after)
-            load = (*[sp.S.Zero] * before, *m.load, *[sp.S.Zero] * after)
-            yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
+            jacobian, load = sp.zeros(size, len(rows)), [sp.S.Zero] * len(rows)
+            for own, column in enumerate(columns):
+                jacobian[:, column] = m.jacobian[:, own]
+                load[column] = m.load[own]
+            yield replace(m, jacobian=sp.ImmutableMatrix(jacobian), load=tuple(load))
 
 
 def _of_time(body: InstanceEquations, moving: frozenset[sp.Symbol]) -> bool:

@@ -11,7 +11,9 @@ from derive.algebra import sp
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
+from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, frame_motion
+from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, TreeDefinitions, carried_frame
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, owned
 from derive.spec.model.instances import identifier, joined
@@ -42,6 +44,7 @@ class InstanceEquations:
     `points` are the motions of its markers, in space `frames`, and `origin` is c; `rates` are the time derivatives of
     the coordinates. `free_residual` are the rows of c1, c2 and phi of the free
     body: the force and the torque about c that move it as it moves, besides gravity (N, N m); only if it is `complete`.
+    `moved_by` are the rows that move it, in the order of the columns of its markers.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -60,6 +63,7 @@ class InstanceEquations:
     rates: tuple[sp.Expr, ...]
     origin: tuple[sp.Expr, ...]
     free_residual: tuple[sp.Expr, ...]
+    moved_by: tuple[EquationOfMotion, ...]
 
     @property
     def motions(self) -> Mapping[str, Any]:
@@ -91,7 +95,7 @@ def _key(instance: BodyInstance, kind: BodyKind) -> Hashable:
         *(component.name, component.group, component.body, tuple(component.sections.items()), component.markers),
         *(component.specified, coordinates.coordinates, coordinates.rows, tuple(coordinates.values.items())),
         *(tuple(tuple(weights.items()) for weights in coordinates.weights), coordinates.definitions),
-        *(coordinates.reason, coordinates.attitude, instance.complete, kind.body),
+        *(coordinates.reason, coordinates.attitude, coordinates.carried, instance.complete, kind.body),
     )
 
 
@@ -114,7 +118,7 @@ def _equations(request: _Request) -> InstanceEquations:
         energies=tuple(change(e or sp.S.Zero) for e in energies),
         linear=tuple(map(change, equations.linear_momentum)),
         angular=tuple(map(change, equations.angular_momentum)),
-        markers=tuple(_marker(instance, kind, name, change) for name in component.markers) if instance.moves else (),
+        markers=tuple(_markers(instance, kind, change, motions)) if instance.moves else (),
         points={} if in_space else motions,
         frames=motions if in_space else {},
         rates=_rates(coordinates, kind, change),
@@ -122,6 +126,7 @@ def _equations(request: _Request) -> InstanceEquations:
         free_residual=tuple(change(equations.sum_of(row.name)) for row in kind.motion.rigid_rows)
         if instance.complete
         else (),
+        moved_by=coordinates.rows if coordinates.carried is None else coordinates.carried.rows,
     )
 
 
@@ -192,7 +197,13 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> tuple[_Change, Mapping[str
     rotation = () if coordinates.attitude is not None else kind.motion.rotation_definitions
     definitions = kind.equations.expanded().definitions if instance.has_inertia else rotation
     entries = set() if coordinates.attitude is None else set(kind.motion.rotation)
+    if coordinates.carried is not None:
+        change.define(rotation)
+        change.definitions += coordinates.carried.definitions
+        entries |= change.values.keys()
     change.define(d for d in definitions if d.symbol not in entries)
+    if coordinates.carried is not None:
+        return change, _carried_frames(instance, change, coordinates.carried)
     points: dict[str, Any] = {}
     weights = [(row.name, of) for row, of in zip(coordinates.rows, coordinates.weights, strict=True)]
     for name, section in component.sections.items():
@@ -205,6 +216,18 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> tuple[_Change, Mapping[str
         change.define(motion.definitions)
         points[name] = motion.replaced(change.values)
     return change, points
+
+
+def _carried_frames(instance: BodyInstance, change: _Change, of: CarriedMotion) -> dict[str, FrameMotion]:
+    """The motions of the marker frames of a body in a tree, whose definitions are added to those of the body."""
+    frames = {}
+    for name, section in instance.component.sections.items():
+        vanishing = {c.symbol: sp.S.Zero for c in section.point.coefficients if c.zero}
+        position = sp.Matrix(section.point.position.xreplace(vanishing)).applyfunc(change.named)
+        define = TreeDefinitions(instance.name)
+        frames[name] = carried_frame(of, section, position, name, define)
+        change.definitions += define.made
+    return frames
 
 
 def _is_shared(c: ModelConstant) -> bool:
@@ -248,6 +271,45 @@ def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[
         for i, j, why in equations.mass_zeros
         if rows[i] in names and rows[j] in names
     ]
+
+
+def _markers(
+    instance: BodyInstance, kind: BodyKind, change: _Change, motions: Mapping[str, Any]
+) -> Iterator[MarkerEquations]:
+    """The markers that the specification declares."""
+    carried = instance.coordinates.carried
+    for name in instance.component.markers:
+        if carried is None:
+            yield _marker(instance, kind, name, change)
+        else:
+            yield _carried_marker(instance, kind, name, motions[name], carried)
+
+
+def _carried_marker(
+    instance: BodyInstance, kind: BodyKind, name: str, frame: FrameMotion, of: CarriedMotion
+) -> MarkerEquations:
+    """A marker of a body in a tree, with a column of its Jacobian for each row that moves the body."""
+    free = marker(kind.motion, instance.component.sections[name].point)
+    columns = [v.translation + cross(v.rotation, frame.lever) for v in of.virtual]
+    force = sp.Matrix(free.force)
+    return replace(
+        free,
+        name=identifier(instance.component.specified, name),
+        shown=joined(instance.component.specified, name),
+        doc=f"{free.doc} of {instance.component.name}",
+        definitions=(),
+        position=frame.position,
+        velocity=frame.velocity,
+        jacobian=sp.ImmutableMatrix.hstack(*columns),
+        force_definitions=(),
+        load=tuple(total for _, total in _works(frame, force)),
+    )
+
+
+def _works(frame: FrameMotion, force: sp.Matrix) -> Iterator[tuple[str, sp.Expr]]:
+    """The virtual work of a force at a marker on each row that moves its body, zero as well."""
+    works = dict(frame.work(force, sp.zeros(3, 1)))
+    yield from ((v.row, works.get(v.row, sp.S.Zero)) for v in frame.virtual)
 
 
 def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) -> MarkerEquations:

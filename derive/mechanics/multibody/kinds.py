@@ -66,8 +66,8 @@ class BodyInstance:
 
     @property
     def moves(self) -> bool:
-        """Whether the instance has coordinates; otherwise its motion is prescribed."""
-        return bool(self.coordinates.rows)
+        """Whether coordinates move the instance; otherwise its motion is prescribed."""
+        return bool(self.coordinates.rows or self.coordinates.carried)
 
     @property
     def has_inertia(self) -> bool:

@@ -38,7 +38,7 @@ def _motion(
     scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, native: NativeScene, k: Vector, t: Vector, q: Matrix
 ) -> Vector:
     """The motion (n,) of a joint, rad or m; turns are counted from row to row."""
-    if column := joint_coordinate(joint, freedom, native):
+    if column := joint_coordinate(scene, joint, freedom, native):
         return np.asarray(column.sign * q[:, column.coordinate])
     motion = np.empty(len(t))
     for i, (time, at) in enumerate(zip(t.tolist(), q, strict=True)):

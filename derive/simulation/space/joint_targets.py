@@ -9,6 +9,7 @@ import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, JointStart
 from derive.mechanics.multibody.space.rows import ROTATIONS
+from derive.mechanics.multibody.space.tree.plan import supported_bodies
 from derive.mechanics.symbols import Family, Identity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
@@ -32,12 +33,17 @@ class JointColumn:
     sign: int
 
 
-def joint_coordinate(joint: SpatialJoint, freedom: Freedom, native: NativeScene) -> JointColumn | None:
-    """The coordinate that is a motion of a joint; None of a joint that is a constraint, or that has a drive."""
+def joint_coordinate(
+    scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, native: NativeScene
+) -> JointColumn | None:
+    """The coordinate that is a motion of a joint; None of a joint that is a constraint, or whose motion is prescribed."""
     if is_constraint(joint, native):
         return None
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
+    of_tree = supported_bodies(scene).get(joint.name)
     for marker, sign in ((joint.second, 1), (joint.first, -1)):
+        if of_tree not in (None, marker.body):
+            continue
         q, v = (Identity(family, derivative=d, owner=marker.body).shown for d in (0, 1))
         if q in native.coordinates:
             return JointColumn(native.coordinates.index(q), native.velocities.index(v), sign)
@@ -59,7 +65,7 @@ def motion_of_joint(
     native: NativeScene,
 ) -> Callable[[SpatialPoses], Linearised]:
     """A motion of a joint less its values: a coordinate, which counts whole turns, or functions of two frames."""
-    column = joint_coordinate(joint, motion.freedom, native)
+    column = joint_coordinate(scene, joint, motion.freedom, native)
     if column is None or motion.axes != (2,):
         if motion.freedom is Freedom.ROTATION:
             return rotation_of_frames(scene, joint, values[0], rate)

@@ -75,7 +75,7 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
         joint = joints[drive.joint]
         result += _of_joint(scene, joint, drive, f"drives.{drive.name}.start", native)
         freedom = SPATIAL_JOINTS[joint.kind].driven
-        if freedom is Freedom.ROTATION and joint_coordinate(joint, freedom, native) is None:
+        if freedom is Freedom.ROTATION and joint_coordinate(scene, joint, freedom, native) is None:
             # the constraint of the drive is the sine of the difference, which is zero half a turn away as well
             key = "motion" if drive.speed is None else "speed"
             value = float(simulated_drive(native, drive, np.zeros(1))[0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated
+from typing import Annotated, Literal
 
 from derive.display import html
 from derive.short_text import record_text
@@ -136,6 +136,13 @@ class SpatialJoint:
             example="[-1.5, 2]",
         ),
     ] = None
+    closes_loop: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether the joint is a constraint in any case: in a loop of joints it is the one that closes the loop.",
+        ),
+    ] = False
     start: Annotated[
         SpatialJointInitialValues, key(SpatialJointInitialValues, "Initial values of the relative motion.")
     ] = NO_JOINT_START
@@ -179,6 +186,8 @@ class Gear:
     ] = Fraction(0)
     __repr__ = record_text
 
+
+Coordinates = Literal["absolute", "relative"]
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 
@@ -236,6 +245,17 @@ class SpatialScene:
     inputs: Annotated[tuple[SceneInput, ...], _OF_SCENE["inputs"]] = ()
     outputs: Annotated[tuple[SceneOutput, ...], _OF_SCENE["outputs"]] = ()
     lowering: Annotated[SceneLowering, _OF_SCENE["lowering"]] = "auto"
+    coordinates: Annotated[
+        Coordinates,
+        key(
+            KeyType.CHOICE,
+            "Coordinates of rigid bodies that joints connect to bodies that move: absolute (position and quaternion, "
+            "with the joints as constraints) or relative (those of the joints; only joints that close loops are "
+            "constraints).",
+            default="absolute",
+            choice_of="the coordinates of a scene",
+        ),
+    ] = "absolute"
     _repr_html_ = html
 
     def joint_between(self, first: MarkerRef, second: MarkerRef) -> SpatialJoint | None:

@@ -36,8 +36,8 @@ SCENE = (
 )
 """The keys of a specification that make it a scene."""
 
-OF_SCENE = ("gravity", "start", "lowering", "redundant")
-"""The keys of the section `scene`."""
+OF_SCENE = ("gravity", "start", "lowering", "redundant", "coordinates")
+"""The keys of the section `scene`, as far as a type of scene has them."""
 FUNCTION_PARAMETER = keyed_model(
     "FunctionParameterTable",
     "A run-time parameter of the generated code that functions of time call by its name.",
@@ -82,7 +82,7 @@ def ground_and_scene(of: type[AnyScene], prefix: str, noun: str) -> tuple[type[T
     doc = f"Gravity, initial state, lowering and redundant joints of {noun}."
     return (
         keyed_model(f"{prefix}GroundTable", "The inertial frame, which does not move.", markers),
-        keyed_model(f"{prefix}SceneTable", doc, tuple(keys[name] for name in OF_SCENE)),
+        keyed_model(f"{prefix}SceneTable", doc, tuple(keys[name] for name in OF_SCENE if name in keys)),
     )
 
 
@@ -118,7 +118,7 @@ def described_scene(of: type[AnyScene], table: Any, references: Mapping[str, Row
     references: the numbers of plots with a reference. sections: values in place of those of the table.
     """
     named = {section: getattr(table, section) for section in NAMED if section in type(table).model_fields}
-    chosen = {} if table.scene is None else {name: getattr(table.scene, name) for name in OF_SCENE}
+    chosen = {} if table.scene is None else {k: v for k in OF_SCENE if (v := getattr(table.scene, k, None)) is not None}
     return of(
         name=table.name,
         ground=() if table.ground is None else table.ground.markers,

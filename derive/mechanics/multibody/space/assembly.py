@@ -17,10 +17,18 @@ from derive.mechanics.multibody.space.coordinates import free_spatial_coordinate
 from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_frame
 from derive.mechanics.multibody.space.gears import GearInstance
-from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates
+from derive.mechanics.multibody.space.joint_elimination import (
+    SpatialSupport,
+    joint_coordinates,
+    minimal_spatial_coordinates,
+    reason_text,
+)
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
+from derive.mechanics.multibody.space.tree.coordinates import behind_moving_marker, root_of_tree
+from derive.mechanics.multibody.space.tree.plan import trees
 from derive.mechanics.symbols import element
+from derive.mechanics.terms import Eliminated
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -52,6 +60,58 @@ class _SpatialAssembly(SceneAssembly):
     def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> None:
         self.reduced = reduced
         super().__init__(scene)
+
+    def _eliminate(self) -> None:
+        self._eliminate_trees()
+        super()._eliminate()
+
+    def _eliminate_trees(self) -> None:
+        """Give the bodies of trees the coordinates of their joints."""
+        frames: dict[str, Mapping[str, FrameMotion]] = {}
+        joints = {joint.name: joint for joint in self.joints}
+        for link in trees(self.scene):
+            body = self.bodies[link.body]
+            self._complete(body)
+            if link.joint is None:
+                (component,) = self.type_of(body).components(body, self.gravity)
+                coordinates = root_of_tree(body.name, component.body.motion)
+            else:
+                joint = joints[link.joint.name]
+                about = self.type_of(body).about(body, self._ends(body, joint)[0].marker, self.gravity)
+                assert about is not None, "rigid bodies have their origin where a joint wants it"
+                component = about
+                coordinates = self._behind(body, joint, component, frames)
+                eliminated = self._eliminated_joint(body, joint)
+                self.eliminated_joints[joint.name] = replace(eliminated, keeps_coordinate=True)
+                self.eliminated.append(Eliminated(body.name, coordinates.reason))
+            self._add(component, coordinates)
+            frames[body.name] = self._motions(self.instances[body.name])
+
+    def _behind(
+        self, body: Any, joint: SpatialJoint, component: Component, frames: Mapping[str, Mapping[str, FrameMotion]]
+    ) -> CoordinateMap:
+        """The coordinates that a joint of a tree leaves a body; frames: those of the bodies before it."""
+        own, other = self._ends(body, joint)
+        before = self.instances.get(other.body)
+        carried = None if before is None else before.coordinates.carried
+        support = replace(
+            self._support(body, joint, component, own, other, {**self.known, **frames}[other.body]), drive=None
+        )
+        joint_type = SPATIAL_JOINTS[joint.kind]
+        free = joint_type.free(joint)
+        assert free is not None, "trees consist of other joints"
+        coordinates, ball = joint_coordinates(joint_type, free, support)
+        return behind_moving_marker(
+            body.name,
+            support.motion,
+            before.name if carried else "",
+            support.known,
+            carried.rows if carried else (),
+            support.own_axes,
+            coordinates,
+            ball,
+            reason_text(joint, support, coordinates, ball),
+        )
 
     def _mechanism(self, ordered: tuple[BodyInstance, ...]) -> SpatialMechanism:
         return SpatialMechanism(
@@ -112,17 +172,31 @@ class _SpatialAssembly(SceneAssembly):
     def _minimal(
         self, body: Any, joint: Any, component: Component, own: MarkerRef, other: MarkerRef
     ) -> CoordinateMap | None:
-        support = SpatialSupport(
+        if joint.closes_loop:
+            return None
+        support = self._support(body, joint, component, own, other, self.known[other.body])
+        return minimal_spatial_coordinates(SPATIAL_JOINTS[joint.kind], joint, support)
+
+    def _support(
+        self,
+        body: Any,
+        joint: SpatialJoint,
+        component: Component,
+        own: MarkerRef,
+        other: MarkerRef,
+        frames: Mapping[str, FrameMotion],
+    ) -> SpatialSupport:
+        """A body with the marker that a joint connects it to; frames: those of the other body, or of the ground."""
+        return SpatialSupport(
             body=body.name,
             motion=component.body.motion,
             own_axes=component.sections[own.marker].axes,
-            known=self.known[other.body][other.marker],
+            known=frames[other.marker],
             attached_to="the ground" if other.body == GROUND else other.body,
             sign=1 if own == joint.second else -1,
             drive=self.drives.get(joint.name),
             lead=lead(joint),
         )
-        return minimal_spatial_coordinates(SPATIAL_JOINTS[joint.kind], joint, support)
 
     def _free(self, component: Component) -> CoordinateMap:
         return free_spatial_coordinates(component.name, component.body.motion)

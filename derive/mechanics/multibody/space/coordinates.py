@@ -174,16 +174,16 @@ def _rotated(
 
     The spin and its time derivative in the second frame, in which the axes turn with the rotations behind them.
     """
-    matrices = [_about(name, c, definitions) for c in rotations]
+    matrices = [rotation_about(name, c, definitions) for c in rotations]
     total = sp.eye(3)
-    for matrix, _ in matrices:
+    for matrix in matrices:
         total = total * matrix
     axes: dict[str, sp.Matrix] = {}
     spin, spin_rate = sp.zeros(3, 1), sp.zeros(3, 1)
     for number, c in enumerate(rotations):
         behind = sp.eye(3)
         inner = sp.zeros(3, 1)  # the spin of the second frame against the frame in which the axis is fixed
-        for later, (matrix, _) in zip(rotations[number + 1 :], matrices[number + 1 :], strict=True):
+        for later, matrix in zip(rotations[number + 1 :], matrices[number + 1 :], strict=True):
             behind = behind * matrix
             inner = matrix.T * inner + _unit(later.motion) * later.values[1]
         axis = (behind.T * _unit(c.motion)).expand()
@@ -197,7 +197,7 @@ def _unit(motion: str) -> sp.Matrix:
     return sp.eye(3)[:, AXES_OF[motion]]
 
 
-def _about(name: str, c: JointCoordinate, definitions: list[Intermediate]) -> tuple[sp.Matrix, sp.Expr]:
+def rotation_about(name: str, c: JointCoordinate, definitions: list[Intermediate]) -> sp.Matrix:
     """The rotation matrix about an axis of the marker, with names for its cosine and sine."""
     angle, axis = c.values[0], AXES_OF[c.motion]
     components = () if c.coordinate is None else identity(c.coordinate.q).components
@@ -214,7 +214,7 @@ def _about(name: str, c: JointCoordinate, definitions: list[Intermediate]) -> tu
     cosine, sine = named
     e = sp.eye(3)[:, axis]
     matrix = cosine * sp.eye(3) + sine * skew(e) + (1 - cosine) * e * e.T
-    return matrix.expand(), angle
+    return matrix.expand()
 
 
 def on_ball(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _ORDER = {"rx": ("rz", "ry"), "ry": ("rz", "rx"), "rz": ("ry", "rx")}
 """The two rotations of a joint that removes the third: first about the axis of the known marker, if it is the first."""
 
-_SHARED = (("z",), ("x", "y"), ("x", "y", "z"))
+SHARED = (("z",), ("x", "y"), ("x", "y", "z"))
 """The displacements that are along the axes of either marker, where the bodies rotate about z against each other."""
 
 
@@ -55,10 +55,26 @@ def minimal_spatial_coordinates(
         return None
     displacements = tuple(motion for motion in free if motion in DISPLACEMENTS)
     rotations = tuple(motion for motion in free if motion in ROTATIONS)
-    if displacements and support.sign < 0 and not (rotations in ((), ("rz",)) and displacements in _SHARED):
+    if displacements and support.sign < 0 and not (rotations in ((), ("rz",)) and displacements in SHARED):
         return None  # along axes that turn with the body
     if displacements and any(support.known.angular_velocity):
         return None  # along axes that a drive turns: the mass matrix would be a function of time
+    coordinates, ball = joint_coordinates(joint_type, free, support)
+    reason = reason_text(joint, support, coordinates, ball)
+    if ball:
+        return on_ball(support.body, support.motion, support.known, coordinates, reason)
+    return behind_marker(support.body, support.motion, support.known, support.own_axes, coordinates, reason)
+
+
+def joint_coordinates(
+    joint_type: SpatialJointType, free: tuple[str, ...], support: SpatialSupport
+) -> tuple[list[JointCoordinate], bool]:
+    """The relative motions that a joint leaves, in their order; whether it leaves all rotations, which are not listed.
+
+    free: their names. A drive of the support prescribes one of them.
+    """
+    displacements = tuple(motion for motion in free if motion in DISPLACEMENTS)
+    rotations = tuple(motion for motion in free if motion in ROTATIONS)
     if len(rotations) == 2:
         (removed,) = (motion for motion in ROTATIONS if motion not in rotations)
         rotations = _ORDER[removed][:: support.sign]
@@ -75,13 +91,10 @@ def minimal_spatial_coordinates(
                 prescribed = position, rate, second
             coordinate = joint_coordinate(support.body, motion, len(group) > 1, prescribed)
             coordinates.append(replace(coordinate, along=support.lead) if joint_type.is_screw else coordinate)
-    reason = _reason(joint, support, coordinates, ball)
-    if ball:
-        return on_ball(support.body, support.motion, support.known, coordinates, reason)
-    return behind_marker(support.body, support.motion, support.known, support.own_axes, coordinates, reason)
+    return coordinates, ball
 
 
-def _reason(joint: SpatialJoint, support: SpatialSupport, coordinates: list[JointCoordinate], ball: bool) -> str:
+def reason_text(joint: SpatialJoint, support: SpatialSupport, coordinates: list[JointCoordinate], ball: bool) -> str:
     """The text that says which coordinates a body keeps, and why."""
     kept = [c.coordinate.q.name for c in coordinates if c.coordinate]
     if not kept and not ball:

@@ -12,6 +12,8 @@ from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad,
 from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, SCREW, TURN
 from derive.mechanics.symbols import Family, identity
+from derive.mechanics.terms import Constraint
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint
 
@@ -80,10 +82,32 @@ def counted_rotation(
     return None
 
 
+def drive_constraint(joint: SpatialEliminatedJoint, of: JointMotion, rows: Rows) -> Constraint:
+    """The constraint that a coordinate of a joint follows the drive."""
+    assert joint.drive is not None
+    name, (position, rate, second) = joint.drive.name, joint.drive.motion
+    row = of.freedom.row
+    return Constraint(
+        name=identifier(name),
+        shown=name,
+        of=joint.joint.name,
+        doc=row.doc.format(
+            drive=name, markers=f"{joint.joint.first} and {joint.joint.second}", second=joint.joint.second.body,
+            joint=joint.joint.name,
+        ),
+        unit=row.unit,
+        force_unit=row.force_unit,
+        position=of.motion.value - position,
+        rate=of.motion.rate - rate,
+        bias=of.motion.bias - second,
+        jacobian=tuple((r.name, of.motion.factors[r.name]) for r in rows if r.name in of.motion.factors),
+    )  # fmt: skip
+
+
 def _of_coordinate(joint: SpatialEliminatedJoint, freedom: Freedom, instances: Mapping[str, BodyInstance]) -> RowMotion:
     """The motion of a joint that has eliminated coordinates: of body 2 against body 1, whichever it supports."""
     sign = joint.sign
-    if joint.drive:
+    if joint.drive and not joint.keeps_coordinate:
         position, rate, second = (sp.sympify(of) for of in joint.drive.motion)
         return RowMotion(position, rate, second, {})
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE

@@ -211,7 +211,8 @@ class SpatialJointInstance:
 class SpatialEliminatedJoint:
     """A joint that has eliminated coordinates of the body it supports, and is no constraint.
 
-    `own` is the marker on that body, `known` the other one, whose motion is known.
+    `own` is the marker on that body, `known` the other one, whose motion is known. keeps_coordinate: whether the motion
+    that a drive prescribes is a coordinate of the body, and the drive a constraint.
     """
 
     joint: SpatialJoint
@@ -219,6 +220,7 @@ class SpatialEliminatedJoint:
     drive: PrescribedMotion | None
     own: MarkerRef
     known: MarkerRef
+    keeps_coordinate: bool = False
 
     @property
     def sign(self) -> int:

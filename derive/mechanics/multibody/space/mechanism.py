@@ -8,6 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
+from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equations_of_mechanism, refuse_idle
@@ -16,15 +17,17 @@ from derive.mechanics.multibody.space.actions import loads_of
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
 from derive.mechanics.multibody.space.forces import MarkerLoad
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
-from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion
+from derive.mechanics.multibody.space.joint_motion import (
+    JointMotion,
+    counted_rotation,
+    drive_constraint,
+    joint_motion,
+)
 from derive.mechanics.multibody.space.output_parts import SpatialParts
 from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
-from derive.mechanics.terms import (
-    Constraint,
-    EquationOfMotion,
-    SpatialPose,
-)
+from derive.mechanics.multibody.space.tree.recursions import TreeEquations, tree_body, tree_equations
+from derive.mechanics.terms import Constraint, EquationOfMotion, SpatialPose
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_forces import SpatialAction, SpatialSpring
 from derive.spec.model.spatial_scene import SpatialScene
@@ -107,6 +110,18 @@ class SpatialMechanism(InstancesOfKinds):
         """The description of the frames of the bodies, which is the same for all of them."""
         return f"For several bodies {BETWEEN_BODIES}."
 
+    def _tree(self) -> TreeEquations:
+        """The equations of the bodies that have coordinates of joints between bodies that move."""
+        gravity, _ = quantity.gravity(self.scene.gravity)
+        components = [sp.S.Zero if g.zero else g.symbol for g in gravity] or [sp.S.Zero] * 3
+        bodies = [
+            tree_body(name, of.component.group, of.coordinates.carried, of.component.body.constants)
+            for name in self.order
+            for of in [self.instances_by_name[name]]
+            if of.coordinates.carried
+        ]
+        return tree_equations(bodies, sp.Matrix(components))
+
     def _equations(self) -> Equations:
         instances = self.equations_of_instances()
         frames = {GROUND: self.ground, **{name: instance.frames for name, instance in instances.items()}}
@@ -125,6 +140,11 @@ class SpatialMechanism(InstancesOfKinds):
         def motion(joint: str) -> JointMotion:
             return joint_motion(joints[joint], at, self.instances_by_name, rows)
 
+        conditions += tuple(
+            drive_constraint(j, motion(j.joint.name), rows)
+            for j in self.eliminated_joints
+            if j.drive and j.keeps_coordinate
+        )
         conditions += tuple(gear_constraint(gear, motion, rows) for gear in self.gears)
         in_order = [instances[name].definitions for name in self.order]
         known = [(c.q, sp.S.Zero) for c in self.coordinates]
@@ -156,16 +176,18 @@ class SpatialMechanism(InstancesOfKinds):
             dissipations=tuple(force.dissipation for force in damped),
         )
         outputs, of_outputs = spatial_output_equations(scene.outputs, parts)
+        tree = self._tree()
         contributions = Gathered(
             doc=self.doc(conditions),
             frame_doc=self.frame_doc(),
             conditions=conditions,
             terms=(
+                *tree.terms,
                 *(term for action in actions for term in action.terms(at, rows)),
                 *(term for force in damped for term in force.terms),
             ),
             potentials=tuple(action.potential for action in actions),
-            definitions=tuple(definition for action in actions for definition in action.definitions),
+            definitions=(*tree.definitions, *(d for action in actions for d in action.definitions)),
             outputs=outputs,
             poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
             coefficients=tuple(constant for damping in self.dampings for constant in damping.constants),
