@@ -142,7 +142,7 @@ def chain_tables(count: int) -> Array:
     """The tables of the C by hand: inertia about the joint, axes in the frame before, mass times centre, next joint."""
     tables, turn = [], np.eye(3)
     for body in chain_bodies(count):
-        skew = np.cross(np.eye(3), body.centre).T  # skew @ x is the vector product of the centre and x
+        skew = np.cross(body.centre, np.eye(3)).T  # skew @ x is the vector product of the centre and x
         mixed = body.mass * skew
         inertia = np.block([[body.mass * np.eye(3), -mixed], [mixed, body.inertia - mixed @ skew]])
         rows = np.zeros((6, 8))

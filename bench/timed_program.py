@@ -23,6 +23,7 @@ class Program:
     once: list[str] = field(default_factory=list)
     arrays: dict[str, Array] = field(default_factory=dict)
     scratch: dict[str, int] = field(default_factory=dict)
+    libraries: list[str] = field(default_factory=list)
 
     def compile(self, source: Path, options: str = "", target: str = "") -> CommandResult | None:
         """Compile a file and add its object."""
