@@ -15,6 +15,7 @@ from derive.spec.model.time_function import Spline
 
 if TYPE_CHECKING:
     from derive.mechanics.body import Body
+    from derive.mechanics.multibody.space.tree.recursions import TreeBody
     from derive.mechanics.terms import (
         Constraint,
         Coordinate,
@@ -80,6 +81,8 @@ class Equations:
         mass: the mass matrix.
         mass_zeros: row, column (lower triangle) and reason of each of its structural zeros.
         body: what the equations of a body were derived from.
+        trees: the rigid bodies in space whose rows are those of joints between bodies that move, those before others
+            first, for lowerings by recursions.
 
     Examples:
         >>> import derive
@@ -116,6 +119,7 @@ class Equations:
     mass: sp.ImmutableMatrix = NO_MATRIX
     mass_zeros: tuple[tuple[int, int, Reason], ...] = ()
     body: Body | None = None
+    trees: tuple[TreeBody, ...] = ()
 
     @property
     def modes(self) -> int:

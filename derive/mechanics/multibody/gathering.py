@@ -43,6 +43,7 @@ from derive.spec.model.time_function import TimeFunction
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
+    from derive.mechanics.multibody.space.tree.recursions import TreeBody
 
 Instances = Mapping[str, InstanceEquations]
 
@@ -153,7 +154,7 @@ class Gathered:
     """The contributions to the equations of a mechanism besides those of its instances.
 
     doc, frame_doc: the description for users of the code; terms, potentials: those of the forces; definitions: those of
-    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs.
+    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs; trees: the bodies in trees.
     """
 
     doc: str
@@ -166,6 +167,7 @@ class Gathered:
     poses: tuple[Pose, ...] | tuple[SpatialPose, ...]
     coefficients: tuple[ModelConstant, ...] = ()
     of_outputs: tuple[ModelConstant, ...] = ()
+    trees: tuple[TreeBody, ...] = ()
 
 
 def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of: Gathered) -> Equations:
@@ -216,6 +218,7 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         inputs=inputs,
         outputs=of.outputs,
         poses=of.poses,
+        trees=of.trees,
         eliminated=(*mechanism.eliminated, *carried(instances, moving)),
     )
 

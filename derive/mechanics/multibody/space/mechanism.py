@@ -26,7 +26,7 @@ from derive.mechanics.multibody.space.joint_motion import (
 from derive.mechanics.multibody.space.output_parts import SpatialParts
 from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
-from derive.mechanics.multibody.space.tree.recursions import TreeEquations, tree_body, tree_equations
+from derive.mechanics.multibody.space.tree.recursions import TreeBody, tree_body, tree_equations
 from derive.mechanics.terms import Constraint, EquationOfMotion, SpatialPose
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_forces import SpatialAction, SpatialSpring
@@ -110,17 +110,19 @@ class SpatialMechanism(InstancesOfKinds):
         """The description of the frames of the bodies, which is the same for all of them."""
         return f"For several bodies {BETWEEN_BODIES}."
 
-    def _tree(self) -> TreeEquations:
-        """The equations of the bodies that have coordinates of joints between bodies that move."""
-        gravity, _ = quantity.gravity(self.scene.gravity)
-        components = [sp.S.Zero if g.zero else g.symbol for g in gravity] or [sp.S.Zero] * 3
-        bodies = [
+    def _trees(self) -> tuple[TreeBody, ...]:
+        """The bodies that have coordinates of joints between bodies that move."""
+        return tuple(
             tree_body(name, of.component.group, of.coordinates.carried, of.component.body.constants)
             for name in self.order
             for of in [self.instances_by_name[name]]
             if of.coordinates.carried
-        ]
-        return tree_equations(bodies, sp.Matrix(components))
+        )
+
+    def _gravity(self) -> sp.Matrix:
+        """The acceleration of free fall (3, 1)."""
+        gravity, _ = quantity.gravity(self.scene.gravity)
+        return sp.Matrix([sp.S.Zero if g.zero else g.symbol for g in gravity] or [sp.S.Zero] * 3)
 
     def _equations(self) -> Equations:
         instances = self.equations_of_instances()
@@ -176,7 +178,8 @@ class SpatialMechanism(InstancesOfKinds):
             dissipations=tuple(force.dissipation for force in damped),
         )
         outputs, of_outputs = spatial_output_equations(scene.outputs, parts)
-        tree = self._tree()
+        bodies = self._trees()
+        tree = tree_equations(bodies, self._gravity())
         contributions = Gathered(
             doc=self.doc(conditions),
             frame_doc=self.frame_doc(),
@@ -192,6 +195,7 @@ class SpatialMechanism(InstancesOfKinds):
             poses=tuple(self.pose(name, instance) for name, instance in instances.items()),
             coefficients=tuple(constant for damping in self.dampings for constant in damping.constants),
             of_outputs=of_outputs,
+            trees=bodies,
         )
         return equations_of_mechanism(self, instances, contributions)
 
