@@ -31,14 +31,11 @@ OPTIONS = (
 )
 """As its users compile it: the limits of Boost are those of its own build."""
 KINDS = ("FreeFlyer", "RX", "RY", "RZ", "RevoluteUnaligned", "PX", "PY", "PZ", "PrismaticUnaligned")
-DECLARED = "\n".join(
-    [
-        "int pinocchio_load(const char *);",
-        *(f"void pinocchio_aba_{form}(const double *, const double *, const double *, double *);" for form in ("local", "world")),
-        *(f"void pinocchio_crba_{form}(const double *, double *);" for form in ("local", "world")),
-        "void pinocchio_rnea(const double *, const double *, const double *, double *);",
-    ]
-)  # fmt: skip
+STATE = "const double *, const double *, const double *, double *"
+DECLARED = f"""\
+int pinocchio_load(const char *);
+void pinocchio_aba_local({STATE}), pinocchio_aba_world({STATE}), pinocchio_rnea({STATE});
+void pinocchio_crba_local(const double *, double *), pinocchio_crba_world(const double *, double *);"""
 
 
 def include_folders() -> list[Path]:
@@ -86,9 +83,7 @@ def _joint(robot: Any, i: int) -> Array:
     return np.concatenate(numbers)
 
 
-def python_times(
-    pin: Any, robot: Any, states: Sequence[tuple[Array, Array, Array]], repeats: int
-) -> dict[str, float]:
+def python_times(pin: Any, robot: Any, states: Sequence[tuple[Array, Array, Array]], repeats: int) -> dict[str, float]:
     """The least times (ns) of its functions from Python, less that of a call with a model without joints."""
     data, none, nothing = robot.createData(), pin.Model(), np.zeros(0)
     no_data = none.createData()

@@ -51,7 +51,7 @@ class RobotCoordinates:
         rates: dict[str, float] = {}
         for body in self.bodies:
             name = identifier(body.name)
-            frame = self.robot.frames[self.robot.getFrameId(body.name)]
+            frame = self.robot.frames[self.robot.getFrameId(body.name, self.pin.FrameType.BODY)]
             joint = self.robot.joints[frame.parentJoint]
             if joint.nv == 1:
                 value = q[joint.idx_q] if joint.nq == 1 else np.arctan2(q[joint.idx_q + 1], q[joint.idx_q])

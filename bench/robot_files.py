@@ -9,13 +9,19 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.toml.read import parse
+from derive.urdf.read import read_robot
+from derive.urdf.written_scene import written_scene
 
 Array = NDArray[np.float64]
 
@@ -151,6 +157,24 @@ def chain_tables(count: int) -> Array:
         tables += [rows.ravel(), axes.ravel(), [*body.mass * body.centre, 0, *body.place, 0]]
         turn = body.turn
     return np.concatenate(tables)
+
+
+def scene_of(case: str, folder: Path, coordinates: str) -> tuple[Path, SpatialScene]:
+    """The description of a case, and the scene that is imported from it; chains have no inputs, as those by hand."""
+    chain = case.startswith("chain_")
+    path = folder / f"{case}.urdf"
+    path.write_text(chain_text(chain_count(case)) if chain else robot_text(case, ROBOTS[case]))
+    scene = parse(written_scene(read_robot(path), "fixed").text)
+    assert isinstance(scene, SpatialScene)
+    if chain:
+        scene = replace(scene, inputs=(), torques=())
+    changed: Any = {"coordinates": coordinates, "outputs": ()}
+    return path, replace(scene, **changed)
+
+
+def chain_count(case: str) -> int:
+    """The number of bodies of a chain, from its name."""
+    return int(case.removeprefix("chain_"))
 
 
 def _numbers(values: Array) -> str:
