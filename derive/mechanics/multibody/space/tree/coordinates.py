@@ -48,7 +48,7 @@ def root_of_tree(name: str, motion: Motion) -> CoordinateMap:
         definitions=tuple(define.made),
     )
     values = {**free.values, **_inertial_spin(w)}
-    return replace(free, values=values, carried=carried)
+    return replace(free, values=values, weights=tuple({} for _ in free.rows), carried=carried)
 
 
 def behind_moving_marker(
