@@ -186,8 +186,8 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         return sp.Add(*(e for e in expressions if not e.free_symbols & moving))
 
     def total(vectors: Sequence[tuple[sp.Expr, ...]]) -> tuple[sp.Expr, ...]:
-        """The sum of the vectors of the bodies that have coordinates."""
-        own = [vector if b.rows else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
+        """The sum of the vectors of the bodies that coordinates move."""
+        own = [vector if b.moved_by else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
         return tuple(map(summed, zip(*own, strict=True)))
 
     def of_unmoved(vectors: Sequence[tuple[sp.Expr, ...]]) -> tuple[sp.Expr, ...]:
