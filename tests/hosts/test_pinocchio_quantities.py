@@ -33,17 +33,19 @@ def pin() -> ModuleType:
 
 
 class Robot:
-    """A robot in absolute coordinates with all functions, and in those of its joints in Pinocchio."""
+    """A robot with all functions, in coordinates of its joints or absolute ones, and in Pinocchio."""
 
-    def __init__(self, pin: ModuleType, name: str) -> None:
+    def __init__(self, pin: ModuleType, name: str, coordinates: str) -> None:
         path, base = ROBOTS[name]
-        text = written(robot_file(path), base).replace("\nmass = ", "\nkeep_coordinates = true\nmass = ")
+        text = written(robot_file(path), base)
+        if coordinates == "absolute":
+            text = text.replace('coordinates = "relative"\n', "")
+            text = text.replace("\nmass = ", "\nkeep_coordinates = true\nmass = ")
         spec = parse(text)
         model = derive.lower(derive.derive(spec), explicit=True, functions="all")
         self.native = derive.load_scene(explicit_files(model, spec), QUICK)
         self.other: PinocchioModel = pinocchio_model(pin, text)
         self.pin, self.model, self.data = pin, self.other.model, self.other.model.createData()
-        self.names = [c.removesuffix("_c1") for c in self.native.coordinates if c.endswith("_c1")]
         self.rng, self.k = np.random.default_rng(3), self.native.setup()
 
     def state(self) -> tuple[Array, Array, Array]:
@@ -51,17 +53,24 @@ class Robot:
         v, a, w = self.rng.uniform(-1.5, 1.5, (3, self.model.nv))
         return self.pin.integrate(self.model, self.pin.neutral(self.model), w), v, a
 
-    def absolute(self, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
-        """The coordinates, velocities and accelerations of all bodies."""
+    def own(self, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
+        """The coordinates, velocities and accelerations of the scene: of bodies and of joints, in its order."""
         self.pin.forwardKinematics(self.model, self.data, q, v, a)
-        motions = self.other.motions(self.data)
-        Q, V, A = (np.concatenate([motions[name][i] for name in self.names]) for i in range(3))
+        motions, result = self.other.motions(self.data), list[tuple[Array, Array, Array]]()
+        for name in self.native.coordinates:
+            if name.endswith("_c1"):
+                result.append(motions[name.removesuffix("_c1")])
+            elif name.endswith("_phi"):
+                joint = self.model.joints[self.other.joints[name.removesuffix("_phi")]]
+                result.append((q[[joint.idx_q]], v[[joint.idx_v]], a[[joint.idx_v]]))
+        Q, V, A = (np.concatenate([part[i] for part in result]) for i in range(3))
+        assert len(Q) == self.native.nq and len(V) == self.native.nv
         return Q, V, A
 
     def velocities(self, q: Array) -> Array:
-        """The velocities of the bodies by those of the joints (nv, nv of Pinocchio)."""
+        """The velocities of the scene by those of Pinocchio (nv, nv)."""
         n = self.model.nv
-        return np.column_stack([self.absolute(q, np.eye(n)[j], np.zeros(n))[1] for j in range(n)])
+        return np.column_stack([self.own(q, np.eye(n)[j], np.zeros(n))[1] for j in range(n)])
 
 
 def close(a: Any, b: Any) -> None:
@@ -69,19 +78,27 @@ def close(a: Any, b: Any) -> None:
 
 
 @cache
-def made(pin: ModuleType, name: str) -> Robot:
-    return Robot(pin, name)
+def made(pin: ModuleType, name: str, coordinates: str) -> Robot:
+    return Robot(pin, name, coordinates)
 
 
-@pytest.fixture(params=["ur5", pytest.param("solo12", marks=pytest.mark.long)])
+CASES = [
+    ("ur5", "absolute"),
+    ("ur5", "relative"),
+    pytest.param(("solo12", "relative"), marks=pytest.mark.long),
+    pytest.param(("solo12", "absolute"), marks=pytest.mark.long),
+]
+
+
+@pytest.fixture(params=CASES, ids="-".join)
 def robot(request: pytest.FixtureRequest, pin: ModuleType) -> Robot:
-    return made(pin, request.param)
+    return made(pin, *request.param)
 
 
 def test_forces_are_those_of_the_recursive_algorithm(robot: Robot) -> None:
     """The virtual work of M vdot + h on the motions of the joints: rnea, and the gravity torques."""
     q, v, a = robot.state()
-    Q, V, A = robot.absolute(q, v, a)
+    Q, V, A = robot.own(q, v, a)
     turning = robot.velocities(q)
     torques = robot.pin.rnea(robot.model, robot.data, q, v, a)
     close(turning.T @ robot.native.inverse_dynamics(0.0, Q, V, A, robot.k), torques)
@@ -91,7 +108,7 @@ def test_forces_are_those_of_the_recursive_algorithm(robot: Robot) -> None:
 
 def test_centre_of_mass_and_momentum(robot: Robot) -> None:
     q, v, a = robot.state()
-    Q, V, _ = robot.absolute(q, v, a)
+    Q, V, _ = robot.own(q, v, a)
     x, xdot, jacobian, mass = robot.native.centre_of_mass(Q, V, robot.k)
     momentum, A = robot.native.centroidal_momentum(Q, V, robot.k)
     turning = robot.velocities(q)
@@ -108,7 +125,7 @@ def test_centre_of_mass_and_momentum(robot: Robot) -> None:
 
 def test_rotations_of_markers(robot: Robot) -> None:
     q, v, a = robot.state()
-    Q, V, _ = robot.absolute(q, v, a)
+    Q, V, _ = robot.own(q, v, a)
     turning = robot.velocities(q)
     robot.pin.computeJointJacobians(robot.model, robot.data, q)
     for body, table in robot.other.scene["bodies"].items():
@@ -130,9 +147,9 @@ def test_inputs_of_joints_are_their_torques(robot: Robot) -> None:
         [np.zeros(robot.model.nv - driven), robot.rng.uniform(-5, 5, driven)]
     )  # none on a free base
     accelerations = robot.pin.aba(robot.model, robot.data, q, v, torques).copy()
-    Q, V, A = robot.absolute(q, v, accelerations)
+    Q, V, A = robot.own(q, v, accelerations)
     forces = derive.inverse_dynamics(robot.native, 0.0, Q, V, A, robot.k)
     assert not forces.undetermined
     close(list(forces.inputs.values()), torques[-driven:])
-    held = np.where([name.endswith(("c1dot", "c2dot", "c3dot")) for name in robot.native.velocities], np.nan, A)
+    held = np.where([name.endswith("c1dot") for name in robot.native.velocities], np.nan, A)
     close(derive.inverse_dynamics(robot.native, 0.0, Q, V, held, robot.k).vdot, A)
