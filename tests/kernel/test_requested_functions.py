@@ -14,6 +14,7 @@ from beams import run_module
 from conftest import QUICK, ROOT
 from derive.function_names import OF_MODELS, ON_REQUEST
 from derive.ir.interpreter import interpret
+from derive.notes.requested_notes import requested_notes
 from derive.runtime.compiler import CompilerError
 from derive.spec.toml.read import parse
 
@@ -302,3 +303,18 @@ def test_loops_refuse_them() -> None:
     with pytest.raises(derive.SpecError, match="loops have no inverse_dynamics and gravity_compensation"):
         body = derive.symbolic_body("body", 2, frame="given", lowering="loops")
         derive.lower(derive.derive(body), functions=ON_REQUEST[:2])
+
+
+def test_a_line_says_which_functions_a_model_cannot_have() -> None:
+    beam = derive.read(ROOT / "scenes" / "free_beam_mean.toml")
+    model = derive.lower(derive.derive(beam), functions="all")
+    assert list(requested_notes(model)) == ["no marker_rotations: markers of a body alone are points"]
+    driven = parse(
+        CARRIED[: CARRIED.index("[bodies.rod]")]
+        + "[joints.b"
+        + CARRIED.split("[joints.b", 1)[1].split("[joints.pin]", maxsplit=1)[0]
+        + '[drives.motor]\njoint = "bearing"\nmotion = "3*t"\n'
+    )
+    notes = list(requested_notes(derive.lower(derive.derive(driven), functions="all")))
+    reason = "there are no bodies with coordinates that no drive moves"
+    assert notes[:2] == [f"no centre_of_mass: {reason}", f"no centroidal_momentum: {reason}"]
