@@ -17,4 +17,4 @@ def requested_notes(model: Model) -> Iterator[str]:
                     "there are no markers" if model.is_scene else "markers of a body alone are points"
                 )
         elif name not in kernels:
-            yield f"no {name}: drives move all bodies with coordinates, or there are none"
+            yield f"no {name}: there are no bodies with coordinates that no drive moves"
