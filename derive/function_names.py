@@ -1,6 +1,6 @@
 """The names of the functions that a model has on request, for arguments of commands, which import nothing else."""
 
 OF_MODELS = ("inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum")
-"""Those of a model, one of each."""
+"""The names of functions that a model has one of."""
 ON_REQUEST = (*OF_MODELS, "marker_rotations")
-"""All of them: each marker has one."""
+"""The names of all functions on request, with that of the functions of markers."""
