@@ -35,7 +35,7 @@ PLANE = 2
 
 @dataclass(frozen=True)
 class Quantities:
-    """What a function computes: the description of its section, its vectors, and a matrix as a derivative by v.
+    """The results of a function: the description of its section, its vectors, and a matrix as a derivative by v.
 
     vectors: the names of the elements and the values of each, by the names of outputs. matrix: the name of the output,
     and that of the vector whose derivative it is; both are empty if there is none.
