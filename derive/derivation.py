@@ -363,8 +363,15 @@ def _straight_line(
     functions: tuple[str, ...] = (),
 ) -> Model:
     """The model in straight-line code, with a proximal term if constraints are redundant whatever the numbers are."""
-    kernels = {"sensitivities": sensitivities, "explicit": explicit, "balanced": balanced, "requested": functions}
-    lowered = partial(lower_flat, equations, choice, **kernels)
+    lowered = partial(
+        lower_flat,
+        equations,
+        choice,
+        sensitivities=sensitivities,
+        explicit=explicit,
+        balanced=balanced,
+        requested=functions,
+    )
     idle = any(not c.jacobian for c in equations.constraints)
     if not equations.constraints or redundant == "error" or (redundant == "auto" and not idle):
         try:
