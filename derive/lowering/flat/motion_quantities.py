@@ -19,6 +19,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs
+from derive.lowering.flat.trees.tree_dynamics import tree_dynamics
 from derive.lowering.model_functions import FunctionKind, ModelFunction, OutputElements
 from derive.lowering.requested_functions import DIFFERENTIATED, JACOBIANS, has_mass
 from derive.mechanics.equations import Equations
@@ -98,8 +99,10 @@ def _matrix(matrix: ca.SX, rows: Sequence[str], columns: Sequence[str]) -> tuple
 
 
 def _inverse_dynamics(context: Context, symbols: Symbols, _: str) -> Quantities:
-    eq = context.equations
-    rows = [symbols(eq.sum_of(row.name)) for row in eq.rows]
+    """The rows of the equations of motion; those of trees by the recursion of Newton and Euler, without M."""
+    eq, tree = context.equations, tree_dynamics(context, symbols)
+    known = tree.forces(symbols.values_of(context.vdot.symbols)) if tree else {}
+    rows = [known[n] if n in known else symbols(eq.sum_of(row.name)) for n, row in enumerate(eq.rows)]
     return Quantities("the rows of the equations of motion", {"f": (_force_names(context), rows)})
 
 
