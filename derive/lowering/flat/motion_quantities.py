@@ -19,6 +19,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs
+from derive.lowering.flat.trees.momentum import momenta
 from derive.lowering.flat.trees.tree_dynamics import tree_dynamics
 from derive.lowering.model_functions import FunctionKind, ModelFunction, OutputElements
 from derive.lowering.requested_functions import DIFFERENTIATED, JACOBIANS, has_mass
@@ -120,7 +121,8 @@ def _force_names(context: Context) -> list[str]:
 
 def _centre_of_mass(context: Context, symbols: Symbols, _: str) -> Quantities:
     mass, centre = _mass_and_centre(context, symbols)
-    velocity = [symbols(p) * symbols(RECIPROCAL) for p in context.equations.linear_momentum]
+    momentum = _of_tree(context, symbols) or [symbols(p) for p in context.equations.linear_momentum]
+    velocity = [p * symbols(RECIPROCAL) for p in momentum[: len(centre)]]
     vectors = {
         "x": ([f"x{k}" for k, _ in enumerate(centre, 1)], centre),
         "xdot": ([f"x{k}dot" for k, _ in enumerate(centre, 1)], velocity),
@@ -135,9 +137,21 @@ def _mass_and_centre(context: Context, symbols: Symbols) -> tuple[ca.SX, list[ca
 
 
 def _centroidal_momentum(context: Context, symbols: Symbols, _: str) -> Quantities:
-    values = [symbols(e) for e in (*context.equations.linear_momentum, *_about_centre(context.equations))]
+    eq = context.equations
+    values = _of_tree(context, symbols) or [symbols(e) for e in (*eq.linear_momentum, *_about_centre(eq))]
     vectors = {"momentum": (momentum_names(context.equations), values)}
     return Quantities("int rho xdot and int rho (x - centre) x xdot", vectors, ("A", "momentum"))
+
+
+def _of_tree(context: Context, symbols: Symbols) -> list[ca.SX]:
+    """The linear and angular momentum about the centre of mass, if all bodies are in trees; otherwise nothing."""
+    eq = context.equations
+    if not eq.trees or sp.expand(eq.mass_moments[0] - sp.Add(*(body.mass for body in eq.trees))) != 0:
+        return []
+    of_rows = momenta(eq.trees, symbols, _mass_and_centre(context, symbols)[1])
+    columns = [(*of_rows[row.name][0], *of_rows[row.name][1]) for row in eq.rows]
+    velocities = symbols.values_of(row.v for row in eq.rows)
+    return [sum((column[i] * v for column, v in zip(columns, velocities, strict=True)), ca.SX(0)) for i in range(6)]
 
 
 def _about_centre(equations: Equations) -> Iterator[sp.Expr]:
