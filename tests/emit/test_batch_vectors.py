@@ -29,7 +29,8 @@ ARM = 'name = "arm"\nscene.coordinates = "relative"\nground.markers.base = [0, 0
 
 def test_accelerations_of_a_batch_are_vectors(tmp_path: Path) -> None:
     """gcc makes no vectors of a loop where it computes behind a branch what a later choice drops."""
-    if "Free Software" not in subprocess.run([*compiler(), "--version"], capture_output=True, text=True).stdout:
+    version = subprocess.run([*compiler(), "--version"], capture_output=True, text=True, check=True).stdout
+    if "Free Software" not in version:
         pytest.skip("only gcc says which loops are vectors")
     for file in CBackend().files(derive.lower(derive.derive(parse(ARM)), explicit=True), "a test"):
         (tmp_path / Path(file.path).name).write_text(file.text)
