@@ -73,7 +73,7 @@ def without_idle_stores(nodes: Sequence[Node]) -> tuple[Node, ...]:
             body.insert(0, line)
         return replace(loop, body=tuple(body))
 
-    return tuple(kept(node) if isinstance(node, For) and is_ordered(node) else node for node in nodes)
+    return tuple(kept(node) if isinstance(node, For) else node for node in nodes)
 
 
 def without_unread_arrays(nodes: Sequence[Node]) -> tuple[Node, ...]:
@@ -101,4 +101,4 @@ def without_unread_values(nodes: Sequence[Node]) -> tuple[Node, ...]:
                 body.insert(0, line)
         return replace(loop, body=tuple(body))
 
-    return tuple(kept(node) if isinstance(node, For) and is_ordered(node) else node for node in nodes)
+    return tuple(kept(node) if isinstance(node, For) else node for node in nodes)
