@@ -128,3 +128,12 @@ def test_the_last_body_of_a_batch_computes_nothing_for_a_joint_that_it_does_not_
         for loop in own[:2]
     )
     assert {"second_diagonal", "second_right"} <= last == first - {"first_diagonal", "first_right", "coupling"}
+
+
+def test_the_joint_that_is_left_is_one_more_step_of_a_batch() -> None:
+    """Nine joints are four from both ends and one; ten have one more on the side of the first end."""
+    steps = {}
+    for count in (9, 10):
+        nodes = batch(looped(f"chain_{count}").kernel("accel")).nodes
+        steps[count] = [node.count for node in nodes if isinstance(node, For) and node.variable == "step"]
+    assert steps == {9: [4, 1, 3, 1, 4, 4], 10: [4, 1, 4, 1, 5, 4]}  # one step of the first end computes no body
