@@ -30,7 +30,7 @@ from derive.lowering.instances.elimination.block_body import (
     scaled,
     transposed,
 )
-from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
+from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks, packed
 
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
@@ -134,8 +134,11 @@ class _Path:
         body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
         body.store_symmetric(lambda c: ends.factor(self.kept + c), inverse.block)
         scaled_z = transposed(inverse.middle(z))
-        body.store_symmetric(lambda c: ends.carried(UPDATE, c), product(scaled_z, z))
-        body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), product(scaled_z, w))
+        update, right_update = product(scaled_z, z), product(scaled_z, w)
+        for i in range(self.size):  # sums with common factors beside each other
+            for j in range(i, self.size):
+                body.store(ends.carried(UPDATE, packed(self.size, i, j)), update[i][j])
+            body.store(ends.carried(RIGHT_UPDATE, i), right_update[i][0])
         return body.statements()
 
     def meet(self) -> tuple[InstanceItem, ...]:
