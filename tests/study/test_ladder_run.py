@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.simulation.observables.plots import PlotCurve
@@ -29,7 +30,7 @@ from derive.study.accuracy.measurement import (
     opened,
     retimed,
 )
-from derive.study.accuracy.reference import Reference
+from derive.study.accuracy.reference import Reference, undeformed_note
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
 FIRST, TRUNCATED = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
@@ -168,3 +169,24 @@ def test_what_there_is_is_written_meanwhile(tmp_path: Path, monkeypatch: pytest.
     assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 0
     assert seen[0] == ["rigid", "unfinished: more models are being run"]
     assert "unfinished" not in (tmp_path / "accuracy.json").read_text()
+
+
+def test_a_plot_that_shows_no_deformation_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The place of a ball that flies beside a beam: all models have the same curve."""
+    few = tuple(LadderModel(Shapes.POLYNOMIALS, n, TRUNCATED) for n in (2, 3))
+    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda scene: few)
+    scene = derive.scene(
+        "beside",
+        bodies={
+            "rod": {"mass": 1, "length": 1, "bending_stiffness": 20},
+            "ball": {"mass": 1, "inertia": 1, "start": {"velocity": [1, 0]}},
+        },
+        plots={"path": {"y": "ball_c1"}},
+        simulation={"duration": 0.1, "output": 0.01},
+    )
+    study = derive.study_accuracy(
+        scene, orders=["first"], shapes=[2], pieces=[], sines=[], tolerances=[1e-3], runs=1, progress=False
+    )
+    note = "path has the same curve in all models of the reference: no deformation shows; see --plot"
+    assert study.notes[0] == note == undeformed_note(["path"], study.reference.error)[0]
+    assert not undeformed_note(["path"], 1e-9) and not undeformed_note(["path"], None)
