@@ -190,6 +190,11 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         own = [vector if b.moved_by else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
         return tuple(map(summed, zip(*own, strict=True)))
 
+    def of_unmoved(vectors: Sequence[tuple[sp.Expr, ...]]) -> tuple[sp.Expr, ...]:
+        """The same without the bodies that a drive moves, so that all of these sums are of the same bodies."""
+        own = [v if not _of_time(b, moving) else (sp.S.Zero,) * len(v) for b, v in zip(bodies, vectors, strict=True)]
+        return total(own)
+
     terms = (*chain.from_iterable(b.terms for b in bodies), *of.terms)
     kinetic, strain, weight = total([b.energies for b in bodies])
     number = {row.name: i for i, row in enumerate(rows)}
@@ -211,8 +216,9 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         kinetic_energy=kinetic,
         strain_energy=strain + summed(of.potentials),
         weight_energy=weight if scene.gravity else None,
-        linear_momentum=total([b.linear for b in bodies]),
-        angular_momentum=total([b.angular for b in bodies]),
+        linear_momentum=of_unmoved([b.linear for b in bodies]),
+        angular_momentum=of_unmoved([b.angular for b in bodies]),
+        mass_moments=of_unmoved([b.mass_moments for b in bodies]),
         markers=tuple(m for m in markers_of_scene(bodies, rows) if not depends(m.definitions, m.position, moving)),
         constraints=of.conditions,
         inputs=inputs,
