@@ -56,7 +56,7 @@ class Comparison:
         self.path, self.scene = scene_of(case, folder, coordinates)
         self.robot: Any = pinocchio.buildModelFromUrdf(str(self.path))
         start = time.process_time()
-        self.model = lower(derive(self.scene), explicit=True)
+        self.model = lower(derive(self.scene), explicit=True, functions="inverse_dynamics")
         self.derive_seconds = time.process_time() - start
         self.program = Program(folder, flags)
         elements = [

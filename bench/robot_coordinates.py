@@ -8,6 +8,7 @@ displacements; the elements of a model are found by their names, so that scenes 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -30,6 +31,15 @@ class Motion(NamedTuple):
     vdot: Array
 
 
+@dataclass(frozen=True, eq=False)
+class _Body:
+    """A body of a scene: the prefix of its coordinates, its frame of Pinocchio, and its centre in this frame."""
+
+    name: str
+    frame: int
+    centre: Array
+
+
 class RobotCoordinates:
     """The map from a model of Pinocchio to a scene that has been imported from the same description.
 
@@ -41,48 +51,62 @@ class RobotCoordinates:
     ) -> None:
         self.pin, self.robot, self.data = pin, robot, robot.createData()
         self.coordinates, self.velocities = coordinates, velocities
-        self.bodies = [body for body in scene.bodies if isinstance(body, SpatialRigidBody)]
+        rigid = (body for body in scene.bodies if isinstance(body, SpatialRigidBody))
+        every = [_Body(identifier(b.name), self._frame(b.name), np.array(b.centre, float)) for b in rigid]
+        self.free = [body for body in every if f"{body.name}_e0" in coordinates]
+        self.hinged = [body for body in every if body not in self.free]
+
+    def _frame(self, link: str) -> int:
+        return int(self.robot.getFrameId(link, self.pin.FrameType.BODY))
 
     def motion(self, q: Array, v: Array, a: Array) -> Motion:
         """The motion of the scene in a state of Pinocchio."""
         self.pin.forwardKinematics(self.robot, self.data, q, v, a)
-        places: dict[str, float] = {}
-        speeds: dict[str, float] = {}
-        rates: dict[str, float] = {}
-        for body in self.bodies:
-            name = identifier(body.name)
-            frame = self.robot.frames[self.robot.getFrameId(body.name, self.pin.FrameType.BODY)]
-            joint = self.robot.joints[frame.parentJoint]
-            if joint.nv == 1:
-                value = q[joint.idx_q] if joint.nq == 1 else np.arctan2(q[joint.idx_q + 1], q[joint.idx_q])
-                for coordinate in (f"{name}_phi", f"{name}_s"):
-                    places[coordinate] = value
-                    speeds[f"{coordinate}dot"], rates[f"{coordinate}dot"] = v[joint.idx_v], a[joint.idx_v]
-            centre = np.array(body.centre, float)
-            pose = self.data.oMi[frame.parentJoint] * frame.placement
-            R, speed = pose.rotation, frame.placement.actInv(self.data.v[frame.parentJoint])
-            change, w = frame.placement.actInv(self.data.a[frame.parentJoint]), speed.angular
+        values: dict[str, float] = {}
+        for body in self.hinged:
+            joint = self._joint(body)
+            values |= _of_joint(body.name, "", q[joint.idx_q])
+            values |= _of_joint(body.name, "dot", v[joint.idx_v]) | _of_joint(body.name, "ddot", a[joint.idx_v])
+        for body in self.free:
+            pose, speed = self._pose(body), self.pin.getFrameVelocity(self.robot, self.data, body.frame)
+            change = self.pin.getFrameAcceleration(self.robot, self.data, body.frame)
+            R, w, centre = pose.rotation, speed.angular, body.centre
             at_centre = speed.linear + np.cross(w, centre)
             xddot = R @ (change.linear + np.cross(change.angular, centre) + np.cross(w, at_centre))
-            places |= _named(name, "c", pose.translation + R @ centre)
-            places |= _named(name, "e", Rotation.from_matrix(R).as_quat(scalar_first=True), first=0)
-            speeds |= _named(name, "c", R @ at_centre, "dot") | _named(name, "omega", w)
-            rates |= _named(name, "c", xddot, "dot") | _named(name, "omega", change.angular)
+            values |= _of_axes(f"{body.name}_c", "", pose.translation + R @ centre)
+            values |= _of_axes(f"{body.name}_e", "", Rotation.from_matrix(R).as_quat(scalar_first=True), first=0)
+            values |= _of_axes(f"{body.name}_c", "dot", R @ at_centre) | _of_axes(f"{body.name}_c", "ddot", xddot)
+            values |= _of_axes(f"{body.name}_omega", "", w) | _of_axes(f"{body.name}_omega", "dot", change.angular)
         return Motion(
-            np.array([places[name] for name in self.coordinates]),
-            np.array([speeds[name] for name in self.velocities]),
-            np.array([rates[name] for name in self.velocities]),
+            np.array([values[name] for name in self.coordinates]),
+            np.array([values[name] for name in self.velocities]),
+            np.array([values[_rate(name)] for name in self.velocities]),
         )
 
     def basis(self, q: Array) -> Array:
         """The matrix B of v = B(q) w."""
-        none = np.zeros(self.robot.nv)
-        return np.column_stack([self.motion(q, unit, none).v for unit in np.eye(self.robot.nv)])
+        self.pin.computeJointJacobians(self.robot, self.data, q)
+        unit, rows = np.eye(self.robot.nv), {}
+        for body in self.hinged:
+            rows |= _of_joint(body.name, "dot", unit[self._joint(body).idx_v])
+        for body in self.free:
+            J = self.pin.getFrameJacobian(self.robot, self.data, body.frame, self.pin.ReferenceFrame.LOCAL)
+            at_centre = J[:3] + np.cross(J[3:].T, body.centre).T
+            rows |= _of_axes(f"{body.name}_c", "dot", self._pose(body).rotation @ at_centre)
+            rows |= _of_axes(f"{body.name}_omega", "", J[3:])
+        return np.array([rows[name] for name in self.velocities])
+
+    def _joint(self, body: _Body) -> Any:
+        return self.robot.joints[self.robot.frames[body.frame].parentJoint]
+
+    def _pose(self, body: _Body) -> Any:
+        """The frame of a body."""
+        return self.pin.updateFramePlacement(self.robot, self.data, body.frame)
 
     def states(self, count: int, seed: int = 5) -> list[tuple[Array, Array, Array]]:
         """Random coordinates, velocities, and forces of all joints, of Pinocchio; none act on a free base."""
         rng, result = np.random.default_rng(seed), []
-        free = [joint for joint in self.robot.joints if joint.nv == 6]
+        free = [joint for joint in self.robot.joints[1:] if joint.nv == 6]
         for _ in range(count):
             w, v, tau = rng.uniform(-1.5, 1.5, (3, self.robot.nv))
             for joint in free:
@@ -91,6 +115,16 @@ class RobotCoordinates:
         return result
 
 
-def _named(body: str, family: str, values: Array, suffix: str = "", first: int = 1) -> dict[str, float]:
-    """Values by the names of the elements of a body."""
-    return {f"{body}_{family}{i}{suffix}": float(value) for i, value in enumerate(values, first)}
+def _of_joint(body: str, suffix: str, value: Any) -> dict[str, Any]:
+    """A value by the names of the coordinate that a joint with one motion gives a body: an angle or a displacement."""
+    return {f"{body}_phi{suffix}": value, f"{body}_s{suffix}": value}
+
+
+def _of_axes(name: str, suffix: str, values: Array, first: int = 1) -> dict[str, Any]:
+    """Values by the names of components."""
+    return {f"{name}{i}{suffix}": value for i, value in enumerate(values, first)}
+
+
+def _rate(velocity: str) -> str:
+    """The name of the derivative of a velocity: that of c1dot is c1ddot, that of omega1 is omega1dot."""
+    return f"{velocity.removesuffix('dot')}ddot" if velocity.endswith("dot") else f"{velocity}dot"

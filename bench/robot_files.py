@@ -46,7 +46,7 @@ ROBOTS = {
     "anymal": Robot("anymal_b_simple_description/robots/anymal.urdf", free=True),
     "simple_humanoid": Robot("simple_humanoid_description/urdf/simple_humanoid.urdf", free=True),
     "talos": Robot("talos_data/robots/talos_reduced.urdf", free=True),
-    "icub": Robot("icub_description/robots/icub_reduced.urdf", free=True),
+    "centauro": Robot("centauro_description/urdf/centauro.urdf", free=True),
 }
 
 

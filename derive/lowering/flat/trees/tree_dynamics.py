@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +10,6 @@ import casadi as ca
 
 from derive.algebra import sp
 from derive.ir.statements import Requirement, ReturnCode
-from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
@@ -18,6 +17,7 @@ from derive.lowering.flat.trees.links import Link, Links
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies, forces, motions, needed
 from derive.lowering.flat.trees.spatial_vectors import dot
 from derive.lowering.flat.trees.steps import Freedom, Motion, Turn, Wrench
+from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL
 from derive.mechanics.symbols import Family, identity
@@ -60,10 +60,14 @@ class TreeDynamics:
         """The factors of M."""
         return articulated_bodies(self.links)
 
-    def accelerations(self) -> list[ca.SX]:
-        """The solution of M vdot + h = 0; all rows are those of trees."""
-        right = {row: -self.applied(row) for row in self.rows}
-        known = self.bodies.solution(right, self.wrenches)
+    @property
+    def rests(self) -> dict[int, ca.SX]:
+        """The forces that accelerate each row alone, L^-1 (-h); all rows are those of trees."""
+        return self.bodies.forward({row: -self.applied(row) for row in self.rows}, self.wrenches)
+
+    def accelerations(self, rests: Mapping[int, ca.SX]) -> list[ca.SX]:
+        """The accelerations of all rows by such forces."""
+        known = self.bodies.backward(rests)
         return [known[row] for row in range(len(self.rows))]
 
     def in_order(self) -> Iterator[int]:
