@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -163,7 +164,7 @@ between = ["free.tip", "hanging.root"]
 """
 LEAN = ("lean",)
 """The specifications that are lowered without derivatives, where trees of bodies with quaternions have recursions."""
-SPECS = {
+SPECS: dict[str, Callable[[], Any]] = {
     "tree": lambda: parse(TREE.replace("JOINT", "prismatic")),
     "balls": lambda: parse(BALLS),
     "lean": lambda: parse(BALLS.replace("balls", "lean")),
