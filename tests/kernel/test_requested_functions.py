@@ -113,20 +113,72 @@ between = ["crank.pin", "rod.pin"]
 joint = "bearing"
 motion = "3*t"
 """
+TREE = """
+name = "tree"
+[scene]
+gravity = [1, 0, { symbol = "gz", default = -9.81 }]
+coordinates = "relative"
+[ground.markers]
+base = { at = [0, 0.3, 0], rotation = { axis = [1, 2, 3], angle = 0.7 } }
+[bodies.first]
+mass = { symbol = "m", default = 1.3 }
+centre = [0.2, 0.1, 0]
+inertia = [0.3, 0.4, 0.5, 0.02, 0, 0.01]
+markers.root = [0, 0, 0.1]
+markers.tip = { at = [0.8, 0, 0], rotation = { axis = [0, 1, 1], angle = -0.4 } }
+[bodies.second]
+mass = 0.7
+inertia = [0.2, 0.3, 0.25, 0, 0, 0]
+markers.root = { at = [0, 0.3, 0], rotation = { axis = [1, 0, 1], angle = 1.1 } }
+markers.tip = [0.2, 0, 0.1]
+[bodies.third]
+mass = 0.4
+inertia = [0.1, 0.2, 0.15, 0, 0, 0]
+markers.root = [0.3, 0, 0.1]
+[joints.hinge]
+kind = "JOINT"
+between = ["ground.base", "first.root"]
+[joints.guide]
+kind = "cylindrical"
+between = ["first.tip", "second.root"]
+[joints.last]
+kind = "universal"
+between = ["second.tip", "third.root"]
+"""
+BALLS = TREE.replace("JOINT", "revolute").replace("cylindrical", "spherical").replace("tree", "balls")
+BALLS += """
+[bodies.free]
+mass = 1
+inertia = [0.1, 0.2, 0.15, 0, 0, 0]
+markers.tip = [0.3, 0, 0.1]
+[bodies.hanging]
+mass = 0.6
+inertia = [0.2, 0.2, 0.15, 0, 0, 0]
+markers.root = [0.3, 0.2, 0.1]
+[joints.pin]
+kind = "revolute"
+between = ["free.tip", "hanging.root"]
+"""
+LEAN = ("lean",)
+"""The specifications that are lowered without derivatives, where trees of bodies with quaternions have recursions."""
 SPECS = {
+    "tree": lambda: parse(TREE.replace("JOINT", "prismatic")),
+    "balls": lambda: parse(BALLS),
+    "lean": lambda: parse(BALLS.replace("balls", "lean")),
     "plane": lambda: parse(PLANE),
     "space": lambda: parse(SPACE),
     "carried": lambda: parse(CARRIED),
     "beam": lambda: derive.read(ROOT / "scenes" / "free_beam_point.toml"),
     "body": lambda: derive.symbolic_body("body", 2, frame="given", lowering="flat"),
 }
+EVERY = [pytest.param(name, marks=pytest.mark.long) if name == "balls" else name for name in SPECS]
 
 
 @cache
 def made(name: str) -> tuple[derive.Model, Any, Any]:
     """The model of a specification with all functions, its C, and the names of its Python."""
     spec = SPECS[name]()
-    model = derive.lower(derive.derive(spec), sensitivities=True, functions="all")
+    model = derive.lower(derive.derive(spec), sensitivities=name not in LEAN, functions="all")
     files = derive.model_files(model, spec)
     load = derive.load_scene if model.is_scene else derive.load
     return model, load(files, QUICK), run_module(files)
@@ -161,7 +213,7 @@ def close(a: ArrayLike, b: ArrayLike, limit: float = 1e-12) -> None:
     assert abs(a - b).max(initial=0.0) <= limit * max(1.0, abs(b).max(initial=0.0))
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", EVERY)
 def test_inverse_dynamics_and_gravity_compensation_are_the_rows(name: str) -> None:
     s = State(name)
     values, h = s.native.mass_force(s.t, s.q, s.v, s.k)
@@ -170,7 +222,7 @@ def test_inverse_dynamics_and_gravity_compensation_are_the_rows(name: str) -> No
     close(s.native.gravity_compensation(s.t, s.q, s.k), still)
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", EVERY)
 def test_the_centre_of_mass_moves_with_the_momentum(name: str) -> None:
     """Its velocity is the momentum over the mass, its Jacobian times v, and the rate of its position."""
     s, h = State(name), 1e-6
@@ -182,7 +234,7 @@ def test_the_centre_of_mass_moves_with_the_momentum(name: str) -> None:
     close((ahead - behind) / (2 * h), xdot, 1e-8)
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", EVERY)
 def test_centroidal_momentum_is_momentum_about_the_centre(name: str) -> None:
     s = State(name)
     x = s.native.centre_of_mass(s.q, s.v, s.k)[0]
@@ -223,7 +275,7 @@ CALLS = {
 }
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", [name for name in EVERY if name not in LEAN])
 def test_derivatives_are_those_of_differences(name: str) -> None:
     """By all arguments, the parameters and the inputs."""
     s, h = State(name), 1e-5

@@ -281,7 +281,7 @@ def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:
 def carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
     """The bodies whose pose depends on a prescribed motion, which functions without the argument t cannot describe."""
     reason = "a drive moves it, and these functions do not depend on time"
-    names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
+    names = [name for name, instance in instances.items() if instance.moved_by and _of_time(instance, moving)]
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 
 
