@@ -24,6 +24,8 @@ from derive.ir.model import Model
 from derive.lowering.flat import lower as flat_lower
 
 sys.path.append(str(ROOT / "bench"))
+from interleaved import TimedCall
+from robot_comparison import Comparison
 from robot_coordinates import RobotCoordinates
 from robot_files import ROBOTS, has_robots, scene_of
 
@@ -177,7 +179,15 @@ def test_bench_of_robots(pin: ModuleType) -> None:
     assert done.returncode == 0, done.stderr
     rows = json.loads(done.stdout)["rows"]
     names = [row["name"].split(",")[0] for row in rows]
-    assert {"forward dynamics", "mass matrix"} <= set(names)
+    assert set(names) == {"forward dynamics", "inverse dynamics", "mass matrix"}
     for row in rows:
         assert row["ours_ns"] > 0 and row["ratio"] == pytest.approx(row["ours_ns"] / row["peer_ns"])
     assert all(row["operations"] > 0 and row["text"] > 0 for row in rows if "batch" not in row["name"])
+
+
+def test_the_bench_refuses_other_values(pin: ModuleType, tmp_path: Path) -> None:
+    comparison = Comparison("chain_3", tmp_path, "-O1", "relative", 2)
+    call, values = TimedCall("Pinocchio aba_local", "", 3), np.array([a for a, _, _ in comparison.truth])
+    comparison.compare("accel", call, values)
+    with pytest.raises(ArithmeticError, match=r"chain_3: accel of Pinocchio aba_local is off by 1.0e-11"):
+        comparison.compare("accel", call, values * (1 + 1e-11))
