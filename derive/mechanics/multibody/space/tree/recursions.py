@@ -9,7 +9,7 @@ forces and torques without these accelerations (the recursion of Newton and Eule
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -154,7 +154,7 @@ class _Recursions:
     def _behind(
         self, body: TreeBody, own: Inertia, of: Mapping[str, tuple[sp.Matrix, sp.Matrix]]
     ) -> tuple[sp.Matrix, sp.Matrix]:
-        """The force and the torque about O that a body and those behind it need without accelerations of coordinates."""
+        """The force and the torque about O of a body and those behind it without accelerations of coordinates."""
         motion, define = body.motion, TreeDefinitions(body.name, f"{body.name} forces")
         a, alpha, w = motion.acceleration, motion.angular_acceleration, motion.angular_velocity
         spun = [cross(alpha, own.moment), cross(w, _named_cross(define, w, own.moment))]
@@ -223,7 +223,9 @@ def _symmetric(values: sp.Matrix, define: TreeDefinitions, family: Family, doc: 
 
 
 def _shift(r: sp.Matrix, g: sp.Matrix) -> sp.Matrix:
-    """What an inertia gains about a point from which the one before is at r; g: the sum of the first moments about both.
+    """What an inertia gains about a point from which the one before is at r.
+
+    g: the sum of the first moments about both points.
 
     With m r^2 + 2 r . s = r . g and m r r + r s + s r = (r g + g r)/2, where s is the first moment before.
     """
