@@ -1,8 +1,8 @@
 """The equations of motion of a tree of rigid bodies, by recursions along it.
 
-d'Alembert's virtual work of a body on a unit virtual displacement of row j is T_j . f + e_j . n with the force f and the
-torque n about its origin O that its motion needs. What the bodies behind a joint need is summed up from the leaves: the
-mass, first moment and inertia of all bodies behind it (composite bodies) for the factors of the accelerations, and the
+d'Alembert's virtual work of a body on a unit virtual displacement of row j is T_j . f + e_j . n, with the force f and
+the torque n about its origin O that its motion needs. What the bodies behind a joint need is summed up from the leaves:
+the mass, first moment and inertia of all bodies behind it (composite bodies) for the factors of the accelerations, and the
 forces and torques without these accelerations (the recursion of Newton and Euler) for the others.
 """
 
