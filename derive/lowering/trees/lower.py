@@ -30,8 +30,8 @@ from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 class TreeContext:
     """The data that the functions of a tree share; `known`: what is known of drives and loads."""
 
-    def __init__(self, mechanism: SpatialMechanism) -> None:
-        self.mechanism, self.tree = mechanism, tree_of(mechanism)
+    def __init__(self, mechanism: SpatialMechanism, tree: Tree | None = None) -> None:
+        self.mechanism, self.tree = mechanism, tree or tree_of(mechanism)
         self.known = KnownMotion(mechanism)
         self.constants = Constants(frozenset())
         self.constants.coefficients |= self.known.context.constants.coefficients
