@@ -20,6 +20,7 @@ from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.instances.places import Place
 from derive.lowering.trees.link_loop import LinkLoop
+from derive.lowering.trees.loads import APPLIED
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import (
     Matrix,
@@ -43,8 +44,6 @@ BEHIND, SHARE, FOUND = "behind", "share", "acceleration"
 M, H, J, P = 0, 6, 15, 21
 """The first components of the parts of BEHIND; p and g are the last six."""
 COUNT = 27
-TAU = "applied"
-"""The array of the applied forces of rows."""
 
 
 def articulated(motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool) -> list[Part]:
@@ -72,7 +71,7 @@ def _backward(motion: TreeMotion, has_forces: bool) -> ForEach:
     loop.require(Requirement.POSITIVE, pivot, ReturnCode.PIVOT, "the motion of a joint meets no inertia")
     force = -(advances * dot(e, p) + turns * dot(e, g))
     if has_forces:
-        force = loop.element(TAU, motion.row(loop)) + force
+        force = loop.element(APPLIED, motion.row(loop)) + force
     inverse = 1 / pivot
     known = force * inverse
     loop.store_vector(SHARE, here, [*linear, *angular, inverse, known])

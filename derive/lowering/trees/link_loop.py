@@ -59,7 +59,7 @@ class LinkLoop:
         self.symbols = Symbols(frozenset(), frozenset())
         self._read: dict[Element, ca.SX] = {}
         self._names: dict[str, Element] = {}
-        self._entries: list[Entry] = []
+        self.entries: list[Entry] = []
         self._targets: list[tuple[Element, Operator | None]] = []
         self._items: list[StepItem] = []
         self._columns: dict[tuple[Fraction, ...], int] = {}
@@ -69,8 +69,8 @@ class LinkLoop:
     def place(self, what: str, firsts: Sequence[int], spacing: int = 1) -> Place:
         """The place of the first of some elements of each link."""
         place = self.arrays.places.place(f"{what}_{self.name}", LINK, firsts, spacing)
-        if place.entry and place.entry not in self._entries:
-            self._entries.append(place.entry)
+        if place.entry and place.entry not in self.entries:
+            self.entries.append(place.entry)
         return place
 
     def of_links(self) -> Place:
@@ -155,5 +155,5 @@ class LinkLoop:
         if self._columns:
             values = tuple(value for column in self._columns for value in column)
             self.arrays.places.numbers(ConstantArray(self._array, values, False, len(self.links)))
-        every = (*self._entries, *loads, *body)
+        every = (*self.entries, *loads, *body)
         return ForEach(LINK, constant(0), constant(len(self.links)), every, backward, independent and not backward)

@@ -7,12 +7,14 @@ whose joint leaves several motions have links without mass before it. All number
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
+from derive.lowering.trees.row_loads import refused_actions
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.coordinates import AXES_OF
@@ -100,10 +102,19 @@ class Link:
 
 @dataclass(frozen=True)
 class Tree:
-    """The links of a mechanism, those before others first, and the places of its bodies by their names."""
+    """The links of a mechanism, each followed by all that hangs on it, and the places of its bodies by their names."""
 
     links: tuple[Link, ...]
     bodies: Mapping[str, Place]
+
+    @cached_property
+    def last(self) -> list[int]:
+        """The last of the links that hang on each link, or the link itself: they follow it."""
+        result = list(range(len(self.links)))
+        for number in reversed(range(len(self.links))):
+            if (parent := self.links[number].parent) >= 0:
+                result[parent] = max(result[parent], result[number])
+        return result
 
     @property
     def is_chain(self) -> bool:
@@ -119,7 +130,21 @@ def tree_of(mechanism: SpatialMechanism) -> Tree:
     made = _Links(mechanism)
     for name in mechanism.order:
         made.add(mechanism.instances_by_name[name])
-    return Tree(tuple(made.links), made.bodies)
+    return _depth_first(made.links, made.bodies)
+
+
+def _depth_first(links: Sequence[Link], bodies: Mapping[str, Place]) -> Tree:
+    """The tree with each link followed by all that hangs on it."""
+    hanging: dict[int, list[int]] = {}
+    for number, link in enumerate(links):
+        hanging.setdefault(link.parent, []).append(number)
+    order, waiting = list[int](), [*reversed(hanging.get(-1, []))]
+    while waiting:
+        order.append(waiting.pop())
+        waiting += reversed(hanging.get(order[-1], []))
+    place = {-1: -1, **{old: new for new, old in enumerate(order)}}
+    moved = (replace(links[old], parent=place[links[old].parent]) for old in order)
+    return Tree(tuple(moved), {name: replace(of, link=place[of.link]) for name, of in bodies.items()})
 
 
 class _Links:
@@ -227,6 +252,8 @@ def _others(mechanism: SpatialMechanism) -> Iterator[str]:
     for joint in mechanism.eliminated_joints:
         if {"rx", "ry", "rz"} <= {*(joint.type.free(joint.joint) or ())}:
             yield f"{only} no joint that leaves all rotations, as {joint.joint.name} does"
+    for name in refused_actions(mechanism):
+        yield f"{only} loads along and about the axes of joints alone, and {name} is none"
     if mechanism.parameters:
         yield f"{only} numbers alone, and {mechanism.parameters[0].symbol} is a parameter"
 

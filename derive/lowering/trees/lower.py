@@ -2,37 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
 from fractions import Fraction
+from itertools import count
 
-from derive.ir.expressions import Element, Expr, Number
+from derive.algebra import sp
+from derive.errors import Problem, SpecError
+from derive.ir.expressions import Element, Number
 from derive.ir.indices import constant, variable
 from derive.ir.kernel import Kernel
-from derive.ir.model import Model, Variable
-from derive.ir.statements import ForEach, Statement, StoreElement
+from derive.ir.model import Model, Variable, Zero
+from derive.ir.patterns import pattern
+from derive.ir.statements import Clear, ForEach, Statement, StoreElement
+from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion
-from derive.lowering.instances.loop_code.context import Part, Result, kernel
-from derive.lowering.instances.lower import _rows, _with_constants
+from derive.lowering.instances.loop_code.context import Part, Result, kernel, whole
 from derive.lowering.instances.places import Places
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
+from derive.lowering.trees import invariants, loads
 from derive.lowering.trees.articulated import articulated
-from derive.lowering.trees.link_loop import LinkArrays
-from derive.lowering.trees.links import Tree, tree_of
+from derive.lowering.trees.composite import composite, mass_pattern
+from derive.lowering.trees.link_loop import LINK, LinkArrays
+from derive.lowering.trees.links import Place, Tree, marker_in_body, tree_of
 from derive.lowering.trees.motion import TreeMotion
+from derive.lowering.trees.newton_euler import newton_euler
+from derive.lowering.trees.row_loads import row_loads
 from derive.mechanics import quantity
+from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.terms import SpatialPose
 
 
 class TreeContext:
-    """The data that the functions of a tree share; `known`: what is known of drives and loads."""
+    """The data that the functions of a tree share.
+
+    known: the values of loads that depend on the time; motion: the loops over the links; gravity: its components.
+    """
 
     def __init__(self, mechanism: SpatialMechanism, tree: Tree | None = None) -> None:
+        """tree: that of the mechanism, unless a benchmark has another one."""
         self.mechanism, self.tree = mechanism, tree or tree_of(mechanism)
+        self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
+        inputs = self.known.context.u.symbols
         self.known = KnownMotion(mechanism)
+        self.known.definitions = (*self.known.definitions, *loads.definitions(self.loads, inputs))
         self.constants = Constants(frozenset())
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
@@ -41,24 +57,148 @@ class TreeContext:
         self.rows = tuple(row.name for row in mechanism.rows)
         self.motion = TreeMotion(self.tree, LinkArrays(self.tree.links, self.places, self.constants))
         gravity, _ = quantity.gravity(mechanism.scene.gravity)
+        self.has_gravity = bool(mechanism.scene.gravity)
         values = [Fraction(int(g.value.p), int(g.value.q)) for g in gravity] or [Fraction(0)] * 3
         self.gravity = [Number(value) for value in values]
 
+    @property
+    def applied(self) -> list[Part]:
+        """The section of the loads."""
+        body = loads.applied(self.motion, self.loads, self.known.context.u.symbols, len(self.rows))
+        return [("loads", "(10)", "generalised forces of loads and springs", body)]
 
-def _accelerations(context: TreeContext) -> list[Part]:
+    @property
+    def applied_array(self) -> str:
+        """The array of the generalised forces, if there are any."""
+        return loads.APPLIED if self.loads.any else ""
+
+    def counted(self, *names: str) -> dict[str, Result]:
+        """Outputs with an element for each row."""
+        return {name: Result(("row by row",), count=len(self.rows)) for name in names}
+
+
+def _mass_parts(context: TreeContext) -> list[Part]:
+    motion = context.motion
     return [
-        context.motion.frames(moving=True),
-        context.motion.inertias(moving=True),
-        *articulated(context.motion, context.gravity, False),
+        motion.frames(moving=False, placed=True, in_tree=True),
+        motion.inertias(moving=False),
+        *composite(motion, mass_pattern(motion, len(context.rows))),
     ]
 
 
+def _force_parts(context: TreeContext, target: tuple[str, int], given: tuple[str, int] | None = None) -> list[Part]:
+    return [*context.applied, *newton_euler(context.motion, context.gravity, target, context.applied_array, given)]
+
+
+def mass(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the mass matrix M(q)."""
+    results = {"M": Result(pattern=mass_pattern(context.motion, len(context.rows)))}
+    return kernel(context, function, results, *_mass_parts(context))
+
+
+def force(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the forces h(t, q, v)."""
+    motion = context.motion
+    parts = [motion.frames(moving=True), motion.inertias(moving=True), *_force_parts(context, ("h", 0))]
+    return kernel(context, function, context.counted("h"), *parts)
+
+
+def mass_force(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of M and h together."""
+    motion = context.motion
+    shape = mass_pattern(motion, len(context.rows))
+    parts = [
+        motion.frames(moving=True, placed=True, in_tree=True),
+        motion.inertias(moving=True),
+        *composite(motion, shape),
+        *_force_parts(context, ("h", 0)),
+    ]
+    return kernel(context, function, {"M": Result(pattern=shape), **context.counted("h")}, *parts)
+
+
 def accel(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of vdot alone."""
-    results = {"vdot": Result(("body by body",), count=len(context.rows))}
-    return kernel(context, function, results, *_accelerations(context))
+    """The kernel of vdot, and of no multipliers."""
+    motion = context.motion
+    results = context.counted("vdot") | {"lam": Result((), count=0)}
+    parts = [
+        motion.frames(moving=True),
+        motion.inertias(moving=True),
+        *context.applied,
+        *articulated(motion, context.gravity, bool(context.applied_array)),
+    ]
+    return kernel(context, function, results, *parts)
+
+
+def energy(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the kinetic energy, the energy of springs, and the potential of gravity if there is any."""
+    motion = context.motion
+    labels = ("kinetic", "strain", *(("gravity",) if context.has_gravity else ()))
+    body = invariants.energy(motion, context.gravity if context.has_gravity else None)
+    parts = [motion.frames(moving=True, placed=True), motion.inertias(moving=False)]
+    parts.append(("energy", "(22)", "1/2 int rho xdot . xdot", [*body, *loads.stored(motion, context.loads)]))
+    return kernel(context, function, {"energy": Result(labels)}, *parts)
+
+
+def momentum(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the linear momentum, and of the angular momentum about the inertial origin."""
+    motion = context.motion
+    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in (1, 2, 3))
+    parts = [motion.frames(moving=True, placed=True), motion.inertias(moving=False)]
+    parts.append(("momentum", "(1)", "int rho xdot and int rho x x xdot", invariants.momentum(motion)))
+    return kernel(context, function, {"momentum": Result(labels)}, *parts)
+
+
+def rates(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of qdot."""
+    results = {"qdot": Result(("coordinate by coordinate",), count=context.coordinates)}
+    section = "rates", "(1)", "velocities, and time derivatives of quaternions", invariants.rates(context.motion)
+    return kernel(context, function, results, section)
+
+
+def poses(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the positions and rotation tensors of all body frames."""
+    motion, instances = context.motion, context.mechanism.instances
+    bodies = [context.tree.bodies[of.name].at(*marker_in_body(of, BODY_FRAME)) for of in instances]
+    attitudes = [context.tree.bodies[of.name].attitude for of in instances]
+    places = [Place(of.link, attitude, of.origin) for of, attitude in zip(bodies, attitudes, strict=True)]
+    results = {"pose": Result(("body by body",), count=invariants.POSE * len(instances))}
+    section = "poses", "(1)", "bodies in the order of the specification", invariants.poses(motion, places)
+    return kernel(context, function, results, motion.frames(moving=False, placed=True), section)
+
+
+def nothing(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of a function of constraints, of which there are none."""
+    results = {name: Result((), count=0) for name in function.outputs}
+    if "G" in results:
+        results["G"] = Result(pattern=pattern(0, len(context.rows), set()))
+    return kernel(context, function, results, inputs=_nothing)
+
+
+def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the change of velocities that no constraint asks for."""
+    body: list[Statement] = [Clear("dv", len(context.rows))]
+    return kernel(context, function, context.counted("dv"), ("dv", "(5)", "no constraints", body), inputs=_nothing)
+
+
+_nothing = {"r": whole("r", 0, "prescribed change of gdot")}
+
+
 
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]] = {
+    FunctionKind.MASS: mass,
+    FunctionKind.FORCE: force,
+    FunctionKind.MASS_FORCE: mass_force,
     FunctionKind.ACCEL: accel,
+    FunctionKind.SOLVE: accel,
+    FunctionKind.ENERGY: energy,
+    FunctionKind.MOMENTUM: momentum,
+    FunctionKind.RATES: rates,
+    FunctionKind.POSES: poses,
+    FunctionKind.CONSTRAINTS: nothing,
+    FunctionKind.CONSTRAINT_RATES: nothing,
+    FunctionKind.CONSTRAINT_JACOBIAN: nothing,
+    FunctionKind.CONSTRAINT_BIAS: nothing,
+    FunctionKind.PROJECT_VELOCITY: project_velocity,
 }
+"""The functions of a tree, by their kinds."""

@@ -93,14 +93,17 @@ class TreeMotion:
 
     # ---- frames and angular velocities ----
 
-    def frames(self, moving: bool, placed: bool = False) -> Part:
-        """The frames and levers of all links; moving: with their angular velocities; placed: with their positions."""
+    def frames(self, moving: bool, placed: bool = False, in_tree: bool = False) -> Part:
+        """The frames and levers of all links; moving: with their angular velocities; placed: with their positions.
+
+        in_tree: positions count from the origin of the tree.
+        """
         arrays = [(FRAME, 9), (LEVER, 3), *([(SPIN, 3)] * moving)]
         arrays += [(ORIGIN, 3), *([(SPEED, 3)] * moving)] if placed else []
         ground = [*self.at_ground(FRAME, [Number(x) for row in UNIT for x in row])]
         for array, _ in arrays[2:]:
             ground += self.at_ground(array, [Number(x) for x in (UNIT[0][1],) * 3])
-        loops = [self._free_frames(moving, placed)] if self.free else []
+        loops = [self._free_frames(moving, placed, in_tree)] if self.free else []
         loops += [self._frames(moving, placed)] if self.joints else []
         text = "frames of the links" + (" and their angular velocities" if moving else "")
         return "motion", "(1)", text, [*self.work(*arrays), *ground, *loops]
@@ -135,7 +138,7 @@ class TreeMotion:
             loop.store_vector(SPEED, here, speed)
         return loop.made()
 
-    def _free_frames(self, moving: bool, placed: bool) -> ForEach:
+    def _free_frames(self, moving: bool, placed: bool, in_tree: bool) -> ForEach:
         loop = self.loop("free_frames", self.free)
         here = loop.of_links()
         quaternion = [self.coordinate(loop, 3 + k) for k in range(4)]
@@ -147,7 +150,8 @@ class TreeMotion:
         if moving:
             loop.store_vector(SPIN, here, applied(Q, [self.velocity(loop, 3 + k) for k in range(3)]))
         if placed:
-            loop.store_vector(ORIGIN, here, [self.coordinate(loop, k) for k in range(3)])
+            at = [ca.SX(0)] * 3 if in_tree else [self.coordinate(loop, k) for k in range(3)]
+            loop.store_vector(ORIGIN, here, at)
         if placed and moving:
             loop.store_vector(SPEED, here, [self.velocity(loop, k) for k in range(3)])
         return loop.made()
