@@ -304,6 +304,10 @@ def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: b
     if requested == "auto" and is_predicted(mechanism):
         costs = estimate_mechanism_costs(mechanism)
         looped, choice = costs.lowering == "instances", costs.reason(requested)
+    if looped and any(of.coordinates.carried for of in mechanism.instances):
+        from derive.lowering.trees.lower import lower_trees
+
+        return lower_trees(mechanism, choice, explicit, sensitivities, balanced)
     if looped:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 

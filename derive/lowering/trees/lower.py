@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from fractions import Fraction
-from itertools import count
 
 from derive.algebra import sp
-from derive.errors import Problem, SpecError
-from derive.ir.expressions import Element, Number
-from derive.ir.indices import constant, variable
+from derive.ir.expressions import Number
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model, Variable, Zero
 from derive.ir.patterns import pattern
-from derive.ir.statements import Clear, ForEach, Statement, StoreElement
+from derive.ir.statements import Clear, Statement
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion
 from derive.lowering.instances.loop_code.context import Part, Result, kernel, whole
+from derive.lowering.instances.lower import rows_for_people, with_constants
 from derive.lowering.instances.places import Places
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.trees import invariants, loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite, mass_pattern
-from derive.lowering.trees.link_loop import LINK, LinkArrays
+from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import Place, Tree, marker_in_body, tree_of
 from derive.lowering.trees.motion import TreeMotion
 from derive.lowering.trees.newton_euler import newton_euler
@@ -202,3 +201,47 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.PROJECT_VELOCITY: project_velocity,
 }
 """The functions of a tree, by their kinds."""
+
+
+def lower_trees(
+    mechanism: SpatialMechanism,
+    choice: str = "",
+    explicit: bool = False,
+    sensitivities: bool = False,
+    balanced: bool = False,
+) -> Model:
+    """The model of trees of rigid bodies in loops over their links. Raises SpecError with all that these do not have."""
+    context = TreeContext(mechanism)
+    equations = replace(
+        context.known.context.equations,
+        poses=(SpatialPose("", (), ()),),
+        weight_energy=sp.S.Zero if context.has_gravity else None,
+    )
+    functions = functions_of(equations, sensitivities, explicit, balanced)
+    kernels = tuple(FUNCTIONS[f.kind](context, f) for f in functions if f.kind in FUNCTIONS)
+    setup, constants = setup_kernel(context.known.context, kernels)
+    inputs = context.known.context.equations.inputs
+    scene = mechanism.scene
+    return Model(
+        name=scene.name,
+        doc=mechanism.doc(()),
+        frame_doc=mechanism.frame_doc(by_table=True),
+        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
+        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
+        equations=rows_for_people(mechanism),
+        parameters=(),
+        constants=constants,
+        kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
+        markers=(),
+        zeros=(),
+        vanished=(),
+        lowering="instances",
+        choice=choice,
+        multipliers=(),
+        splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
+        bodies=tuple(instance.name for instance in mechanism.instances),
+        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in inputs),
+        outputs=(),
+        eliminated=tuple(Zero(out.what, out.reason) for out in mechanism.eliminated),
+        in_space=True,
+    )
