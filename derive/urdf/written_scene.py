@@ -119,6 +119,7 @@ class _Writer:
             "",
             "[scene]",
             "gravity = [0, 0, -9.81]",
+            'coordinates = "relative"',
             "",
         ]
         tail = ["[simulation]", "duration = 1", "output = 0.01", ""]
@@ -131,13 +132,37 @@ class _Writer:
         problems = [
             Problem(f"link {body.name}", why, body.parts[0].link.line)
             for body in self.bodies[self.held :]
-            if (why := _why_no_body(body))
+            if (why := self.why_no_body(body))
         ]
         if len(self.bodies) == self.held:
             text = "nothing moves: all links are fixed to the root, and this to the ground; import it with --base free"
             problems.append(Problem("", text))
         if problems:
             raise SpecError(tuple(problems), self.source)
+
+    def why_no_body(self, body: RobotBody) -> str:
+        """The reason why a body of a scene cannot be this one; empty if it can."""
+        if not body.mass:
+            if body.joint and self.carries_mass(body):
+                return ""
+            where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
+            return (
+                f"it moves, has no mass and carries none, so that {where} singular; give it an <inertial>, or make its "
+                "joint fixed"
+            )
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor.tolist()
+        try:
+            check_tensor(tuple(map(Fraction, (xx, yy, zz, xy, xz, yz))))
+        except WrongValueError as error:
+            parts = " and what is fixed to it" if len(body.parts) > 1 else ""
+            return f"{error}; correct the <inertia> of this link{parts}"
+        return ""
+
+    def carries_mass(self, body: RobotBody) -> bool:
+        """Whether bodies behind it have mass."""
+        moved = {joint.name for joint, _ in joints_on(self.robot, body) if joint.kind is not JointKind.FLOATING}
+        behind = (other for other in self.bodies if other.joint and other.joint.name in moved)
+        return any(other.mass or self.carries_mass(other) for other in behind)
 
     def ground(self) -> Iterator[str]:
         """The markers of the ground: what the fixed root carries."""
@@ -168,12 +193,11 @@ class _Writer:
             (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
             if len(body.parts) > 1 and "," in _heavy(body):
                 yield f"# one body: {_heavy(body)}"
-            yield from [
-                f"[bodies.{name}]",
-                f"mass = {number_text(body.mass)}",
-                f"centre = {list_text(body.centre)}",
-                f"inertia = {list_text((xx, yy, zz, xy, xz, yz))}",
-            ]
+            yield f"[bodies.{name}]" + ("" if body.mass else "  # without mass of its own")
+            if body.mass:
+                yield f"mass = {number_text(body.mass)}"
+                yield f"centre = {list_text(body.centre)}"
+                yield f"inertia = {list_text((xx, yy, zz, xy, xz, yz))}"
             if body.joint is None or body.joint.kind is JointKind.FLOATING:
                 yield f"start = {self.start(body)}"
             markers = list(self.markers(body))
@@ -264,20 +288,6 @@ class _Writer:
 def _heavy(body: RobotBody) -> str:
     """The links of a body that have mass."""
     return ", ".join(printable(part.link.name) for part in body.parts if part.link.inertia)
-
-
-def _why_no_body(body: RobotBody) -> str:
-    """The reason why a body of a scene cannot be this one; empty if it can."""
-    if not body.mass:
-        where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
-        return f"it moves and has no mass, so that {where} singular; give it an <inertial>, or make its joint fixed"
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor.tolist()
-    try:
-        check_tensor(tuple(map(Fraction, (xx, yy, zz, xy, xz, yz))))
-    except WrongValueError as error:
-        parts = " and what is fixed to it" if len(body.parts) > 1 else ""
-        return f"{error}; correct the <inertia> of this link{parts}"
-    return ""
 
 
 def _frame_of_joint(joint: RobotJoint, part: LinkPart) -> str:

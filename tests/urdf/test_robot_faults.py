@@ -87,7 +87,7 @@ def test_a_joint_that_follows_itself() -> None:
 
 def test_bodies_without_mass_name_the_joint_that_is_singular() -> None:
     ((line, text),) = faults(*links("a"), '<link name="b"/>', joint("j", "a", "b"))
-    assert line == 3 and 'moves and has no mass, so that joint "j" becomes singular' in text
+    assert line == 3 and 'moves, has no mass and carries none, so that joint "j" becomes singular' in text
 
 
 def test_a_tensor_that_no_body_has() -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.mechanics.symbols import Family, Identity
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix, max_norm
@@ -111,8 +112,8 @@ def _spins(scene: SpatialScene, poses: SpatialPoses) -> Iterator[_Spin]:
         columns = np.flatnonzero(angles & np.any(poses.twists[number, 3:] != 0.0, axis=0))
         if not isinstance(of[name], SpatialRigidBody):
             continue
-        if len(columns) == 1:
-            axis = poses.twists[number, 3:, columns[0]]
+        if (own := Identity(Family.ANGLE, derivative=1, owner=name).shown) in native.velocities:
+            axis = poses.twists[number, 3:, native.velocities.index(own)]
             yield _Spin(number, axis / np.linalg.norm(axis))
         elif len(columns) == 3 and columns[0] in turning.values():
             values, vectors = np.linalg.eigh(M[np.ix_(columns, columns)])

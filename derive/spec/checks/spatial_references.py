@@ -177,14 +177,26 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, text)
 
 
+def _chosen(view: SceneData, key: str) -> object:
+    """A value of the section `scene`; None if it is not given."""
+    of_scene = view.data.get("scene")
+    return of_scene.get(key) if isinstance(of_scene, Mapping) else None
+
+
 def _weightless(view: SceneData) -> Iterator[Fault]:
     """Faults of bodies without mass or inertia whose motion no drive and no fixed joint can prescribe."""
     prescribed: set[str] = set()
     driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
     unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
+    relative = _chosen(view, "coordinates") == "relative"
+    carried: set[str] = set()
     for name, joint in view.tables["joints"].items():
+        ends = {marker.body for marker in view.pair("joints", name) or ()}
         if name in driven or joint.get("kind") == "fixed":
-            prescribed |= {marker.body for marker in view.pair("joints", name) or ()}
+            prescribed |= ends
+        if relative:
+            prescribed |= carried & ends  # one with two joints may carry mass, which the derivation finds out
+            carried |= ends
     for name, body in view.bodies.items():
         missing = [key for key in ("mass", "inertia") if key not in body]
         if view.kind(name) == "rigid" and missing and name not in prescribed and not unreadable:

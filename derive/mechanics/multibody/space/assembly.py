@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
+from derive.errors import Problem, SpecError
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.assembly import SceneAssembly
 from derive.mechanics.multibody.parameters import spatial_parameters
@@ -26,7 +27,7 @@ from derive.mechanics.multibody.space.joint_elimination import (
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.multibody.space.tree.coordinates import behind_moving_marker, root_of_tree
-from derive.mechanics.multibody.space.tree.plan import trees
+from derive.mechanics.multibody.space.tree.plan import Link, trees
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Eliminated
 from derive.spec.model.beam_pieces import in_pieces
@@ -69,9 +70,10 @@ class _SpatialAssembly(SceneAssembly):
         """Give the bodies of trees the coordinates of their joints."""
         frames: dict[str, Mapping[str, FrameMotion]] = {}
         joints = {joint.name: joint for joint in self.joints}
-        for link in trees(self.scene):
+        links = trees(self.scene)
+        self._refuse_massless(links)
+        for link in links:
             body = self.bodies[link.body]
-            self._complete(body)
             if link.joint is None:
                 (component,) = self.type_of(body).components(body, self.gravity)
                 coordinates = root_of_tree(body.name, component.body.motion)
@@ -86,6 +88,25 @@ class _SpatialAssembly(SceneAssembly):
                 self.eliminated.append(Eliminated(body.name, coordinates.reason))
             self._add(component, coordinates)
             frames[body.name] = self._motions(self.instances[body.name])
+
+    def _refuse_massless(self, links: tuple[Link, ...]) -> None:
+        """Raise SpecError for bodies without mass in trees that carry none with mass, and for roots without mass."""
+        heavy: set[str] = set()
+        problems = []
+        for link in reversed(links):
+            body = self.bodies[link.body]
+            missing = self.type_of(body).missing(body)
+            if missing and (link.joint is None or link.body not in heavy):
+                needs = f"it needs {' and '.join(missing)}"
+                if link.joint is None:
+                    text = f"{body.name} has coordinates of its own, and {needs}"
+                else:
+                    text = f"{body.name} moves and carries no mass, so that joint {link.joint.name} is singular; {needs}"
+                problems.append(Problem(f"bodies.{body.name}", text))
+            if link.joint and (link.body in heavy or not missing):
+                heavy.add(self._ends(body, link.joint)[1].body)
+        if problems:
+            raise SpecError(tuple(reversed(problems)))
 
     def _behind(
         self, body: Any, joint: SpatialJoint, component: Component, frames: Mapping[str, Mapping[str, FrameMotion]]

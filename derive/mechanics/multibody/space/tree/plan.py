@@ -20,10 +20,14 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 @dataclass(frozen=True)
 class Link:
-    """A body of a tree; joint: that which gives its coordinates, None of a root, which keeps all of them."""
+    """A body of a tree; joint: that which gives its coordinates, to the body or the ground `parent`.
+
+    A root without joint keeps all coordinates.
+    """
 
     body: str
     joint: SpatialJoint | None = None
+    parent: str = ""
 
 
 def trees(scene: SpatialScene) -> tuple[Link, ...]:
@@ -39,7 +43,8 @@ def trees(scene: SpatialScene) -> tuple[Link, ...]:
     ends = {*bodies, GROUND}
     joints = [j for j in scene.joints if {j.first.body, j.second.body} <= ends and removed_motions(j)]
     prescribed = _prescribed(joints, {drive.joint for drive in scene.drives})
-    return tuple(link for group in _groups(bodies, joints, prescribed) for link in _spanning_tree(group, joints))
+    groups = _groups(bodies, joints, prescribed)
+    return tuple(link for group in groups for link in _carried(_links(group, joints, prescribed), prescribed))
 
 
 def supported_bodies(scene: SpatialScene) -> dict[str, str]:
@@ -77,74 +82,74 @@ def _prescribed(joints: Sequence[SpatialJoint], driven: set[str]) -> dict[str, b
 
 
 def _groups(bodies: Sequence[str], joints: Sequence[SpatialJoint], prescribed: Mapping[str, bool]) -> list[list[str]]:
-    """The bodies that joints connect to each other, if some of them hang on bodies that move.
-
-    A drive that moves a body of such a group gives the body a coordinate: its drive is a constraint.
-    """
-    neighbours: dict[str, list[str]] = {body: [] for body in bodies}
+    """The bodies whose motion is not prescribed and that joints connect to each other, two or more."""
+    neighbours: dict[str, list[str]] = {body: [] for body in bodies if body not in prescribed}
     for joint in joints:
         ends = joint.first.body, joint.second.body
         for here, other in (ends, ends[::-1]):
             if here in neighbours and other in neighbours:
                 neighbours[here].append(other)
-    still = {body for body, moves in prescribed.items() if not moves}
-    result, done = [], set()
-    for body in bodies:
-        if body in done or body in prescribed:
-            continue
+    result, done = [], set[str]()
+    for body in neighbours:
         group, waiting = [], [body]
         while waiting:
-            at = waiting.pop()
-            if at in group:
-                continue
-            group.append(at)
-            waiting += [n for n in neighbours[at] if n not in prescribed]
-        done |= {*group}
-        if len(group) == 1:
-            continue
-        carriers = [b for b in bodies if b in prescribed and b not in still and _touches(b, group, neighbours, still)]
-        result.append([b for b in bodies if b in group or b in carriers])
+            if (at := waiting.pop()) not in done:
+                done.add(at)
+                group.append(at)
+                waiting += neighbours[at]
+        if len(group) > 1:
+            result.append([b for b in bodies if b in group])
     return result
 
 
-def _touches(body: str, group: Sequence[str], neighbours: Mapping[str, Sequence[str]], still: set[str]) -> bool:
-    """Whether a body that drives move is connected to a group through such bodies."""
-    seen, waiting = set(), [body]
-    while waiting:
-        at = waiting.pop()
-        if at in group:
-            return True
-        if at in seen or at in still:
-            continue
-        seen.add(at)
-        waiting += neighbours[at]
-    return False
+def _links(group: Sequence[str], joints: Sequence[SpatialJoint], prescribed: Mapping[str, bool]) -> list[Link]:
+    """The links of a group.
+
+    The mass matrix would depend on the time where a body hangs on one behind a motion that drives prescribe. The bodies
+    that these drives move are then links too, with coordinates, and the drives are constraints.
+    """
+    members = [*group]
+    while True:
+        links = _spanning_tree(members, joints)
+        parents = {link.body: link.parent for link in links if link.joint}
+        behind = {parents[of] for of in parents.values() if of in parents}
+        driven = [body for body, moves in prescribed.items() if moves and body in behind and body not in members]
+        if not driven:
+            return links
+        members = [*driven, *members]
 
 
-def _spanning_tree(group: Sequence[str], joints: Sequence[SpatialJoint]) -> list[Link]:
-    """The links of a group, from what does not move if a joint connects it, else from its first body."""
-    members = {*group}
-    own = [(n, j) for n, j in enumerate(joints) if members & {j.first.body, j.second.body}]
-    outside = {b for _, j in own for b in (j.first.body, j.second.body)} - members
-    roots = sorted(outside) or [group[0]]
-    links = [] if outside else [Link(group[0])]
-    placed, frontier = {*roots}, []
+def _carried(links: Sequence[Link], prescribed: Mapping[str, bool]) -> list[Link]:
+    """The links but for those that carry nothing and hang on what is prescribed."""
+    carriers = {link.parent for link in links}
+    return [link for link in links if link.body in carriers or (link.parent and link.parent not in prescribed)]
+
+
+def _spanning_tree(members: Sequence[str], joints: Sequence[SpatialJoint]) -> list[Link]:
+    """The links of bodies, from what is prescribed if a joint connects it, else from the first of them.
+
+    Of joints that remove equally many motions those nearer to the root come first, so that trees are not deep.
+    """
+    own = [(number, j) for number, j in enumerate(joints) if {*members} & {j.first.body, j.second.body}]
+    by_name = {joint.name: joint for _, joint in own}
+    roots = sorted({body for _, j in own for body in (j.first.body, j.second.body)} - {*members})
+    links = [] if roots else [Link(members[0])]
+    placed = {*(roots or members[:1])}
+    frontier: list[tuple[int, int, int, str, str, str]] = []
 
     def add(body: str, depth: int) -> None:
         for number, joint in own:
             ends = joint.first.body, joint.second.body
             for here, other in (ends, ends[::-1]):
                 if here == body and other in members:
-                    heappush(frontier, (-removed_motions(joint), depth, number, other, joint.name))
+                    heappush(frontier, (-removed_motions(joint), depth, number, here, other, joint.name))
 
-    by_name = {joint.name: joint for _, joint in own}
-    for root in roots:
+    for root in sorted(placed):
         add(root, 0)
     while frontier:
-        _, depth, _, other, name = heappop(frontier)
-        if other in placed:
-            continue
-        placed.add(other)
-        links.append(Link(other, by_name[name]))
-        add(other, depth + 1)
+        _, depth, _, parent, other, name = heappop(frontier)
+        if other not in placed:
+            placed.add(other)
+            links.append(Link(other, by_name[name], parent))
+            add(other, depth + 1)
     return links

@@ -64,7 +64,7 @@ def tree_body(name: str, group: str, motion: CarriedMotion, constants: Sequence[
     known = {
         (of.family, of.components): owned(c.symbol, group)
         for c in constants
-        if not c.zero and (of := identity(c.symbol)).owner == ""
+        if not c.zero and c.value != 0 and (of := identity(c.symbol)).owner == ""
     }
     moment = sp.Matrix([known.get((Family.C1, (k,)), sp.S.Zero) for k in (1, 2, 3)])
     tensor = sp.zeros(3, 3)
