@@ -56,13 +56,17 @@ def _of_links(loop: LinkLoop) -> tuple[ca.SX, list[ca.SX], list[ca.SX], list[ca.
     return mass, s, loop.vector(ORIGIN, here), loop.vector(SPEED, here), w, spun
 
 
-def rates(motion: TreeMotion) -> list[Statement]:
-    """The statements of qdot: velocities of joints and positions, and those of quaternions."""
+def rates(motion: TreeMotion, output: str = "qdot", of: str = "") -> list[Statement]:
+    """The statements of qdot: velocities of joints and positions, and those of quaternions.
+
+    of: the array of what they are subtracted from, if that is wanted.
+    """
     result: list[Statement] = []
     if motion.joints:
         loop = motion.loop("rates", motion.joints)
         place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
-        loop.store("qdot", place.at(0), motion.velocity(loop))
+        value = motion.velocity(loop)
+        loop.store(output, place.at(0), loop.element(of, place.at(0)) - value if of else value)
         result.append(loop.made())
     if motion.free:
         loop = motion.loop("free_rates", motion.free)
@@ -72,7 +76,7 @@ def rates(motion: TreeMotion) -> list[Statement]:
         turned = [-b * x - c * y - d * z, a * x - d * y + c * z, d * x + a * y - b * z, b * y - c * x + a * z]
         values = [*(motion.velocity(loop, k) for k in range(3)), *(of / 2 for of in turned)]
         for k, value in enumerate(values):
-            loop.store("qdot", place.at(k), value)
+            loop.store(output, place.at(k), loop.element(of, place.at(k)) - value if of else value)
         result.append(loop.made())
     return result
 

@@ -60,7 +60,7 @@ def applied(motion: TreeMotion, loads: RowLoads, inputs: Sequence[sp.Symbol], ro
         loop, extension, springs = _springs(motion, loads, "springs")
         damping = loop.column([of.damping for of in springs])
         k, sign = loop.column([of.stiffness for of in springs]), loop.column([Fraction(of.sign) for of in springs])
-        v = loop.element("v", loop.place("row", [of.row for of in springs]).at(0))
+        v = loop.element(motion.v[0], loop.place("row", [of.row for of in springs]).at(motion.v[1]))
         _add(loop, [of.row for of in springs], -(sign * (k * extension) + damping * v))
         result.append(loop.made())
     return result
@@ -79,7 +79,7 @@ def stored(motion: TreeMotion, loads: RowLoads) -> list[Statement]:
 def _springs(motion: TreeMotion, loads: RowLoads, name: str) -> tuple[LinkLoop, ca.SX, Sequence[RowSpring]]:
     springs = loads.springs
     loop = _loop(motion, name, [of.row for of in springs])
-    q = loop.element("q", loop.place("spring", [of.coordinate for of in springs]).at(0))
+    q = loop.element(motion.q[0], loop.place("spring", [of.coordinate for of in springs]).at(motion.q[1]))
     sign, rest = (loop.column([Fraction(getattr(of, key)) for of in springs]) for key in ("sign", "rest"))
     return loop, sign * q - rest, springs
 

@@ -7,12 +7,16 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.algebra import sp
+from derive.errors import Problem, SpecError
 from derive.ir.expressions import Number
-from derive.ir.kernel import Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.model import Model, Variable, Zero
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement
+from derive.lowering.attitude import with_attitude_check
 from derive.lowering.flat.casadi_symbols import table_name
+from derive.lowering.flat.context import Context
+from derive.lowering.flat.lower import OF_BODIES, OF_MECHANISMS
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion
@@ -21,7 +25,7 @@ from derive.lowering.instances.lower import rows_for_people, with_constants
 from derive.lowering.instances.places import Places
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
-from derive.lowering.trees import invariants, loads
+from derive.lowering.trees import invariants, joint_outputs, loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite, mass_pattern
 from derive.lowering.trees.link_loop import LinkArrays
@@ -30,6 +34,7 @@ from derive.lowering.trees.motion import TreeMotion
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.row_loads import row_loads
 from derive.mechanics import quantity
+from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
@@ -55,6 +60,7 @@ class TreeContext:
         self.coordinates = len(mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
         self.motion = TreeMotion(self.tree, LinkArrays(self.tree.links, self.places, self.constants))
+        self.outputs = joint_outputs.joint_outputs(mechanism)
         gravity, _ = quantity.gravity(mechanism.scene.gravity)
         self.has_gravity = bool(mechanism.scene.gravity)
         values = [Fraction(int(g.value.p), int(g.value.q)) for g in gravity] or [Fraction(0)] * 3
@@ -63,13 +69,22 @@ class TreeContext:
     @property
     def applied(self) -> list[Part]:
         """The section of the loads."""
-        body = loads.applied(self.motion, self.loads, self.known.context.u.symbols, len(self.rows))
+        return self.applied_at(self.motion)
+
+    def applied_at(self, motion: TreeMotion) -> list[Part]:
+        """The section of the loads for a state in other arrays."""
+        body = loads.applied(motion, self.loads, self.known.context.u.symbols, len(self.rows))
         return [("loads", "(10)", "generalised forces of loads and springs", body)]
 
     @property
     def applied_array(self) -> str:
         """The array of the generalised forces, if there are any."""
         return loads.APPLIED if self.loads.any else ""
+
+    def has(self, kind: FunctionKind) -> bool:
+        """Whether a function is in loops."""
+        is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN)
+        return kind in FUNCTIONS and (self.outputs is not None or not is_output)
 
     def counted(self, *names: str) -> dict[str, Result]:
         """Outputs with an element for each row."""
@@ -85,8 +100,8 @@ def _mass_parts(context: TreeContext) -> list[Part]:
     ]
 
 
-def _force_parts(context: TreeContext, target: tuple[str, int], given: tuple[str, int] | None = None) -> list[Part]:
-    return [*context.applied, *newton_euler(context.motion, context.gravity, target, context.applied_array, given)]
+def _force_parts(context: TreeContext) -> list[Part]:
+    return [*context.applied, *newton_euler(context.motion, context.gravity, ("h", 0), context.applied_array)]
 
 
 def mass(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -98,7 +113,7 @@ def mass(context: TreeContext, function: ModelFunction) -> Kernel:
 def force(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the forces h(t, q, v)."""
     motion = context.motion
-    parts = [motion.frames(moving=True), motion.inertias(moving=True), *_force_parts(context, ("h", 0))]
+    parts = [motion.frames(moving=True), motion.inertias(moving=True), *_force_parts(context)]
     return kernel(context, function, context.counted("h"), *parts)
 
 
@@ -110,7 +125,7 @@ def mass_force(context: TreeContext, function: ModelFunction) -> Kernel:
         motion.frames(moving=True, placed=True, in_tree=True),
         motion.inertias(moving=True),
         *composite(motion, shape),
-        *_force_parts(context, ("h", 0)),
+        *_force_parts(context),
     ]
     return kernel(context, function, {"M": Result(pattern=shape), **context.counted("h")}, *parts)
 
@@ -184,6 +199,47 @@ _nothing = {"r": whole("r", 0, "prescribed change of gdot")}
 
 
 
+def residual(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of [qdot - v; M vdot + h]: all forms are one without constraints."""
+    count, size = context.coordinates, context.coordinates + len(context.rows)
+    motion = replace(context.motion, q=("y", 0), v=("y", count))
+    parts = [
+        ("rates", "(1)", "qdot - v", invariants.rates(motion, "F", "ydot")),
+        motion.frames(moving=True),
+        motion.inertias(moving=True),
+        *context.applied_at(motion),
+        *newton_euler(motion, context.gravity, ("F", count), context.applied_array, ("ydot", count)),
+    ]
+    results = {"F": Result(("coordinates and rows",), count=size)}
+    inputs = {"y": whole("y", size, "state [q; v]"), "ydot": whole("ydot", size, "time derivative of y")}
+    return kernel(context, function, results, *parts, inputs=inputs)
+
+
+def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the outputs."""
+    body = [*joint_outputs.values(context.motion, context.outputs)]
+    results = {"out": Result(("output by output",), count=len(context.outputs))}
+    section = "outputs", "", "motions of joints and their rates", body
+    return kernel(context, function, results, section, inputs=_reactions(context))
+
+
+def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
+    rows = len(context.rows)
+    sizes = (context.coordinates, rows, rows, 0, len(context.known.context.u.symbols))
+    shape = joint_outputs.jacobian_pattern(context.outputs, sizes)
+    body = joint_outputs.derivatives(context.motion, context.outputs, shape)
+    section = "jacobian", "", "derivatives of the outputs", body
+    return kernel(context, function, {"jac": Result(pattern=shape)}, section, inputs=_reactions(context))
+
+
+def _reactions(context: TreeContext) -> dict[str, Argument]:
+    return {
+        "vdot": whole("vdot", len(context.rows), "accelerations, as from solve"),
+        "lam": whole("lam", 0, "constraint reactions, as from solve"),
+    }
+
+
 FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: mass,
     FunctionKind.FORCE: force,
@@ -199,8 +255,39 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.CONSTRAINT_JACOBIAN: nothing,
     FunctionKind.CONSTRAINT_BIAS: nothing,
     FunctionKind.PROJECT_VELOCITY: project_velocity,
+    FunctionKind.OUTPUTS: outputs,
+    FunctionKind.OUTPUTS_JACOBIAN: outputs_jacobian,
+    FunctionKind.RESIDUAL: residual,
 }
 """The functions of a tree, by their kinds."""
+
+
+MOST_UNROLLED = 20
+"""The largest number of rows for which functions without loops are straight-line code."""
+
+
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives and no functions of markers"
+
+
+def _equations(context: TreeContext) -> tuple[Equations, Context | None]:
+    """What the table of functions asks for, and the context of straight-line code for functions without loops.
+
+    Raises SpecError for outputs that neither has.
+    """
+    mechanism = context.mechanism
+    if len(context.rows) <= MOST_UNROLLED:
+        equations = mechanism.expanded()
+        return equations, Context(equations)
+    if context.outputs is None:
+        text = f"loops in relative coordinates of more than {MOST_UNROLLED} velocities have motions of joints alone"
+        others = [output.name for output in mechanism.scene.outputs if output.kind not in joint_outputs.KINDS]
+        raise SpecError(tuple(Problem(f"outputs.{name}", f'{text}: write lowering = "flat"') for name in others))
+    return replace(
+        context.known.context.equations,
+        poses=(SpatialPose("", (), ()),),
+        weight_energy=sp.S.Zero if context.has_gravity else None,
+        outputs=tuple(of.equation for of in context.outputs),
+    ), None
 
 
 def lower_trees(
@@ -212,16 +299,20 @@ def lower_trees(
 ) -> Model:
     """The model of trees of rigid bodies in loops over their links. Raises SpecError with all that these do not have."""
     context = TreeContext(mechanism)
-    equations = replace(
-        context.known.context.equations,
-        poses=(SpatialPose("", (), ()),),
-        weight_energy=sp.S.Zero if context.has_gravity else None,
-    )
-    functions = functions_of(equations, sensitivities, explicit, balanced)
-    kernels = tuple(FUNCTIONS[f.kind](context, f) for f in functions if f.kind in FUNCTIONS)
+    equations, others = _equations(context)
+    kernels: list[Kernel] = []
+    if others is None:
+        choice, explicit = f"{choice}; {WITHOUT}", True
+        if sensitivities or balanced:
+            raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
+    for function in functions_of(equations, sensitivities, explicit):
+        if context.has(function.kind):
+            kernels.append(FUNCTIONS[function.kind](context, function))
+        elif others is not None:
+            kernels.append(with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations))
     setup, constants = setup_kernel(context.known.context, kernels)
-    inputs = context.known.context.equations.inputs
     scene = mechanism.scene
+    inputs = context.known.context.equations.inputs
     return Model(
         name=scene.name,
         doc=mechanism.doc(()),
@@ -232,7 +323,7 @@ def lower_trees(
         parameters=(),
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=(),
+        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers),
         zeros=(),
         vanished=(),
         lowering="instances",
@@ -241,7 +332,7 @@ def lower_trees(
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
         inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in inputs),
-        outputs=(),
+        outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         eliminated=tuple(Zero(out.what, out.reason) for out in mechanism.eliminated),
         in_space=True,
     )

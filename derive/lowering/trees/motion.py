@@ -16,7 +16,7 @@ from functools import cached_property
 import casadi as ca
 
 from derive.ir.expressions import Element, Number
-from derive.ir.indices import constant
+from derive.ir.indices import ElementIndex, constant
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.attitude import ZERO_QUATERNION
 from derive.lowering.instances.loop_code.context import Part
@@ -45,10 +45,12 @@ ORIGIN, SPEED = "origin", "speed"
 
 @dataclass(frozen=True)
 class TreeMotion:
-    """The loops of the motion of a tree."""
+    """The loops of the motion of a tree; q, v: the arrays of coordinates and velocities, and where these begin there."""
 
     tree: Tree
     arrays: LinkArrays
+    q: tuple[str, int] = ("q", 0)
+    v: tuple[str, int] = ("v", 0)
 
     @cached_property
     def joints(self) -> list[int]:
@@ -81,13 +83,13 @@ class TreeMotion:
     def coordinate(self, loop: LinkLoop, k: int = 0) -> ca.SX:
         """A coordinate of each link."""
         place = loop.place("coordinate", [self.tree.links[n].coordinate for n in loop.links])
-        return loop.element("q", place.at(k))
+        return loop.element(self.q[0], place.at(k + self.q[1]))
 
     def velocity(self, loop: LinkLoop, k: int = 0) -> ca.SX:
         """A velocity of each link."""
-        return loop.element("v", self.row(loop, k))
+        return loop.element(self.v[0], self.row(loop, k + self.v[1]))
 
-    def row(self, loop: LinkLoop, k: int = 0):
+    def row(self, loop: LinkLoop, k: int = 0) -> ElementIndex:
         """The index of a row of each link."""
         return loop.place("row", [self.tree.links[n].row for n in loop.links]).at(k)
 

@@ -54,11 +54,11 @@ def row_loads(mechanism: SpatialMechanism) -> RowLoads:
     for action in mechanism.forces:
         joint, freedom = _joint(mechanism, action)
         assert joint is not None
-        row, coordinate = _place(mechanism, joint, freedom)
+        row, coordinate = place_in(mechanism, joint, freedom)
         element = action.element
         if isinstance(element, SpatialSpring):
             along = 1 if element.first == joint.joint.first else -1
-            k, d, rest = (number(action.values[key]) for key in ("stiffness", "damping", "rest"))
+            k, d, rest = _spring(action)
             springs.append(RowSpring(row, coordinate, along * joint.sign, k, d, rest))
         else:
             loads.append(RowLoad(row, joint.sign, sp.sympify(action.values["value"]), element.name))
@@ -69,9 +69,16 @@ def refused_actions(mechanism: SpatialMechanism) -> Iterator[str]:
     """Yield the names of actions that loops along trees do not have."""
     for action in mechanism.forces:
         joint, freedom = _joint(mechanism, action)
-        values = action.values.values() if isinstance(action.element, SpatialSpring) else ()
-        if joint is None or _motion(joint, freedom) is None or not all(sp.sympify(v).is_Rational for v in values):
+        if joint is None or _motion(joint, freedom) is None:
             yield action.element.name
+
+
+def _spring(action: SpatialActionInstance) -> tuple[Fraction, Fraction, Fraction]:
+    """The stiffness and the damping of a spring along or about the axis of its joint, and where it is at rest."""
+    k, d = action.values["stiffness"], action.values["damping"]
+    if isinstance(k, sp.MatrixBase):
+        return number(k[2, 2]), number(d[2, 2]), Fraction(0)
+    return number(k), number(d), number(action.values["rest"])
 
 
 def _joint(
@@ -83,8 +90,13 @@ def _joint(
         joint = mechanism.joints_by_name[element.joint]
         freedom = Freedom.ROTATION if isinstance(element, SpatialJointTorque) else Freedom.DISPLACEMENT
         return (joint if isinstance(joint, SpatialEliminatedJoint) else None), freedom
-    joint = mechanism.joint_of(action) if isinstance(element, SpatialSpring) and element.kind == "rotational" else None
-    return (joint if isinstance(joint, SpatialEliminatedJoint) else None), Freedom.ROTATION
+    joint = mechanism.joint_of(action) if isinstance(element, SpatialSpring) else None
+    if not isinstance(joint, SpatialEliminatedJoint):
+        return None, Freedom.ROTATION
+    slides = joint.type.free(joint.joint) == ("z",)
+    if element.kind == ("bushing" if slides else "rotational"):
+        return joint, Freedom.DISPLACEMENT if slides else Freedom.ROTATION
+    return None, Freedom.ROTATION
 
 
 def _motion(joint: SpatialEliminatedJoint, freedom: Freedom) -> str | None:
@@ -96,7 +108,7 @@ def _motion(joint: SpatialEliminatedJoint, freedom: Freedom) -> str | None:
     return motion if leaves and motion in (joint.type.free(joint.joint) or ()) else None
 
 
-def _place(mechanism: SpatialMechanism, joint: SpatialEliminatedJoint, freedom: Freedom) -> tuple[int, int]:
+def place_in(mechanism: SpatialMechanism, joint: SpatialEliminatedJoint, freedom: Freedom) -> tuple[int, int]:
     """The indices of the row and of the coordinate of a joint about or along z."""
     of = mechanism.instances_by_name[joint.own.body].coordinates
     rows = of.carried.own_rows if of.carried else of.rows
