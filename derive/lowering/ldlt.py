@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import casadi as ca
 
@@ -11,6 +12,9 @@ from derive.lowering.elimination_orders import elimination_order, fill_in
 from derive.lowering.flat.graph import LoweringError
 
 Entries = dict[tuple[int, int], ca.SX]
+
+VANISHING = Fraction(1, 2**44)
+"""A pivot counts as zero below this fraction of its diagonal entry, because rounding errors are of that size."""
 
 
 @dataclass(frozen=True)

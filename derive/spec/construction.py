@@ -351,7 +351,7 @@ def spatial_scene(
         start: "equilibrium", "steady", or None for the initial values of bodies and joints.
         lowering: "flat", "instances" or, by default, "auto".
         redundant: "auto", "resolve" or "error", the treatment of redundant joints.
-        coordinates: "absolute" or "relative", those of rigid bodies that joints connect to bodies that move.
+        coordinates: "auto", "relative" or "absolute", those of rigid bodies that joints connect to bodies that move.
         bodies: rigid bodies with their tensors of inertia, and finite-element bodies.
         joints: such as {"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.left"]}}, about z of the first.
         drives: prescribed motions of joints.

@@ -11,14 +11,14 @@ from derive.algebra import sp
 from derive.ir.expressions import ScalarRef
 from derive.ir.kernel import Kernel
 from derive.ir.statements import Requirement, ReturnCode
-from derive.lowering.flat.body_functions import VANISHING, pivot_checks
+from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constant_elimination import ReducedSystem, reduced_system
 from derive.lowering.flat.context import Context, define, stores
 from derive.lowering.flat.polynomial_code import Label, PolynomialCode, Signed
 from derive.lowering.flat.polynomials import Coefficient, rational
 from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
-from derive.lowering.ldlt import factorise, solve
+from derive.lowering.ldlt import VANISHING, factorise, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import ModelConstant, rotation_symbols

@@ -14,12 +14,10 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.quadratic_inertia import quadratic_inertias
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
-from derive.lowering.ldlt import Factorisation
+from derive.lowering.flat.trees.tree_dynamics import force_values
+from derive.lowering.ldlt import VANISHING, Factorisation
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import state_rate
-
-VANISHING = Fraction(1, 2**44)
-"""A pivot counts as zero below this fraction of its diagonal entry, because rounding errors are of that size."""
 
 
 def mass(context: Context, function: ModelFunction) -> Kernel:
@@ -40,11 +38,11 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of M and h together."""
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
-    entries, forces = context.mass_pattern().entries, context.force_rows
+    entries, forces = context.mass_pattern().entries, force_values(context, symbols)
     steps = []
     # From the last row to the first: the last rows are cheap, and compilers keep their values in registers.
     for row in reversed(range(len(context.rows))):
-        h = OutputValue("h", row, symbols(forces[row]))
+        h = OutputValue("h", row, forces[row])
         numbered = [(index, entry) for index, entry in enumerate(entries) if entry[1] == row]
         column = (OutputValue("M", index, symbols(context.equations.mass[entry])) for index, entry in numbered)
         text = f"force and column of M of {context.rows[row]}"
@@ -218,5 +216,5 @@ def _mass_step(context: Context, symbols: Symbols) -> Step:
 
 def _force_step(context: Context, symbols: Symbols) -> Step:
     """The step that computes h."""
-    values = [symbols(h) for h in context.force_rows]
+    values = force_values(context, symbols)
     return Step("h", "(15)", "centrifugal, Coriolis and elastic terms", stores("h", values))

@@ -6,6 +6,7 @@ CasADi finds the common sub-expressions; numbers, which it holds as doubles, bec
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
@@ -38,25 +39,60 @@ UNARY = {
 }
 
 
-def read_expressions(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
-    """The nodes of CasADi scalars, which are added to the graph and share sub-expressions. Raises LoweringError."""
+def read_expressions(
+    graph: Graph, symbols: Symbols, outputs: list[ca.SX], also: Mapping[int, Sequence[int]] | None = None
+) -> list[int | None]:
+    """The nodes of CasADi scalars, which are added to the graph and share sub-expressions. Raises LoweringError.
+
+    also: the outputs that are read only if others need them, each with the outputs that are needed with it; None is the
+    node of those that are not.
+    """
+    also = also or {}
     column = ca.vertcat(*outputs) if outputs else ca.SX(0, 1)
     options = {"cse": True, "live_variables": False}
     function = ca.Function("kernel", [ca.vertcat(*symbols.inputs)], [ca.densify(column)], options)
-    work: list[int] = []  # without live variables, each value has a place of its own, in the order of the instructions
-    result = [0] * len(outputs)
+    # Without live variables, each value has a place of its own, in the order of the instructions.
+    read: list[tuple[int, int, Sequence[int]]] = []
+    places: dict[int, int] = {}
     for k in range(function.n_instructions()):
         operation = function.instruction_id(k)
+        inputs = () if operation == ca.OP_CONST else function.instruction_input(k)
         if operation == ca.OP_OUTPUT:
-            (value,) = function.instruction_input(k)
-            result[function.instruction_output(k)[1]] = graph.settled(work[value])
-        elif operation == ca.OP_INPUT:
-            work.append(graph.leaf(symbols.leaves[function.instruction_input(k)[1]]))
-        elif operation == ca.OP_CONST:
-            work.append(graph.number(_integer(function.instruction_constant(k))))
+            places[function.instruction_output(k)[1]] = inputs[0]
         else:
-            work.append(_operation(graph, operation, [work[i] for i in function.instruction_input(k)]))
-    return result
+            read.append((k, operation, inputs))
+    needed = _needed(read, places, also)
+    work = [0] * len(read)
+    for place, (k, operation, inputs) in enumerate(read):
+        if not needed[place]:
+            continue
+        if operation == ca.OP_INPUT:
+            work[place] = graph.leaf(symbols.leaves[inputs[1]])
+        elif operation == ca.OP_CONST:
+            work[place] = graph.number(_integer(function.instruction_constant(k)))
+        else:
+            work[place] = _operation(graph, operation, [work[i] for i in inputs])
+    return [graph.settled(work[p]) if needed[p] else None for _, p in sorted(places.items())]
+
+
+def _needed(
+    read: Sequence[tuple[int, int, Sequence[int]]], places: Mapping[int, int], also: Mapping[int, Sequence[int]]
+) -> list[bool]:
+    """Whether each value of a function is needed; `also` as for `read_expressions`."""
+    needed = [False] * len(read)
+
+    def need(outputs: Iterable[int]) -> None:
+        waiting = [places[output] for output in outputs]
+        while waiting:
+            place = waiting.pop()
+            if not needed[place]:
+                needed[place] = True
+                _, operation, inputs = read[place]
+                waiting += () if operation == ca.OP_INPUT else inputs
+
+    need(output for output in places if output not in also)
+    need(other for output, others in also.items() if needed[places[output]] for other in others)
+    return needed
 
 
 def _operation(graph: Graph, operation: int, args: list[int]) -> int:

@@ -20,7 +20,7 @@ from typing import TypeAlias
 from sympy.polys.matrices import DomainMatrix
 
 from derive.algebra import sp
-from derive.lowering.flat.body_functions import VANISHING
+from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.polynomials import Coefficient, NotPolynomialError, Polynomial, StatePolynomials, rational
 from derive.mechanics.equations import Equations
 

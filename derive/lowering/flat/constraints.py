@@ -24,6 +24,7 @@ from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.joint_turns import JointTurns, axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
+from derive.lowering.flat.trees.tree_dynamics import TreeDynamics, force_values, tree_dynamics
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
@@ -88,17 +89,47 @@ def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
 
 def accelerations_and_multipliers(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot and lambda."""
-    symbols = context.symbols(context.t, context.q, context.v)
-    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
     outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
-    return by_factors(context, function, outputs, symbols, right)
+    return _solved(context, function, outputs)
 
 
 def accelerations(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
+    return _solved(context, function, {"vdot": OutputElements(context.accelerations)})
+
+
+def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, OutputElements]) -> Kernel:
     symbols = context.symbols(context.t, context.q, context.v)
-    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
-    return by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
+    tree = tree_dynamics(context, symbols)
+    if tree and len(tree.rows) == len(context.rows) and not context.multipliers:
+        return _by_articulated_bodies(context, function, outputs, symbols, tree)
+    right = [-h for h in force_values(context, symbols)] + [-gamma for gamma in _bias(context, symbols)]
+    return by_factors(context, function, outputs, symbols, right)
+
+
+def _by_articulated_bodies(
+    context: Context,
+    function: ModelFunction,
+    outputs: Mapping[str, OutputElements],
+    symbols: Symbols,
+    tree: TreeDynamics,
+) -> Kernel:
+    """A kernel of the accelerations of trees alone, without M."""
+    solution, names = tree.accelerations(), context.rows
+    order = list(tree.in_order())
+    pivots = tuple(NamedValue(f"pivot_{names[row]}", tree.bodies.eliminated[row].pivot) for row in order)
+    present = [value for value in solution if not value.is_zero()]
+    finite = RequiredValue(Requirement.FINITE, balanced(present), ReturnCode.NOT_FINITE, "a result is not finite")
+    return context.kernel(
+        function,
+        outputs,
+        symbols,
+        Step(
+            "pivots", Source.FACTORISATION, f"articulated bodies: free {', '.join(names[row] for row in order)}", pivots
+        ),
+        Step("solution", Source.FACTORISATION, "accelerations from the root to the leaves", stores("vdot", solution)),
+        Step("check", "", "check the pivots and that the result is finite", (*tree.pivot_checks(), finite)),
+    )
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:

@@ -146,15 +146,16 @@ class Context:
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:
         """A step for each section of definitions that have a value in `symbols`, in the order of the derivation."""
         sections: dict[str, list[Intermediate]] = {}
+        values = symbols.values
         for d in self.equations.definitions:
-            if d.symbol in symbols.values and not d.zero:
+            if d.symbol in values and not d.zero:
                 sections.setdefault(d.section, []).append(d)
         return tuple(
             Step(
                 name,
                 group[0].equation,
                 "; ".join(_abbreviated(group)),
-                (*define(symbols, tuple(group)), *_divisors(symbols, group)),
+                (*(NamedValue(d.symbol.name, values[d.symbol]) for d in group), *_divisors(symbols, group)),
             )
             for name, group in sections.items()
         )
@@ -197,7 +198,7 @@ def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[Nam
     result = []
     for d in definitions:
         if d.needs <= symbols.values.keys():
-            result.append(NamedValue(str(d.symbol), symbols.define(d.symbol, d.expr)))
+            result.append(NamedValue(d.symbol.name, symbols.define(d.symbol, d.expr)))
     return tuple(result)
 
 
@@ -205,7 +206,7 @@ def _divisors(symbols: Symbols, definitions: Iterable[Intermediate]) -> Iterator
     """The checks that the divisors in definitions are positive."""
     for d in definitions:
         if d.divisor is not None:
-            value, needed_by = symbols.values[d.divisor], str(d.symbol)
+            value, needed_by = symbols.values[d.divisor], d.symbol.name
             yield RequiredValue(Requirement.POSITIVE, value, ReturnCode.NOT_FINITE, d.divisor_text, needed_by)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule
-from derive.lowering.flat.body_functions import VANISHING
+from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue

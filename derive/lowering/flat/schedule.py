@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count
@@ -92,8 +92,9 @@ def schedule(
     constants alone move to setup; LoweringError is raised if a constant cannot meet its requirement.
     """
     every = (*definitions, *steps)
-    nodes = iter(read_expressions(graph, symbols, [item.value for step in every for item in step.items]))
-    located = [(step, [(item, next(nodes)) for item in step.items]) for step in every]
+    items = [item for step in every for item in step.items]
+    nodes = iter(read_expressions(graph, symbols, [item.value for item in items], _if_needed(items)))
+    located = [(step, [(item, node) for item in step.items if (node := next(nodes)) is not None]) for step in every]
     results = [node for _, items in located for item, node in items if _is_result(item)]
     needed = _uses(graph, results)
     for _, items in located:
@@ -111,6 +112,16 @@ def schedule(
     ordered = _in_order_of_use(graph, located[: len(definitions)], located[len(definitions) :])
     sections = (Section(step.name, step.equation, step.doc, writer.body(items)) for step, items in ordered)
     return tuple(section for section in sections if section.body)
+
+
+def _if_needed(items: Sequence[StepItem]) -> dict[int, list[int]]:
+    """The numbers of items that a kernel computes only if others need them, with those of their requirements."""
+    also: dict[int, list[int]] = {n: [] for n, item in enumerate(items) if not _is_result(item)}
+    named = {item.name: n for n, item in enumerate(items) if isinstance(item, NamedValue)}
+    for n, item in enumerate(items):
+        if isinstance(item, RequiredValue) and item.needed_by in named:
+            also[named[item.needed_by]].append(n)
+    return also
 
 
 def _is_result(item: StepItem) -> bool:

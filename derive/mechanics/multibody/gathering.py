@@ -323,7 +323,9 @@ def depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix,
     return any(symbols & moving for symbols in every)
 
 
-def markers_of_scene(bodies: Iterable[InstanceEquations], rows: Sequence[EquationOfMotion]) -> Iterator[MarkerEquations]:
+def markers_of_scene(
+    bodies: Iterable[InstanceEquations], rows: Sequence[EquationOfMotion]
+) -> Iterator[MarkerEquations]:
     """The markers of all bodies, with a column and an entry of the load for each row of the scene."""
     number = {row.name: i for i, row in enumerate(rows)}
     for body in bodies:

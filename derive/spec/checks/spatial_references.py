@@ -188,7 +188,7 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
     prescribed: set[str] = set()
     driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
     unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
-    relative = _chosen(view, "coordinates") == "relative"
+    relative = _chosen(view, "coordinates") != "absolute"
     carried: set[str] = set()
     for name, joint in view.tables["joints"].items():
         ends = {marker.body for marker in view.pair("joints", name) or ()}

@@ -187,7 +187,7 @@ class Gear:
     __repr__ = record_text
 
 
-Coordinates = Literal["absolute", "relative"]
+Coordinates = Literal["auto", "relative", "absolute"]
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 
@@ -249,13 +249,13 @@ class SpatialScene:
         Coordinates,
         key(
             KeyType.CHOICE,
-            "Coordinates of rigid bodies that joints connect to bodies that move: absolute (position and quaternion, "
-            "with the joints as constraints) or relative (those of the joints; only joints that close loops are "
-            "constraints).",
-            default="absolute",
+            "Coordinates of rigid bodies that joints connect to bodies that move: relative (those of the joints; only "
+            "joints that close loops are constraints), absolute (position and quaternion; all joints are constraints), "
+            "or auto (relative, but absolute for loops over instances and for trees of very many bodies).",
+            default="auto",
             choice_of="the coordinates of a scene",
         ),
-    ] = "absolute"
+    ] = "auto"
     _repr_html_ = html
 
     def joint_between(self, first: MarkerRef, second: MarkerRef) -> SpatialJoint | None:

@@ -101,7 +101,9 @@ class _SpatialAssembly(SceneAssembly):
                 if link.joint is None:
                     text = f"{body.name} has coordinates of its own, and {needs}"
                 else:
-                    text = f"{body.name} moves and carries no mass, so that joint {link.joint.name} is singular; {needs}"
+                    text = (
+                        f"{body.name} moves and carries no mass, so that joint {link.joint.name} is singular; {needs}"
+                    )
                 problems.append(Problem(f"bodies.{body.name}", text))
             if link.joint and (link.body in heavy or not missing):
                 heavy.add(self._ends(body, link.joint)[1].body)

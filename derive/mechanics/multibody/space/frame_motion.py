@@ -69,6 +69,7 @@ class FrameMotion:
     `displacement` that of the marker by deformation, u, in the frame of the body, and `tangent` turns the rate of the
     rotation vector of a flexible body at the marker into an angular velocity.
     `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
+    `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body.
     """
 
     definitions: tuple[Intermediate, ...]
@@ -83,6 +84,7 @@ class FrameMotion:
     tangent: sp.ImmutableMatrix = field(default_factory=fixed_axes)
     displacement: sp.ImmutableMatrix = field(default_factory=still)
     virtual: tuple[VirtualMotion, ...] = ()
+    in_body: tuple[sp.ImmutableMatrix, sp.ImmutableMatrix] | None = None
 
     @property
     def is_still(self) -> bool:

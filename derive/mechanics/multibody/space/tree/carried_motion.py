@@ -11,7 +11,7 @@ unit virtual displacement, which d'Alembert's principle needs; they follow those
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -24,8 +24,27 @@ from derive.mechanics.terms import EquationOfMotion, Intermediate
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.bodies.body_type import CrossSection
+    from derive.mechanics.multibody.space.coordinates import JointCoordinate
 
 Rows = tuple[EquationOfMotion, ...]
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """The joint that carries a body of a tree, as a motion relative to the body before it.
+
+    known: the motion of the marker that carries it. place, axes: the position (3, 1) and the axes (3, 3) of that marker
+    in the frame of its body; of the inertial frame at the root of a tree. own_axes: the axes of its own marker, which
+    is at O. motions: displacements along the axes of the known marker, then rotations, each about an axis that those
+    before it have turned. ball: whether it has its rotation against the inertial frame instead.
+    """
+
+    known: FrameMotion
+    place: sp.ImmutableMatrix
+    axes: sp.ImmutableMatrix
+    own_axes: sp.ImmutableMatrix
+    motions: tuple[JointCoordinate, ...]
+    ball: bool
 
 
 @dataclass(frozen=True)
@@ -34,7 +53,8 @@ class CarriedMotion:
 
     parent: the body that its joint connects it to; empty at the root of a tree. lever: from the origin of that body to
     O. rows: those that move the body, its own last, `own` in number; virtual: its motion by a unit virtual displacement
-    of each. acceleration, angular_acceleration: without those of the coordinates. definitions: in their order.
+    of each. acceleration, angular_acceleration: without those of the coordinates. definitions: in their order. hinge:
+    None for a body that keeps all coordinates.
     """
 
     parent: str
@@ -49,6 +69,7 @@ class CarriedMotion:
     angular_velocity: sp.ImmutableMatrix
     angular_acceleration: sp.ImmutableMatrix
     definitions: tuple[Intermediate, ...]
+    hinge: Hinge | None = field(default=None, compare=False)
 
     @property
     def own_rows(self) -> Rows:
@@ -59,6 +80,11 @@ class CarriedMotion:
     def own_virtual(self) -> tuple[VirtualMotion, ...]:
         """The motions by virtual displacements of its own rows."""
         return self.virtual[len(self.rows) - self.own :]
+
+    @property
+    def turns_with_parent(self) -> bool:
+        """Whether rows of the bodies before it turn it; they do not turn a body that keeps its quaternion."""
+        return any(entry for v in self.virtual[: len(self.rows) - self.own] for entry in v.rotation)
 
     def of_accelerations(self) -> tuple[sp.Matrix, sp.Matrix]:
         """The accelerations xddot and wdot as sums over those of the coordinates."""
@@ -126,4 +152,5 @@ def carried_frame(
         lever=lever,
         frame=of.frame,
         virtual=of.virtual,
+        in_body=(sp.ImmutableMatrix(position), sp.ImmutableMatrix(section.axes)),
     )

@@ -17,7 +17,7 @@ from derive.mechanics.multibody.space.coordinates import (
     rotation_about,
 )
 from derive.mechanics.multibody.space.frame_motion import AXES, VirtualMotion, still
-from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Rows, TreeDefinitions, summed
+from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Hinge, Rows, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, Identity, owned
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def root_of_tree(name: str, motion: Motion) -> CoordinateMap:
         definitions=tuple(define.made),
     )
     values = {**free.values, **_inertial_spin(w)}
-    return replace(free, values=values, carried=carried)
+    return replace(free, values=values, weights=tuple({} for _ in free.rows), carried=carried)
 
 
 def behind_moving_marker(
@@ -141,6 +141,7 @@ def behind_moving_marker(
         angular_velocity=w,
         angular_acceleration=sp.ImmutableMatrix(alpha),
         definitions=(),
+        hinge=_hinge(known, own_axes, (*translations, *rotations), ball),
     )
     values = _values(motion, carried)
     values |= {s: free.values[s] for s in free.values if s not in values} if ball else _spins(motion, carried, define)
@@ -155,6 +156,11 @@ def behind_moving_marker(
         None if ball else Q,
         carried,
     )
+
+
+def _hinge(known: FrameMotion, own_axes: sp.ImmutableMatrix, motions: tuple[JointCoordinate, ...], ball: bool) -> Hinge:
+    place, axes = known.in_body or (known.position, known.axes)
+    return Hinge(known, place, axes, own_axes, motions, ball)
 
 
 def _own_frame(name: str, motion: Motion) -> sp.ImmutableMatrix:
@@ -191,9 +197,7 @@ def _attitude(
     axes: dict[str, sp.ImmutableMatrix] = {}
     turned, named = A, TreeDefinitions(name)
     for c in rotations:
-        axes[c.motion] = named.vector(
-            Family.JOINT_AXIS, turned[:, AXES_OF[c.motion]], "axis of its joint", c.motion
-        )
+        axes[c.motion] = named.vector(Family.JOINT_AXIS, turned[:, AXES_OF[c.motion]], "axis of its joint", c.motion)
         turned = product(turned, rotation_about(name, c, definitions))
         if c is not rotations[-1]:
             turned = sp.Matrix(
@@ -227,9 +231,7 @@ def _turning(
         w.append(rate)
     return (
         define.vector(Family.INERTIAL_OMEGA, summed(w), "angular velocity in the inertial frame"),
-        define.vector(
-            Family.ANGULAR_BIAS, summed(alpha), "angular acceleration without those of the coordinates"
-        ),
+        define.vector(Family.ANGULAR_BIAS, summed(alpha), "angular acceleration without those of the coordinates"),
     )
 
 

@@ -18,6 +18,10 @@ from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 
+MOST_BODIES = 60
+"""The largest number of bodies in trees that have relative coordinates if the specification leaves the choice."""
+
+
 @dataclass(frozen=True)
 class Link:
     """A body of a tree; joint: that which gives its coordinates, to the body or the ground `parent`.
@@ -36,8 +40,13 @@ def trees(scene: SpatialScene) -> tuple[Link, ...]:
     Bodies that hang on the ground or on prescribed motions alone are not among them, nor are any if the coordinates of
     the scene are absolute.
     """
-    if scene.coordinates == "absolute":
+    if scene.coordinates == "absolute" or (scene.coordinates == "auto" and scene.lowering == "instances"):
         return ()
+    links = _trees(scene)
+    return links if scene.coordinates == "relative" or len(links) <= MOST_BODIES else ()
+
+
+def _trees(scene: SpatialScene) -> tuple[Link, ...]:
     rigid = (body for body in scene.bodies if isinstance(body, SpatialRigidBody))
     bodies = [body.name for body in rigid if body.markers and not body.keep_coordinates]
     ends = {*bodies, GROUND}

@@ -39,6 +39,14 @@ class Inertia:
         angular = summed([cross(self.moment, v.translation), product(self.tensor, sp.Matrix(v.rotation))])
         return linear, angular
 
+    def carried(self, motion: CarriedMotion) -> Inertia:
+        """What the body before it carries: a mass at the point, if this does not turn with that body."""
+        return self if motion.turns_with_parent else Inertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
+
+
+INERTIAL = "(15)"
+"""The equation of all terms of a tree; those of loads on its bodies have another one."""
+
 
 @dataclass(frozen=True)
 class TreeEquations:
@@ -104,7 +112,7 @@ class _Recursions:
         rows = {row.name: row for body in self.bodies for row in body.motion.own_rows}
         for name, of in factors.items():
             inertial = sp.Add(*(factor * rows[other].a for other, factor in of.items()))
-            terms.append(Term(name, "inertia", "(15)", inertial))
+            terms.append(Term(name, "inertia", INERTIAL, inertial))
         for body in self.bodies:
             f, n = forces[body.name]
             for row, v in zip(body.motion.own_rows, body.motion.own_virtual, strict=True):
@@ -127,7 +135,7 @@ class _Recursions:
         define = TreeDefinitions(body.name, f"{body.name} composite")
         moments, tensors = [own.moment], [own.tensor]
         for child in behind:
-            part, r = of[child.name], sp.Matrix(child.motion.lever)
+            part, r = of[child.name].carried(child.motion), sp.Matrix(child.motion.lever)
             moved = define.vector(
                 Family.COMPOSITE_MOMENT, summed([part.moment, r * part.mass]), f"first moment behind {child.name}",
                 child.name,
@@ -161,7 +169,7 @@ class _Recursions:
         for child in self.children[body.name]:
             f_child, n_child = of[child.name]
             forces.append(f_child)
-            torques += [n_child, cross(child.motion.lever, f_child)]
+            torques += [*([n_child] * child.motion.turns_with_parent), cross(child.motion.lever, f_child)]
         if len(forces) > 1:
             f = define.vector(Family.FORCE_BEHIND, summed(forces), "force with that behind it")
             n = define.vector(Family.TORQUE_BEHIND, summed(torques), "torque with that behind it")
@@ -194,9 +202,12 @@ class _Recursions:
         self, row: EquationOfMotion, v: VirtualMotion, f: sp.Matrix, n: sp.Matrix, composite: Inertia
     ) -> Iterator[Term]:
         """The terms of a row besides those with accelerations of coordinates."""
-        yield Term(row.name, "centrifugal and Coriolis", "(15)", sp.Add(dot(v.translation, f), dot(v.rotation, n)))
-        weight = [dot(v.translation, self.gravity) * composite.mass, dot(v.rotation, cross(composite.moment, self.gravity))]
-        yield Term(row.name, "gravity", "(15)", -sp.Add(*weight))
+        yield Term(row.name, "centrifugal and Coriolis", INERTIAL, sp.Add(dot(v.translation, f), dot(v.rotation, n)))
+        weight = [
+            dot(v.translation, self.gravity) * composite.mass,
+            dot(v.rotation, cross(composite.moment, self.gravity)),
+        ]
+        yield Term(row.name, "gravity", INERTIAL, -sp.Add(*weight))
 
 
 def _named_cross(define: TreeDefinitions, w: sp.Matrix, moment: sp.Matrix) -> sp.Matrix:

@@ -1,0 +1,144 @@
+"""Recursions along links: the forces that a motion needs (Newton and Euler), and accelerations (articulated bodies).
+
+The second solves M x = b without M. From the leaves to the root, each link gets the inertia that the bodies behind it
+have for what carries them, in which the degrees of freedom behind are free: a block of LDL^T for each joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
+from derive.lowering.flat.trees.links import Link
+from derive.lowering.flat.trees.spatial_vectors import NEXT, ZERO, SpatialInertia, Vector, cross, null, plus, times
+from derive.lowering.flat.trees.steps import NO_WRENCH, Eliminated, Freedom, Motion, Wrench, eliminate
+
+Wrenches = Sequence[Wrench]
+
+
+def motions(links: Sequence[Link], accelerations: Mapping[int, ca.SX]) -> list[Motion]:
+    """The motions of all links; accelerations: of the rows that have one."""
+    result: list[Motion] = []
+    for link in links:
+        m = link.base if link.parent < 0 else result[link.parent]
+        for step in link.steps:
+            m = step.motion(m, accelerations.get(step.row, ZERO)) if isinstance(step, Freedom) else step.motion(m)
+        result.append(m)
+    return result
+
+
+def needed(link: Link, m: Motion) -> Wrench:
+    """The wrench that the motion of a link needs: int (a + S X) and int X x (a + S X) over its mass."""
+    S, half = m.of_points, link.half_trace
+    second = [[subtracted(half, x) if i == j else -x for j, x in enumerate(row)] for i, row in enumerate(link.tensor)]
+    force = plus([multiplied(link.mass, x) for x in m.linear], times(S, link.moment))
+    torque = cross(link.moment, m.linear)
+    for k, (i, j) in enumerate(NEXT):
+        unequal = subtracted(S[j][j], S[i][i])
+        parts = (
+            subtracted(multiplied(S[j][i], second[i][i]), multiplied(S[i][j], second[j][j])),
+            multiplied(unequal, second[i][j]),
+            subtracted(multiplied(S[j][k], second[k][i]), multiplied(S[i][k], second[k][j])),
+        )
+        for part in parts:
+            torque[k] = added(torque[k], part)
+    return Wrench(force, torque)
+
+
+def forces(links: Sequence[Link], wrenches: Wrenches) -> dict[int, ca.SX]:
+    """The generalised forces of wrenches on all links, by row."""
+    behind, result = [*wrenches], dict[int, ca.SX]()
+    for n in reversed(range(len(links))):
+        w = behind[n]
+        for step in reversed(links[n].steps):
+            if isinstance(step, Freedom):
+                result[step.row] = step.force(w)
+            else:
+                w = step.wrench(w)
+        if links[n].parent >= 0:
+            behind[links[n].parent] = behind[links[n].parent] + w
+    return result
+
+
+@dataclass(frozen=True)
+class ArticulatedBodies:
+    """The factors of M along links: each degree of freedom as eliminated, by row."""
+
+    links: Sequence[Link]
+    eliminated: Mapping[int, Eliminated]
+
+    def solution(self, right: Mapping[int, ca.SX], wrenches: Wrenches = ()) -> dict[int, ca.SX]:
+        """The solution x of M x = right - what the wrenches contribute to the rows."""
+        behind = [*wrenches] or [NO_WRENCH] * len(self.links)
+        free: dict[int, ca.SX] = {}
+        for n in reversed(range(len(self.links))):
+            w = behind[n]
+            for step in reversed(self.links[n].steps):
+                if isinstance(step, Freedom):
+                    w = self._released(step, w, right.get(step.row, ZERO), free)
+                else:
+                    w = step.wrench(w)
+            parent = self.links[n].parent
+            if parent >= 0:
+                behind[parent] = behind[parent] + w
+        return self._accelerations(free)
+
+    def _released(self, step: Freedom, w: Wrench, right: ca.SX, free: dict[int, ca.SX]) -> Wrench:
+        """The wrench before a degree of freedom, whose acceleration if nothing else accelerates enters `free`."""
+        of = self.eliminated[step.row]
+        rest = subtracted(right, step.force(w))
+        free[step.row] = multiplied(rest, of.inverse)
+        total = [added(x, multiplied(f, rest)) for x, f in zip([*w.force, *w.torque], of.factors, strict=True)]
+        if step.place is not None:
+            total[step.place] = right
+        return Wrench(total[:3], total[3:])
+
+    def _accelerations(self, free: Mapping[int, ca.SX]) -> dict[int, ca.SX]:
+        known: list[tuple[Vector, Vector]] = []
+        result: dict[int, ca.SX] = {}
+        for link in self.links:
+            x, y = (null(), null()) if link.parent < 0 else known[link.parent]
+            for step in link.steps:
+                if isinstance(step, Freedom):
+                    x, y, result[step.row] = self._moved(step, x, y, free[step.row])
+                else:
+                    x, y = step.accelerations(x, y)
+            known.append((x, y))
+        return result
+
+    def _moved(self, step: Freedom, x: Vector, y: Vector, free: ca.SX) -> tuple[Vector, Vector, ca.SX]:
+        """The accelerations behind a degree of freedom, and its own."""
+        of, both = self.eliminated[step.row], [*x, *y]
+        if (place := step.place) is not None:
+            total = free
+            for k, (factor, value) in enumerate(zip(of.factors, both, strict=True)):
+                if k != place:
+                    total = subtracted(total, multiplied(factor, value))
+            own = subtracted(total, both[place])
+            both[place] = total
+            return both[:3], both[3:], own
+        own = free
+        for factor, value in zip(of.factors, both, strict=True):
+            own = subtracted(own, multiplied(factor, value))
+        linear, angular = step.direction
+        moved = [added(value, multiplied(d, own)) for value, d in zip(both, [*linear, *angular], strict=True)]
+        return moved[:3], moved[3:], own
+
+
+def articulated_bodies(links: Sequence[Link]) -> ArticulatedBodies:
+    """The factors of M along links."""
+    inertias = [link.inertia for link in links]
+    eliminated: dict[int, Eliminated] = {}
+    for n in reversed(range(len(links))):
+        inertia: SpatialInertia = inertias[n]
+        for step in reversed(links[n].steps):
+            if isinstance(step, Freedom):
+                eliminated[step.row], inertia = eliminate(step, inertia)
+            else:
+                inertia = step.inertia(inertia)
+        if links[n].parent >= 0:
+            inertias[links[n].parent] = inertias[links[n].parent] + inertia
+    return ArticulatedBodies(links, eliminated)

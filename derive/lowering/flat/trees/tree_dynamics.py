@@ -1,0 +1,120 @@
+"""The equations of motion of a model by recursions along its trees, and its accelerations if it has nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from derive.algebra import sp
+from derive.ir.statements import Requirement, ReturnCode
+from derive.lowering.ldlt import VANISHING
+from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
+from derive.lowering.flat.context import Context
+from derive.lowering.flat.schedule import RequiredValue
+from derive.lowering.flat.trees.links import Link, Links
+from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies, forces, motions, needed
+from derive.lowering.flat.trees.spatial_vectors import dot
+from derive.lowering.flat.trees.steps import Freedom, Motion, Turn, Wrench
+from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.space.tree.recursions import INERTIAL
+from derive.mechanics.symbols import Family, identity
+
+
+@dataclass(frozen=True)
+class TreeDynamics:
+    """The trees of a model in the symbols of a kernel: their links, and the rows that are theirs."""
+
+    context: Context
+    symbols: Symbols
+    links: Sequence[Link]
+    rows: frozenset[int]
+
+    @cached_property
+    def still(self) -> list[Motion]:
+        """The motions without accelerations of the coordinates."""
+        return motions(self.links, {})
+
+    @property
+    def wrenches(self) -> list[Wrench]:
+        """The wrenches that the links need without accelerations of the coordinates."""
+        return [needed(link, m) for link, m in zip(self.links, self.still, strict=True)]
+
+    def applied(self, row: int) -> ca.SX:
+        """What a row of h has besides the inertia and the weight of its tree."""
+        eq = self.context.equations
+        name, at_rest = eq.rows[row].name, {of.a: sp.S.Zero for of in eq.rows}
+        others = (term.expr for term in eq.terms if term.row == name and term.equation != INERTIAL)
+        return self.symbols(sp.Add(*others).xreplace(at_rest))
+
+    def forces(self, accelerations: Sequence[ca.SX] = ()) -> dict[int, ca.SX]:
+        """The rows of h that are those of trees; those of M vdot + h with accelerations of all rows."""
+        moving = motions(self.links, dict(enumerate(accelerations))) if accelerations else self.still
+        needs = [needed(link, m) for link, m in zip(self.links, moving, strict=True)]
+        return {row: added(force, self.applied(row)) for row, force in forces(self.links, needs).items()}
+
+    @cached_property
+    def bodies(self) -> ArticulatedBodies:
+        """The factors of M."""
+        return articulated_bodies(self.links)
+
+    def accelerations(self) -> list[ca.SX]:
+        """The solution of M vdot + h = 0; all rows are those of trees."""
+        right = {row: -self.applied(row) for row in self.rows}
+        known = self.bodies.solution(right, self.wrenches)
+        return [known[row] for row in range(len(self.rows))]
+
+    def in_order(self) -> Iterator[int]:
+        """The rows in the order of their elimination."""
+        for link in reversed(self.links):
+            yield from (step.row for step in reversed(link.steps) if isinstance(step, Freedom))
+
+    def pivot_checks(self) -> Iterator[RequiredValue]:
+        """The checks that each pivot exceeds the rounding errors of the inertia behind it, whose size is a constant."""
+        margin = self.symbols.number(VANISHING)
+        masses = [link.mass for link in self.links]
+        inertias = [link.half_trace for link in self.links]
+        for n in reversed(range(len(self.links))):
+            link = self.links[n]
+            for step in reversed(link.steps):
+                if isinstance(step, Freedom):
+                    size = inertias[n] if step.turns else masses[n]
+                    above = subtracted(self.bodies.eliminated[step.row].pivot, multiplied(margin, size))
+                    text = f"the pivot of {self.context.rows[step.row]} vanished"
+                    yield RequiredValue(Requirement.POSITIVE, above, ReturnCode.PIVOT, text)
+            if link.parent >= 0:
+                moved = multiplied(masses[n], dot(link.place, link.place))
+                inertias[link.parent] = added(inertias[link.parent], added(inertias[n], moved))
+                masses[link.parent] = added(masses[link.parent], masses[n])
+
+
+def tree_dynamics(context: Context, symbols: Symbols) -> TreeDynamics | None:
+    """The trees of a model; None if there are none, or if results have to be exact beside unit quaternions."""
+    eq = context.equations
+    if not eq.trees:
+        return None
+    numbers = {name: n for n, name in enumerate(context.rows)}
+    links = Links(symbols, eq.trees, numbers, _gravity(eq)).every
+    steps = [step for link in links for step in link.steps]
+    if context.sensitivities and any(isinstance(step, Turn) and step.free for step in steps):
+        return None
+    return TreeDynamics(context, symbols, links, frozenset(step.row for step in steps if isinstance(step, Freedom)))
+
+
+def _gravity(equations: Equations) -> sp.Matrix:
+    """The acceleration of free fall (3, 1)."""
+    known = {
+        of.components: c.symbol
+        for c in equations.coefficients
+        if not c.zero and (of := identity(c.symbol)).family is Family.GRAVITY
+    }
+    return sp.Matrix([known.get((k,), sp.S.Zero) for k in (1, 2, 3)])
+
+
+def force_values(context: Context, symbols: Symbols) -> list[ca.SX]:
+    """The rows of h, by recursions where they are those of trees."""
+    tree = tree_dynamics(context, symbols)
+    known = tree.forces() if tree else {}
+    return [known[n] if n in known else symbols(h) for n, h in enumerate(context.force_rows)]
