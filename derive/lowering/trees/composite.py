@@ -31,7 +31,9 @@ FREE = 6
 def mass_pattern(motion: TreeMotion, rows: int) -> Pattern:
     """The pattern of M: pairs of rows of which one moves the other."""
     every = {(max(i, j), min(i, j)) for _, of in _pairs(motion) for i, j in of}
-    return pattern(rows, rows, every, symmetric=True)
+    firsts = [motion.tree.links[n].row for n in motion.free]
+    none = {(first + i, first + j) for first in firsts for i in range(3) for j in range(i)}
+    return pattern(rows, rows, every - none, symmetric=True)
 
 
 def _rows(motion: TreeMotion, number: int) -> range:

@@ -262,7 +262,7 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
 """The functions of a tree, by their kinds."""
 
 
-MOST_UNROLLED = 20
+MOST_UNROLLED = 12
 """The largest number of rows for which functions without loops are straight-line code."""
 
 
