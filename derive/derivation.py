@@ -301,10 +301,15 @@ def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: b
     balanced = mechanism.scene.start is not None
     looped = requested == "instances"
     choice = "looped over instances, as the specification asks" if looped else ""
-    if requested == "auto" and is_predicted(mechanism):
+    in_trees = any(of.coordinates.carried for of in mechanism.instances)
+    if requested == "auto" and in_trees and not sensitivities and not balanced:
+        from derive.lowering.trees.choice import chosen
+
+        looped, choice = chosen(mechanism, explicit)
+    elif requested == "auto" and is_predicted(mechanism):
         costs = estimate_mechanism_costs(mechanism)
         looped, choice = costs.lowering == "instances", costs.reason(requested)
-    if looped and any(of.coordinates.carried for of in mechanism.instances):
+    if looped and in_trees:
         from derive.lowering.trees.lower import lower_trees
 
         return lower_trees(mechanism, choice, explicit, sensitivities, balanced)

@@ -161,7 +161,11 @@ def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> Fil
         "stack_bytes": {kernel.name: stack_bytes(kernel) for kernel in model.kernels},
         "nonzeros": {
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},
-            **({"jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols}} if jacobian else {}),
+            **(
+                {"jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols}}
+                if jacobian
+                else {}
+            ),
         },
         **_of_scene(model),
         "files": {file.path: hashlib.sha256(file.text.encode()).hexdigest() for file in files},

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,9 @@ from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, inside
 from derive.lowering.model_functions import functions_of
+from derive.lowering.trees.choice import chosen
 from derive.lowering.trees.lower import FUNCTIONS, TreeContext
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.runtime.loading import load
 from derive.spec.toml.read import parse
 
@@ -66,6 +70,7 @@ kind = "joint_speed"
 joint = "j2"
 """
 
+
 def _body(name: str, number: int) -> str:
     return BODY.format(name=name, mass=1 + 0.3 * (number % 3), centre=0.1 + 0.01 * (number % 4))
 
@@ -95,7 +100,13 @@ def _model(text: str, explicit: bool = True) -> Model:
     return lower(derive(parse(text)), explicit=explicit)
 
 
-def _state(model: Model) -> dict[str, object]:
+def _mechanism(text: str) -> SpatialMechanism:
+    mechanism = derive(parse(text))
+    assert isinstance(mechanism, SpatialMechanism)
+    return mechanism
+
+
+def _state(model: Model) -> dict[str, Any]:
     rng = np.random.default_rng(3)
     names = [c.name for c in model.coordinates]
     q, v, u = (rng.uniform(-1, 1, len(of)) for of in (names, model.velocities, model.inputs))
@@ -147,7 +158,7 @@ def test_statements_do_not_grow_with_the_number_of_links() -> None:
 
 def _statements(count: int) -> list[int]:
     """The statements of the accelerations, the mass matrix and the forces of a chain."""
-    context = TreeContext(derive(parse(_chain(count))))
+    context = TreeContext(_mechanism(_chain(count)))
     known = (f for f in functions_of(context.known.context.equations) if f.name in ("accel", "mass", "force"))
     kernels = [FUNCTIONS[function.kind](context, function) for function in known]
     return [len(k.statements) + sum(len([*inside(s)]) for s in k.statements if isinstance(s, ForEach)) for k in kernels]
@@ -172,3 +183,12 @@ def test_what_loops_over_links_do_not_have_is_refused_by_name() -> None:
     assert [p.message.split(": ")[-1] for p in error.value.problems] == ['write lowering = "flat"'] * 2
     assert "joint last closes a loop" in str(error.value)
     assert "push" in str(error.value)
+
+
+def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
+    """Fourteen links take less time in loops; five, and a scene that loops do not have, stay in straight-line code."""
+    scenes = [_mechanism(_chain(count, "auto")) for count in (14, 5)]
+    scenes.append(_mechanism(_chain(14, "auto") + '[forces.push]\nat = "b1.b"\nforce = [1, 0, 0]\n'))
+    assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
+    assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since loops over links have no derivatives")
+    assert lower(scenes[0], explicit=True).lowering == "instances"

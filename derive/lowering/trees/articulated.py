@@ -1,7 +1,8 @@
 """Accelerations of trees by articulated bodies, backward from the leaves and then forward.
 
 A link with all that hangs on it needs the force f = M a + H alpha + p and the torque n = H^T a + J alpha + g about its
-origin for the acceleration a of this and the angular acceleration alpha. Its own joint removes its share: with S = (T, e),
+origin for the acceleration a of this and the angular acceleration alpha. Its own joint removes its share: with
+S = (T, e),
 U = (M T + H e, H^T T + J e) and D = S . U
 
     (M, H, J) - U U^T / D   and   (p, g) + (...) (c, gamma) + U (tau - S . (p, g)) / D
@@ -15,7 +16,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Expr, Number, Operation, Operator
+from derive.ir.expressions import Number, Operator
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.instances.places import Place
@@ -46,7 +47,7 @@ M, H, J, P = 0, 6, 15, 21
 COUNT = 27
 
 
-def articulated(motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool) -> list[Part]:
+def articulated(motion: TreeMotion, gravity: Sequence[Number], has_forces: bool) -> list[Part]:
     """The sections of the accelerations after those of the motion and of the inertias."""
     backward = _backward(motion, has_forces)
     declared = [*motion.work((BEHIND, COUNT), cleared=True), *motion.work((SHARE, 8))]
@@ -54,7 +55,12 @@ def articulated(motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool) -
     ground = [*motion.work((FOUND, 6))]
     return [
         ("articulated", Source.FACTORISATION, "what each link has to carry, from the leaves on", loops),
-        ("accelerations", Source.FACTORISATION, "accelerations, from the ground on", [*ground, *_forward(motion, gravity)]),
+        (
+            "accelerations",
+            Source.FACTORISATION,
+            "accelerations, from the ground on",
+            [*ground, *_forward(motion, gravity)],
+        ),
     ]
 
 
@@ -97,10 +103,10 @@ def carried(motion: TreeMotion, loop: LinkLoop, here: Place) -> tuple[Matrix, Ma
     behind = loop.vector(BEHIND, here, COUNT)
     mass = loop.number(lambda of: of.inertia.mass)
     s, own, needed = loop.vector(MOMENT, here), loop.vector(INERTIA, here, 6), loop.vector(NEEDED, here, 6)
-    m = symmetric(behind[M:H])
+    m, none = symmetric(behind[M:H]), ca.SX(0)
     for k in range(3):
         m[k][k] = m[k][k] + mass
-    h = plus_matrix(matrix(behind[H:J]), [[0, s[2], -s[1]], [-s[2], 0, s[0]], [s[1], -s[0], 0]])
+    h = plus_matrix(matrix(behind[H:J]), [[none, s[2], -s[1]], [-s[2], none, s[0]], [s[1], -s[0], none]])
     j = symmetric(plus(behind[J:P], own))
     return m, h, j, plus(behind[P : P + 3], needed[:3]), plus(behind[P + 3 :], needed[3:])
 
@@ -110,9 +116,9 @@ def axis(loop: LinkLoop, here: Place) -> Vector:
     return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
 
 
-def _forward(motion: TreeMotion, gravity: Sequence[Expr]) -> list[Statement]:
+def _forward(motion: TreeMotion, gravity: Sequence[Number]) -> list[Statement]:
     """The accelerations of all links, with a ground that accelerates upward, and those of the coordinates."""
-    upward = [Operation(Operator.NEG, (g,)) if g != ZERO else g for g in gravity]
+    upward = [Number(-g.value) for g in gravity]
     result: list[Statement] = [*motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO])]
     if motion.free:
         result.append(_of_free(motion, gravity))
@@ -137,7 +143,7 @@ def _of_joints(motion: TreeMotion) -> ForEach:
     return loop.made()
 
 
-def _of_free(motion: TreeMotion, gravity: Sequence[Expr]) -> ForEach:
+def _of_free(motion: TreeMotion, gravity: Sequence[Number]) -> ForEach:
     """The accelerations of free bodies, of all that hangs on them."""
     loop = motion.loop("free", motion.free)
     here = loop.of_links()
@@ -146,7 +152,7 @@ def _of_free(motion: TreeMotion, gravity: Sequence[Expr]) -> ForEach:
     found = solved(loop, whole, [-x for x in (*p, *g)])
     a, alpha = found[:3], found[3:]
     loop.store_vector(FOUND, here, found)
-    linear = [x + number(loop, of) for x, of in zip(a, gravity, strict=True)]
+    linear = [x + loop.symbols.number(g.value) for x, g in zip(a, gravity, strict=True)]
     Q = matrix(loop.vector(FRAME, here, 9))
     for k, value in enumerate([*linear, *applied(transposed(Q), alpha)]):
         loop.store("vdot", motion.row(loop, k), value)
@@ -172,11 +178,6 @@ def solved(loop: LinkLoop, a: Matrix, b: Vector) -> Vector:
         for i in range(k + 1, n):
             x[k] = x[k] - lower[i][k] * x[i]
     return x
-
-
-def number(loop: LinkLoop, value: Expr) -> ca.SX:
-    """The value of a number or of a constant of setup."""
-    return loop.symbols.number(value.value) if isinstance(value, Number) else loop.scalar(value.name)
 
 
 def plus_matrix(*matrices: Matrix) -> Matrix:

@@ -18,7 +18,7 @@ from derive.lowering.instances.loop_code.context import Part
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.motion import FRAME, INERTIA, LEVER, MOMENT, ORIGIN, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, packed, plus, scaled, symmetric, transposed
+from derive.lowering.trees.vectors import applied, cross, dot, packed, plus, scaled, symmetric, transposed
 
 HEAP, TWIST, MOMENTUM = "composite", "twist", "momentum_of"
 """The arrays of mass, first moment and inertia behind links, of unit motions of rows, and of the momenta by them."""
@@ -63,7 +63,12 @@ def composite(motion: TreeMotion, shape: Pattern) -> list[Part]:
         entries += [_own_block(motion, shape), _columns(motion, shape, motion.free, FREE)]
     return [
         ("composite", "(15)", "mass, first moment and inertia of each link with all that hangs on it", heaps),
-        ("momenta", "(15)", "unit motions of the joints, and the momenta by them, about the origin of the tree", momenta),
+        (
+            "momenta",
+            "(15)",
+            "unit motions of the joints, and the momenta by them, about the origin of the tree",
+            momenta,
+        ),
         ("M", "(15)", "the momentum of all behind a joint along each joint before it", entries),
     ]
 
@@ -85,9 +90,7 @@ def _heaps(motion: TreeMotion) -> ForEach:
     moved = plus(s, scaled(mass, r))
     g = plus(s, moved)
     trace = r[0] * g[0] + r[1] * g[1] + r[2] * g[2]
-    change = [
-        [(trace if i == j else 0 * mass) - (r[i] * g[j] + r[j] * g[i]) / 2 for j in range(3)] for i in range(3)
-    ]
+    change = [[(trace if i == j else 0 * mass) - (r[i] * g[j] + r[j] * g[i]) / 2 for j in range(3)] for i in range(3)]
     loop.store_vector(HEAP, here, [mass, *s, *tensor])
     loop.store_vector(HEAP, before, [mass, *moved, *plus(tensor, packed(change))], operator=Operator.ADD)
     return loop.made(backward=True)
@@ -128,7 +131,7 @@ def _own_block(motion: TreeMotion, shape: Pattern) -> ForEach:
     links = [motion.tree.links[n].row for n in loop.links]
     for i in range(FREE):
         for j in range(i + 1):
-            value = linear[i][j] if j < 3 else sum((a * b for a, b in zip(axes[j - 3], turned[i - 3], strict=True)), 0)
+            value = linear[i][j] if j < 3 else dot(axes[j - 3], turned[i - 3])
             if (links[0] + i, links[0] + j) in number:
                 place = loop.place(f"entry_{i}_{j}", [number[row + i, row + j] for row in links])
                 loop.store("M", place.at(0), value)
@@ -148,13 +151,13 @@ def _columns(motion: TreeMotion, shape: Pattern, links: Sequence[int], count: in
     def momentum(k: int) -> Expr:
         return Element(MOMENTUM, ElementIndex(k * spacing + slot, (IndexTerm(1, BEHIND),)))
 
+    moved = [
+        (motion.tree.links[n].row, [of.row for of in motion.tree.links[n + own : motion.tree.last[n] + 1]])
+        for n in links
+    ]
     inner: list[InstanceItem] = []
     for k in range(count):
-        positions = [
-            [number[max(i, j), min(i, j)] for other in range(n + own, motion.tree.last[n] + 1) for i in [motion.tree.links[other].row]]
-            for n in links
-            for j in [motion.tree.links[n].row + k]
-        ]  # fmt: skip
+        positions = [[number[max(i, row + k), min(i, row + k)] for i in behind] for row, behind in moved]
         index, entry = _entries(loop, f"entries_{k}", positions, [n + own for n in links])
         if count == 1:
             value = _sum([_times(Element(TWIST, here.at(c)), momentum(c)) for c in range(6)])
@@ -182,8 +185,8 @@ def _entries(
         begins.append(len(every) - first)
         every += of
     table = loop.arrays.places.integers(f"of_{name}_{loop.name}_places", every)
-    first = loop.place(name, begins).first
-    entry = Entry(f"{name}_place", table, ElementIndex(first.offset, (*first.terms, IndexTerm(1, BEHIND))))
+    begin = loop.place(name, begins).first
+    entry = Entry(f"{name}_place", table, ElementIndex(begin.offset, (*begin.terms, IndexTerm(1, BEHIND))))
     return ElementIndex(0, (IndexTerm(1, entry.name),)), [entry]
 
 

@@ -18,6 +18,8 @@ from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import OutputEquation
 from derive.spec.model.instances import identifier, joined
 
+MOST_UNROLLED = 12
+"""The largest number of velocities for which functions without loops are straight-line code."""
 KINDS = {"joint": ("relative motion", ""), "joint_speed": ("rate of the relative motion", "/s")}
 """The kinds of outputs that loops have, with their nouns and the ends of their units."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 
 import casadi as ca
@@ -11,7 +11,17 @@ import casadi as ca
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
 from derive.ir.kernel import ConstantArray
-from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, ReturnCode, Store, StoreElement
+from derive.ir.statements import (
+    Entry,
+    ForEach,
+    InstanceItem,
+    Let,
+    Require,
+    Requirement,
+    ReturnCode,
+    Store,
+    StoreElement,
+)
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step, StepItem, schedule
@@ -39,7 +49,6 @@ class LinkArrays:
     links: tuple[Link, ...]
     places: Places
     constants: Constants
-    numbers: dict[str, dict[Column, int]] = field(default_factory=dict)
 
     @property
     def spacing(self) -> int:
@@ -108,6 +117,16 @@ class LinkLoop:
     def number(self, of: Callable[[Link], Fraction]) -> ca.SX:
         """A number of each link; one that all have is part of the code."""
         return self.column([of(self.arrays.links[n]) for n in self.links])
+
+    def numbers(self, of: Callable[[Link], Column]) -> list[ca.SX]:
+        """Some numbers of each link, such as the components of a vector."""
+        every = [of(self.arrays.links[n]) for n in self.links]
+        return [self.column(values) for values in zip(*every, strict=True)]
+
+    def matrix(self, of: Callable[[Link], Sequence[Column]]) -> list[list[ca.SX]]:
+        """The rows of a matrix of each link."""
+        every = [of(self.arrays.links[n]) for n in self.links]
+        return [[self.column(values) for values in zip(*rows, strict=True)] for rows in zip(*every, strict=True)]
 
     def column(self, values: Sequence[Fraction]) -> ca.SX:
         """A number for each iteration; one that all have is part of the code."""

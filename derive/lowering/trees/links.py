@@ -18,8 +18,8 @@ from derive.lowering.trees.row_loads import refused_actions
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.coordinates import AXES_OF
-from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, joint_coordinates
 from derive.mechanics.multibody.space.frame_motion import fixed_axes, fixed_frame
+from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, joint_coordinates
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.multibody.space.tree.recursions import tree_body
@@ -50,7 +50,7 @@ class Inertia:
     tensor: Matrix = NO_INERTIA
 
     def __add__(self, other: Inertia) -> Inertia:
-        tensor = tuple(tuple(map(sum, zip(*rows, strict=True))) for rows in zip(self.tensor, other.tensor, strict=True))
+        tensor = tuple(plus(*rows) for rows in zip(self.tensor, other.tensor, strict=True))
         return Inertia(self.mass + other.mass, plus(self.moment, other.moment), tensor)
 
     def placed(self, at: Place) -> Inertia:
@@ -86,7 +86,7 @@ class Link:
     parent: the number of the link before it, -1 for the ground. axes (3, 3): those of its frame in that link, before it
     moves; offset (3,): its origin there. turns: 1 if it turns about its axis by its coordinate, else 0; advances: how
     far it is displaced along its axis for a unit of its coordinate. coordinate, row: their indices, of a free body
-    those of the first ones. inertia: that of its bodies about its origin; a link before the last one of a body has none.
+    those of the first ones. inertia: that of its bodies about its origin, none of a link before the last one of a body.
     """
 
     parent: int
@@ -124,7 +124,7 @@ class Tree:
 
 def tree_of(mechanism: SpatialMechanism) -> Tree:
     """The tree of a mechanism whose bodies are all in trees. Raises SpecError with all that is none."""
-    problems = tuple(Problem("scene.lowering", f'{text}: write lowering = "flat"') for text in _others(mechanism))
+    problems = tuple(Problem("scene.lowering", f'{text}: write lowering = "flat"') for text in refusals(mechanism))
     if problems:
         raise SpecError(problems)
     made = _Links(mechanism)
@@ -213,7 +213,9 @@ class _Links:
         if marker.body == GROUND:
             frame, values = self.mechanism.ground[marker.marker], {c.symbol: c.value for c in self.mechanism.constants}
             return Place(-1, _matrix(frame.axes, values), _vector(frame.position, values))
-        return self.bodies[marker.body].at(*marker_in_body(self.mechanism.instances_by_name[marker.body], marker.marker))
+        return self.bodies[marker.body].at(
+            *marker_in_body(self.mechanism.instances_by_name[marker.body], marker.marker)
+        )
 
 
 def marker_in_body(instance: BodyInstance, marker: str) -> tuple[Matrix, Vector]:
@@ -232,7 +234,7 @@ def _inertia(instance: BodyInstance) -> Inertia:
     return Inertia(mass, _vector(body.moment, values), _matrix(body.tensor, values))
 
 
-def _others(mechanism: SpatialMechanism) -> Iterator[str]:
+def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
     """Yield what a mechanism has that loops along trees do not have."""
     scene, only = mechanism.scene, "loops in relative coordinates have"
     constraints = [

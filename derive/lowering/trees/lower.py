@@ -28,6 +28,7 @@ from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.trees import invariants, joint_outputs, loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite, mass_pattern
+from derive.lowering.trees.joint_outputs import MOST_UNROLLED
 from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import Place, Tree, marker_in_body, tree_of
 from derive.lowering.trees.motion import TreeMotion
@@ -197,8 +198,6 @@ def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
 _nothing = {"r": whole("r", 0, "prescribed change of gdot")}
 
 
-
-
 def residual(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of [qdot - v; M vdot + h]: all forms are one without constraints."""
     count, size = context.coordinates, context.coordinates + len(context.rows)
@@ -217,8 +216,8 @@ def residual(context: TreeContext, function: ModelFunction) -> Kernel:
 
 def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the outputs."""
-    body = [*joint_outputs.values(context.motion, context.outputs)]
-    results = {"out": Result(("output by output",), count=len(context.outputs))}
+    body = [*joint_outputs.values(context.motion, context.outputs or ())]
+    results = {"out": Result(("output by output",), count=len(context.outputs or ()))}
     section = "outputs", "", "motions of joints and their rates", body
     return kernel(context, function, results, section, inputs=_reactions(context))
 
@@ -227,8 +226,8 @@ def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
     rows = len(context.rows)
     sizes = (context.coordinates, rows, rows, 0, len(context.known.context.u.symbols))
-    shape = joint_outputs.jacobian_pattern(context.outputs, sizes)
-    body = joint_outputs.derivatives(context.motion, context.outputs, shape)
+    shape = joint_outputs.jacobian_pattern(context.outputs or (), sizes)
+    body = joint_outputs.derivatives(context.motion, context.outputs or (), shape)
     section = "jacobian", "", "derivatives of the outputs", body
     return kernel(context, function, {"jac": Result(pattern=shape)}, section, inputs=_reactions(context))
 
@@ -262,10 +261,6 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
 """The functions of a tree, by their kinds."""
 
 
-MOST_UNROLLED = 12
-"""The largest number of rows for which functions without loops are straight-line code."""
-
-
 WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives and no functions of markers"
 
 
@@ -286,7 +281,7 @@ def _equations(context: TreeContext) -> tuple[Equations, Context | None]:
         context.known.context.equations,
         poses=(SpatialPose("", (), ()),),
         weight_energy=sp.S.Zero if context.has_gravity else None,
-        outputs=tuple(of.equation for of in context.outputs),
+        outputs=tuple(of.equation for of in context.outputs or ()),
     ), None
 
 
@@ -297,7 +292,7 @@ def lower_trees(
     sensitivities: bool = False,
     balanced: bool = False,
 ) -> Model:
-    """The model of trees of rigid bodies in loops over their links. Raises SpecError with all that these do not have."""
+    """The model of trees of rigid bodies in loops over links. Raises SpecError with all that these do not have."""
     context = TreeContext(mechanism)
     equations, others = _equations(context)
     kernels: list[Kernel] = []
@@ -309,7 +304,9 @@ def lower_trees(
         if context.has(function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
         elif others is not None:
-            kernels.append(with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations))
+            kernels.append(
+                with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations)
+            )
     setup, constants = setup_kernel(context.known.context, kernels)
     scene = mechanism.scene
     inputs = context.known.context.equations.inputs

@@ -21,7 +21,7 @@ from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, St
 from derive.lowering.attitude import ZERO_QUATERNION
 from derive.lowering.instances.loop_code.context import Part
 from derive.lowering.trees.link_loop import LinkArrays, LinkLoop
-from derive.lowering.trees.links import Tree, UNIT
+from derive.lowering.trees.links import UNIT, Tree
 from derive.lowering.trees.vectors import (
     Matrix,
     Vector,
@@ -45,7 +45,7 @@ ORIGIN, SPEED = "origin", "speed"
 
 @dataclass(frozen=True)
 class TreeMotion:
-    """The loops of the motion of a tree; q, v: the arrays of coordinates and velocities, and where these begin there."""
+    """The loops of the motion of a tree; q, v: the arrays of coordinates and velocities, and where these begin."""
 
     tree: Tree
     arrays: LinkArrays
@@ -114,8 +114,8 @@ class TreeMotion:
         loop = self.loop("frames", self.joints)
         here, before = loop.of_links(), loop.of_parents()
         Q = matrix(loop.vector(FRAME, before, 9))
-        axes = product(Q, [[loop.number(lambda of, i=i, j=j: of.axes[i][j]) for j in range(3)] for i in range(3)])
-        lever = applied(Q, [loop.number(lambda of, i=i: of.offset[i]) for i in range(3)])
+        axes = product(Q, loop.matrix(lambda of: of.axes))
+        lever = applied(Q, loop.numbers(lambda of: of.offset))
         q = self.coordinate(loop)
         first, second, e = transposed(axes)
         turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
@@ -183,8 +183,8 @@ class TreeMotion:
     def _inertia(self, loop: LinkLoop, moving: bool) -> None:
         here = loop.of_links()
         Q = matrix(loop.vector(FRAME, here, 9))
-        moment = applied(Q, [loop.number(lambda of, i=i: of.inertia.moment[i]) for i in range(3)])
-        own = [[loop.number(lambda of, i=i, j=j: of.inertia.tensor[i][j]) for j in range(3)] for i in range(3)]
+        moment = applied(Q, loop.numbers(lambda of: of.inertia.moment))
+        own = loop.matrix(lambda of: of.inertia.tensor)
         half = product(Q, own)
         tensor = packed([[sum_of(a, b) for b in Q] for a in half])
         loop.store_vector(MOMENT, here, moment)

@@ -4,28 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.ir.expressions import Expr, Operation, Operator
+import casadi as ca
+
+from derive.ir.expressions import Number, Operator
 from derive.ir.statements import ForEach, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
-from derive.lowering.trees.articulated import axis, number
+from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, symmetric, transposed
 
 FOUND, FORCE = "acceleration", "force"
-"""The arrays of the accelerations of links, and of the forces and torques that they need with all that hangs on them."""
+"""The arrays of the accelerations of links, and of the forces and torques that they need with all behind them."""
 Given = tuple[str, int]
 """An array with the accelerations of the coordinates, and the index of the first one."""
 
 
 def newton_euler(
-    motion: TreeMotion, gravity: Sequence[Expr], target: Given, applied_forces: str, given: Given | None = None
+    motion: TreeMotion, gravity: Sequence[Number], target: Given, applied_forces: str, given: Given | None = None
 ) -> list[Part]:
     """The sections that write M vdot + h, or h without accelerations, for each row from an element of an array on.
 
     applied_forces: the array of the forces to subtract, if there are any.
     """
-    upward = [Operation(Operator.NEG, (g,)) if g != ZERO else g for g in gravity]
+    upward = [Number(-g.value) for g in gravity]
     forward: list[Statement] = [
         *motion.work((FOUND, 6), (FORCE, 6), cleared=len(motion.massive) < len(motion.tree.links)),
         *motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO]),
@@ -45,7 +47,7 @@ def newton_euler(
     ]
 
 
-def _vdot(motion: TreeMotion, loop: LinkLoop, given: Given, k: int = 0):
+def _vdot(motion: TreeMotion, loop: LinkLoop, given: Given, k: int = 0) -> ca.SX:
     return loop.element(given[0], motion.row(loop, k).plus(given[1]))
 
 
@@ -63,11 +65,10 @@ def _accelerations(motion: TreeMotion, given: Given | None) -> ForEach:
     return loop.made()
 
 
-def _free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given | None) -> ForEach:
+def _free_accelerations(motion: TreeMotion, upward: Sequence[Number], given: Given | None) -> ForEach:
     loop = motion.loop("free_carried", motion.free)
     here = loop.of_links()
-    a = [-number(loop, of.args[0]) if isinstance(of, Operation) else number(loop, of) for of in upward]
-    alpha = [0 * a[0]] * 3
+    a, alpha = [loop.symbols.number(of.value) for of in upward], [ca.SX(0)] * 3
     if given:
         a = plus(a, [_vdot(motion, loop, given, k) for k in range(3)])
         Q = matrix(loop.vector(FRAME, here, 9))
@@ -110,6 +111,6 @@ def _of_free(motion: TreeMotion, target: Given, applied_forces: str) -> ForEach:
     Q = matrix(loop.vector(FRAME, here, 9))
     for k, value in enumerate([*f, *applied(transposed(Q), n)]):
         row = motion.row(loop, k)
-        value = value - loop.element(applied_forces, row) if applied_forces else value
-        loop.store(target[0], row.plus(target[1]), value)
+        left = value - loop.element(applied_forces, row) if applied_forces else value
+        loop.store(target[0], row.plus(target[1]), left)
     return loop.made()

@@ -1,4 +1,4 @@
-"""The loads of trees on rows: those in joints, which inputs may give, and springs and dampers along or about an axis."""
+"""The loads of trees on rows: those in joints, which inputs may give, and springs and dampers along their axes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RowLoad:
 
 @dataclass(frozen=True)
 class RowSpring:
-    """A spring with a damper on a row: `sign` times its coordinate is the rotation, which is `rest` without a torque."""
+    """A spring with a damper on a row: `sign` times its coordinate is the motion, and `rest` that without a force."""
 
     row: int
     coordinate: int
@@ -81,21 +81,18 @@ def _spring(action: SpatialActionInstance) -> tuple[Fraction, Fraction, Fraction
     return number(k), number(d), number(action.values["rest"])
 
 
-def _joint(
-    mechanism: SpatialMechanism, action: SpatialActionInstance
-) -> tuple[SpatialEliminatedJoint | None, Freedom]:
+def _joint(mechanism: SpatialMechanism, action: SpatialActionInstance) -> tuple[SpatialEliminatedJoint | None, Freedom]:
     """The joint of an action that acts along or about its axis alone, and along or about."""
     element = action.element
     if isinstance(element, SpatialJointForce | SpatialJointTorque):
         joint = mechanism.joints_by_name[element.joint]
         freedom = Freedom.ROTATION if isinstance(element, SpatialJointTorque) else Freedom.DISPLACEMENT
         return (joint if isinstance(joint, SpatialEliminatedJoint) else None), freedom
-    joint = mechanism.joint_of(action) if isinstance(element, SpatialSpring) else None
-    if not isinstance(joint, SpatialEliminatedJoint):
-        return None, Freedom.ROTATION
-    slides = joint.type.free(joint.joint) == ("z",)
-    if element.kind == ("bushing" if slides else "rotational"):
-        return joint, Freedom.DISPLACEMENT if slides else Freedom.ROTATION
+    between = mechanism.joint_of(action) if isinstance(element, SpatialSpring) else None
+    if isinstance(element, SpatialSpring) and isinstance(between, SpatialEliminatedJoint):
+        slides = between.type.free(between.joint) == ("z",)
+        if element.kind == ("bushing" if slides else "rotational"):
+            return between, Freedom.DISPLACEMENT if slides else Freedom.ROTATION
     return None, Freedom.ROTATION
 
 
