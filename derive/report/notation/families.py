@@ -136,6 +136,26 @@ def _input(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.CONSTANT, Name("u", known.derivative, (known.label,), above))
 
 
+TREE = {
+    Family.COLUMN: "T",
+    Family.JOINT_AXIS: "e",
+    Family.OFFSET: "r",
+    Family.BIAS: "a",
+    Family.ANGULAR_BIAS: "psi",
+    Family.FIRST_MOMENT: "h",
+    Family.TURNED_INERTIA: "J",
+    Family.COMPOSITE_MASS: "M",
+    Family.COMPOSITE_MOMENT: "H",
+    Family.COMPOSITE_INERTIA: "I",
+    Family.UNIT_MOMENTUM: "p",
+    Family.UNIT_SPIN: "L",
+    Family.INERTIAL_FORCE: "f",
+    Family.INERTIAL_TORQUE: "n",
+    Family.FORCE_BEHIND: "F",
+    Family.TORQUE_BEHIND: "N",
+}
+"""The letters of quantities of trees of bodies, in the inertial frame; the body and what they belong to stand above."""
+
 WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     **dict.fromkeys((Family.TRANSLATION, Family.ANGLE, Family.QUATERNION, Family.ANGULAR_VELOCITY), _motion),
     **dict.fromkeys((Family.VIRTUAL_ROTATION, Family.AMPLITUDE, Family.GUIDE), _motion),
@@ -180,6 +200,7 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.SECTION_SPIN: _moving_point("nu"),
     Family.SECTION_VELOCITY: _moving_point("v"),
     Family.TANGENT: _tangent,
+    **{family: _moving_point(letter) for family, letter in TREE.items()},
     Family.INPUT: _input,
     Family.PARAMETER: _named,
     Family.ELEMENT: _named,

@@ -43,7 +43,8 @@ class SpatialPoses:
         """The twists (bodies, 6, nv) by unit velocities.
 
         They are differences without truncation errors: positions are linear in lengths, and a rotation about an axis of
-        a body makes functions of its sine and cosine, so that the derivative is half the change from -pi/2 to pi/2.
+        a body makes functions of its sine and cosine, so that the derivative is half the change from -pi/2 to pi/2. On
+        a screw there is also a part that grows with the angle, which whole turns show.
         """
         native, angles = self.native, velocities_with(self.native, Role.ROTATION)
         result = np.zeros((len(native.bodies), 6, native.nv))
@@ -54,6 +55,11 @@ class SpatialPoses:
                 self.t, displaced(native, self.q, -unit)
             )
             result[:, :, j] = self._twist(change / (2.0 if angles[j] else 2.0 * self.size))
+            if angles[j]:
+                turn = self._at(self.t, displaced(native, self.q, 2 * unit)) - self._at(
+                    self.t, displaced(native, self.q, -2 * unit)
+                )
+                result[:, :3, j] += turn[:, :3] * (1 / (2 * math.pi) - 1 / 4)
         return result
 
     @cached_property

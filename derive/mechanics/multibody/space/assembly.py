@@ -60,19 +60,20 @@ class _SpatialAssembly(SceneAssembly):
 
     def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> None:
         self.reduced = reduced
+        self.links = trees(scene)
+        self.of_trees = {link.body for link in self.links}
         super().__init__(scene)
 
     def _eliminate(self) -> None:
+        super()._eliminate()  # prescribed motions first, on which trees hang
         self._eliminate_trees()
-        super()._eliminate()
 
     def _eliminate_trees(self) -> None:
         """Give the bodies of trees the coordinates of their joints."""
         frames: dict[str, Mapping[str, FrameMotion]] = {}
         joints = {joint.name: joint for joint in self.joints}
-        links = trees(self.scene)
-        self._refuse_massless(links)
-        for link in links:
+        self._refuse_massless(self.links)
+        for link in self.links:
             body = self.bodies[link.body]
             if link.joint is None:
                 (component,) = self.type_of(body).components(body, self.gravity)
@@ -195,7 +196,7 @@ class _SpatialAssembly(SceneAssembly):
     def _minimal(
         self, body: Any, joint: Any, component: Component, own: MarkerRef, other: MarkerRef
     ) -> CoordinateMap | None:
-        if joint.closes_loop:
+        if joint.closes_loop or body.name in self.of_trees:
             return None
         support = self._support(body, joint, component, own, other, self.known[other.body])
         return minimal_spatial_coordinates(SPATIAL_JOINTS[joint.kind], joint, support)
