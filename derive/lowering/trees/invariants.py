@@ -11,7 +11,7 @@ from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Statement, StoreElement
 from derive.lowering.instances.loop_code.context import ZERO
 from derive.lowering.trees.link_loop import LINK, LinkLoop
-from derive.lowering.trees.links import Place
+from derive.lowering.trees.links import BodyPlace
 from derive.lowering.trees.motion import FRAME, INERTIA, MOMENT, ORIGIN, SPEED, SPIN, TreeMotion, matrix
 from derive.lowering.trees.vectors import applied, cross, dot, plus, product, scaled, symmetric
 
@@ -80,7 +80,7 @@ def rates(motion: TreeMotion, output: str = "qdot", of: str = "") -> list[Statem
     return result
 
 
-def poses(motion: TreeMotion, bodies: Sequence[Place]) -> list[Statement]:
+def poses(motion: TreeMotion, bodies: Sequence[BodyPlace]) -> list[Statement]:
     """The statements of the positions and rotation tensors of bodies, whose frames have these places."""
     loop = motion.loop("bodies", [of.link for of in bodies])
     here = loop.of_links()

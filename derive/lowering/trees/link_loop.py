@@ -28,7 +28,7 @@ from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step, Step
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.elimination.block_system import spaced
 from derive.lowering.instances.places import Place, Places
-from derive.lowering.trees.links import Link
+from derive.lowering.trees.links import TreeLink
 from derive.mechanics.symbols import local
 
 LINK = "link"
@@ -46,7 +46,7 @@ class LinkArrays:
     links: those of all trees.
     """
 
-    links: tuple[Link, ...]
+    links: tuple[TreeLink, ...]
     places: Places
     constants: Constants
 
@@ -114,16 +114,16 @@ class LinkLoop:
             self.symbols.input(symbol, ScalarRef(name))
         return self.symbols.values[symbol]
 
-    def number(self, of: Callable[[Link], Fraction]) -> ca.SX:
+    def number(self, of: Callable[[TreeLink], Fraction]) -> ca.SX:
         """A number of each link; one that all have is part of the code."""
         return self.column([of(self.arrays.links[n]) for n in self.links])
 
-    def numbers(self, of: Callable[[Link], Column]) -> list[ca.SX]:
+    def numbers(self, of: Callable[[TreeLink], Column]) -> list[ca.SX]:
         """Some numbers of each link, such as the components of a vector."""
         every = [of(self.arrays.links[n]) for n in self.links]
         return [self.column(values) for values in zip(*every, strict=True)]
 
-    def matrix(self, of: Callable[[Link], Sequence[Column]]) -> list[list[ca.SX]]:
+    def matrix(self, of: Callable[[TreeLink], Sequence[Column]]) -> list[list[ca.SX]]:
         """The rows of a matrix of each link."""
         every = [of(self.arrays.links[n]) for n in self.links]
         return [[self.column(values) for values in zip(*rows, strict=True)] for rows in zip(*every, strict=True)]

@@ -42,18 +42,18 @@ TURNED: Mapping[int, Matrix] = {
 
 
 @dataclass(frozen=True)
-class Inertia:
+class LinkInertia:
     """The mass, first moment (3,) and inertia (3, 3) of bodies about a point."""
 
     mass: Fraction = ZERO
     moment: Vector = AT_REST
     tensor: Matrix = NO_INERTIA
 
-    def __add__(self, other: Inertia) -> Inertia:
+    def __add__(self, other: LinkInertia) -> LinkInertia:
         tensor = tuple(plus(*rows) for rows in zip(self.tensor, other.tensor, strict=True))
-        return Inertia(self.mass + other.mass, plus(self.moment, other.moment), tensor)
+        return LinkInertia(self.mass + other.mass, plus(self.moment, other.moment), tensor)
 
-    def placed(self, at: Place) -> Inertia:
+    def placed(self, at: BodyPlace) -> LinkInertia:
         """The inertia about the origin of the frame in which the body has a place."""
         A, r = at.attitude, at.origin
         s = applied(A, self.moment)
@@ -63,24 +63,24 @@ class Inertia:
             tuple(tensor[i][j] + (trace if i == j else ZERO) - (r[i] * g[j] + r[j] * g[i]) / 2 for j in range(3))
             for i in range(3)
         )
-        return Inertia(self.mass, plus(s, tuple(self.mass * x for x in r)), moved)
+        return LinkInertia(self.mass, plus(s, tuple(self.mass * x for x in r)), moved)
 
 
 @dataclass(frozen=True)
-class Place:
+class BodyPlace:
     """The place of a body: the number of its link, -1 for the ground, its axes there (3, 3), and its origin (3,)."""
 
     link: int
     attitude: Matrix = UNIT
     origin: Vector = AT_REST
 
-    def at(self, axes: Matrix, position: Vector) -> Place:
+    def at(self, axes: Matrix, position: Vector) -> BodyPlace:
         """The place of a marker with these axes and this position in the frame of the body."""
-        return Place(self.link, product(self.attitude, axes), plus(self.origin, applied(self.attitude, position)))
+        return BodyPlace(self.link, product(self.attitude, axes), plus(self.origin, applied(self.attitude, position)))
 
 
 @dataclass(frozen=True)
-class Link:
+class TreeLink:
     """A link of a tree.
 
     parent: the number of the link before it, -1 for the ground. axes (3, 3): those of its frame in that link, before it
@@ -97,15 +97,15 @@ class Link:
     turns: Fraction = ZERO
     advances: Fraction = ZERO
     is_free: bool = False
-    inertia: Inertia = field(default_factory=Inertia)
+    inertia: LinkInertia = field(default_factory=LinkInertia)
 
 
 @dataclass(frozen=True)
 class Tree:
     """The links of a mechanism, each followed by all that hangs on it, and the places of its bodies by their names."""
 
-    links: tuple[Link, ...]
-    bodies: Mapping[str, Place]
+    links: tuple[TreeLink, ...]
+    bodies: Mapping[str, BodyPlace]
 
     @cached_property
     def last(self) -> list[int]:
@@ -133,7 +133,7 @@ def tree_of(mechanism: SpatialMechanism) -> Tree:
     return _depth_first(made.links, made.bodies)
 
 
-def _depth_first(links: Sequence[Link], bodies: Mapping[str, Place]) -> Tree:
+def _depth_first(links: Sequence[TreeLink], bodies: Mapping[str, BodyPlace]) -> Tree:
     """The tree with each link followed by all that hangs on it."""
     hanging: dict[int, list[int]] = {}
     for number, link in enumerate(links):
@@ -151,7 +151,7 @@ class _Links:
     """The links and the places of bodies so far."""
 
     def __init__(self, mechanism: SpatialMechanism) -> None:
-        self.mechanism, self.links, self.bodies = mechanism, list[Link](), dict[str, Place]()
+        self.mechanism, self.links, self.bodies = mechanism, list[TreeLink](), dict[str, BodyPlace]()
         self.coordinates = {c.q.name: k for k, c in enumerate(mechanism.coordinates)}
         self.rows = {row.name: k for k, row in enumerate(mechanism.rows)}
         self.joints = {j.own.body: j for j in mechanism.eliminated_joints}
@@ -162,8 +162,8 @@ class _Links:
         rows = of.carried.own_rows if of.carried else of.rows
         row, first = (self.rows[rows[0].name], self.coordinates[of.coordinates[0].q.name]) if rows else (0, 0)
         if joint is None:
-            self.links.append(Link(-1, first, row, is_free=True))
-            place = Place(len(self.links) - 1)
+            self.links.append(TreeLink(-1, first, row, is_free=True))
+            place = BodyPlace(len(self.links) - 1)
         else:
             before = self._marker(joint.known)
             moved = [*self._moved(instance, joint, before, first, row)]
@@ -171,7 +171,7 @@ class _Links:
             axes, _ = marker_in_body(instance, joint.own.marker)
             turn = TURNED[2]
             if moved:
-                before, turn = Place(len(self.links) - 1), self._last_turn
+                before, turn = BodyPlace(len(self.links) - 1), self._last_turn
             place = before.at(product(transposed(turn), transposed(axes)), AT_REST)
         self.bodies[instance.name] = place
         if place.link >= 0 and of.carried:
@@ -179,8 +179,8 @@ class _Links:
             self.links[place.link] = replace(own, inertia=own.inertia + _inertia(instance).placed(place))
 
     def _moved(
-        self, instance: BodyInstance, joint: SpatialEliminatedJoint, before: Place, first: int, row: int
-    ) -> Iterator[Link]:
+        self, instance: BodyInstance, joint: SpatialEliminatedJoint, before: BodyPlace, first: int, row: int
+    ) -> Iterator[TreeLink]:
         """Yield a link for each motion of the joint of a body."""
         free = joint.type.free(joint.joint) or ()
         motions, _ = joint_coordinates(joint.type, free, self._support(instance, joint))
@@ -190,8 +190,8 @@ class _Links:
             at = before.at(product(transposed(turned), turn), AT_REST)
             advances = _number(c.along) if c.is_rotation else ONE
             turns = ONE if c.is_rotation else ZERO
-            yield Link(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
-            before, turned = Place(count + k), turn
+            yield TreeLink(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
+            before, turned = BodyPlace(count + k), turn
         self._last_turn = turned
 
     @staticmethod
@@ -208,11 +208,11 @@ class _Links:
             lead=lead(joint.joint),
         )
 
-    def _marker(self, marker: MarkerRef) -> Place:
+    def _marker(self, marker: MarkerRef) -> BodyPlace:
         """The place of a marker."""
         if marker.body == GROUND:
             frame, values = self.mechanism.ground[marker.marker], {c.symbol: c.value for c in self.mechanism.constants}
-            return Place(-1, _matrix(frame.axes, values), _vector(frame.position, values))
+            return BodyPlace(-1, _matrix(frame.axes, values), _vector(frame.position, values))
         return self.bodies[marker.body].at(
             *marker_in_body(self.mechanism.instances_by_name[marker.body], marker.marker)
         )
@@ -225,13 +225,13 @@ def marker_in_body(instance: BodyInstance, marker: str) -> tuple[Matrix, Vector]
     return _matrix(section.axes, values), _vector(section.point.position, values)
 
 
-def _inertia(instance: BodyInstance) -> Inertia:
+def _inertia(instance: BodyInstance) -> LinkInertia:
     """The inertia of a body about its origin in its frame."""
     constants, carried = instance.component.body.constants, instance.coordinates.carried
     assert carried is not None
     body, values = tree_body(instance.name, "", carried, constants), {c.symbol: c.value for c in constants}
     mass = _number(sp.sympify(body.mass).xreplace(values))
-    return Inertia(mass, _vector(body.moment, values), _matrix(body.tensor, values))
+    return LinkInertia(mass, _vector(body.moment, values), _matrix(body.tensor, values))
 
 
 def refusals(mechanism: SpatialMechanism) -> Iterator[str]:

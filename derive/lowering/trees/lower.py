@@ -30,7 +30,7 @@ from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite, mass_pattern
 from derive.lowering.trees.joint_outputs import MOST_UNROLLED
 from derive.lowering.trees.link_loop import LinkArrays
-from derive.lowering.trees.links import Place, Tree, marker_in_body, tree_of
+from derive.lowering.trees.links import BodyPlace, Tree, marker_in_body, tree_of
 from derive.lowering.trees.motion import TreeMotion
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.row_loads import row_loads
@@ -175,7 +175,7 @@ def poses(context: TreeContext, function: ModelFunction) -> Kernel:
     motion, instances = context.motion, context.mechanism.instances
     bodies = [context.tree.bodies[of.name].at(*marker_in_body(of, BODY_FRAME)) for of in instances]
     attitudes = [context.tree.bodies[of.name].attitude for of in instances]
-    places = [Place(of.link, attitude, of.origin) for of, attitude in zip(bodies, attitudes, strict=True)]
+    places = [BodyPlace(of.link, attitude, of.origin) for of, attitude in zip(bodies, attitudes, strict=True)]
     results = {"pose": Result(("body by body",), count=invariants.POSE * len(instances))}
     section = "poses", "(1)", "bodies in the order of the specification", invariants.poses(motion, places)
     return kernel(context, function, results, motion.frames(moving=False, placed=True), section)
