@@ -21,7 +21,7 @@ from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, St
 from derive.lowering.attitude import ZERO_QUATERNION
 from derive.lowering.instances.loop_code.context import Part
 from derive.lowering.trees.link_loop import LinkArrays, LinkLoop
-from derive.lowering.trees.links import UNIT, Tree
+from derive.lowering.trees.links import UNIT, LinkInertia, Tree
 from derive.lowering.trees.vectors import (
     Matrix,
     Vector,
@@ -65,7 +65,7 @@ class TreeMotion:
     @cached_property
     def massive(self) -> list[int]:
         """The links that have bodies."""
-        return [n for n, link in enumerate(self.tree.links) if link.inertia.mass]
+        return [n for n, link in enumerate(self.tree.links) if link.inertia != LinkInertia()]
 
     def loop(self, name: str, links: Sequence[int]) -> LinkLoop:
         """A loop over links."""
