@@ -114,8 +114,11 @@ def lowered(scene: SpatialScene) -> Lowered:
     return Lowered(scene, native, native.setup())
 
 
-def both(tables: Table, seed: int) -> tuple[State, State]:
-    """A random state of a tree in relative coordinates, and the same one with all coordinates of all bodies."""
+def both(tables: Table, seed: int, drive: tuple[str, float, float] | None = None) -> tuple[State, State]:
+    """A random state of a tree in relative coordinates, and the same one with all coordinates of all bodies.
+
+    drive: a coordinate that a drive prescribes, with its value and its rate at t = 0.
+    """
     scene = derive.spatial_scene(tables)
     relative = lowered(replace(scene, coordinates="relative"))
     kept = tuple(replace(body, keep_coordinates=True) for body in scene.bodies)
@@ -123,6 +126,9 @@ def both(tables: Table, seed: int) -> tuple[State, State]:
     rng = np.random.default_rng(seed)
     q = normalised(relative.native, rng.normal(size=relative.native.nq))
     v = rng.normal(size=relative.native.nv)
+    if drive is not None:
+        number = relative.native.coordinates.index(drive[0])
+        q[number], v[number] = drive[1:]
     poses = SpatialPoses(relative.native, relative.k, 0.0, q, 1.0)
     q_all, v_all = [], []
     for body in scene.bodies:

@@ -11,6 +11,7 @@ from contextlib import suppress
 import casadi as ca
 import numpy as np
 
+from derive.ir.analysis import operations
 from derive.ir.expressions import Number
 from derive.ir.kernel import Kernel
 from derive.ir.model import Kkt
@@ -24,7 +25,8 @@ from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.joint_turns import JointTurns, axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
-from derive.lowering.flat.trees.tree_dynamics import TreeDynamics, force_values, tree_dynamics
+from derive.lowering.flat.trees.accelerations import articulated_accelerations, by_articulated_bodies
+from derive.lowering.flat.trees.tree_dynamics import tree_dynamics
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
@@ -98,38 +100,27 @@ def accelerations(context: Context, function: ModelFunction) -> Kernel:
     return _solved(context, function, {"vdot": OutputElements(context.accelerations)})
 
 
+COMPARED = 20
+"""The largest number of rows and multipliers of trees for which both ways to accelerations are lowered and compared.
+
+With more of them, articulated bodies take fewer operations but in models that consist of loops.
+"""
+
+
 def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, OutputElements]) -> Kernel:
+    """The kernel of the accelerations, by articulated bodies or by the factors of the KKT matrix: the cheaper one."""
     symbols = context.symbols(context.t, context.q, context.v)
     tree = tree_dynamics(context, symbols)
-    if tree and len(tree.rows) == len(context.rows) and not context.multipliers:
-        return _by_articulated_bodies(context, function, outputs, symbols, tree)
-    right = [-h for h in force_values(context, symbols)] + [-gamma for gamma in _bias(context, symbols)]
-    return by_factors(context, function, outputs, symbols, right)
-
-
-def _by_articulated_bodies(
-    context: Context,
-    function: ModelFunction,
-    outputs: Mapping[str, OutputElements],
-    symbols: Symbols,
-    tree: TreeDynamics,
-) -> Kernel:
-    """A kernel of the accelerations of trees alone, without M."""
-    solution, names = tree.accelerations(), context.rows
-    order = list(tree.in_order())
-    pivots = tuple(NamedValue(f"pivot_{names[row]}", tree.bodies.eliminated[row].pivot) for row in order)
-    present = [value for value in solution if not value.is_zero()]
-    finite = RequiredValue(Requirement.FINITE, balanced(present), ReturnCode.NOT_FINITE, "a result is not finite")
-    return context.kernel(
-        function,
-        outputs,
-        symbols,
-        Step(
-            "pivots", Source.FACTORISATION, f"articulated bodies: free {', '.join(names[row] for row in order)}", pivots
-        ),
-        Step("solution", Source.FACTORISATION, "accelerations from the root to the leaves", stores("vdot", solution)),
-        Step("check", "", "check the pivots and that the result is finite", (*tree.pivot_checks(), finite)),
-    )
+    candidates = []
+    if tree and by_articulated_bodies(context, tree):
+        with suppress(LoweringError):  # where constraints are redundant in every state
+            gamma = _bias(context, symbols)
+            candidates.append(articulated_accelerations(context, function, outputs, symbols, tree, gamma))
+            if len(context.rows) + len(gamma) > COMPARED:
+                return candidates[0]
+    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
+    candidates.append(by_factors(context, function, outputs, symbols, right))
+    return min(candidates, key=lambda kernel: sum(map(operations, kernel.statements)))
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:

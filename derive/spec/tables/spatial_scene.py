@@ -49,7 +49,8 @@ def spatial_joint_table() -> DeclaredTable:
 
 def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJoint:
     first, second = own["first"]
-    return SpatialJoint("", kind, first, second, start=own["start"], **given)
+    others = {field: value for field, value in own.items() if field not in ("first", "count")}
+    return SpatialJoint("", kind, first, second, **others, **given)
 
 
 declare(Gear, "GearTable", keys=(*declared_keys(Gear), COUNT))

@@ -70,40 +70,41 @@ class ArticulatedBodies:
     links: Sequence[Link]
     eliminated: Mapping[int, Eliminated]
 
-    def solution(self, right: Mapping[int, ca.SX], wrenches: Wrenches = ()) -> dict[int, ca.SX]:
-        """The solution x of M x = right - what the wrenches contribute to the rows."""
+    def forward(self, right: Mapping[int, ca.SX], wrenches: Wrenches = ()) -> dict[int, ca.SX]:
+        """L^-1 (right - what the wrenches contribute to the rows): the forces that accelerate each row alone."""
         behind = [*wrenches] or [NO_WRENCH] * len(self.links)
-        free: dict[int, ca.SX] = {}
+        rests: dict[int, ca.SX] = {}
         for n in reversed(range(len(self.links))):
             w = behind[n]
             for step in reversed(self.links[n].steps):
                 if isinstance(step, Freedom):
-                    w = self._released(step, w, right.get(step.row, ZERO), free)
+                    w = self._released(step, w, right.get(step.row, ZERO), rests)
                 else:
                     w = step.wrench(w)
             parent = self.links[n].parent
             if parent >= 0:
                 behind[parent] = behind[parent] + w
-        return self._accelerations(free)
+        return rests
 
-    def _released(self, step: Freedom, w: Wrench, right: ca.SX, free: dict[int, ca.SX]) -> Wrench:
-        """The wrench before a degree of freedom, whose acceleration if nothing else accelerates enters `free`."""
+    def _released(self, step: Freedom, w: Wrench, right: ca.SX, rests: dict[int, ca.SX]) -> Wrench:
+        """The wrench before a degree of freedom, the force that accelerates which alone enters `rests`."""
         of = self.eliminated[step.row]
-        rest = subtracted(right, step.force(w))
-        free[step.row] = multiplied(rest, of.inverse)
+        rest = rests[step.row] = subtracted(right, step.force(w))
         total = [added(x, multiplied(f, rest)) for x, f in zip([*w.force, *w.torque], of.factors, strict=True)]
         if step.place is not None:
             total[step.place] = right
         return Wrench(total[:3], total[3:])
 
-    def _accelerations(self, free: Mapping[int, ca.SX]) -> dict[int, ca.SX]:
+    def backward(self, rests: Mapping[int, ca.SX]) -> dict[int, ca.SX]:
+        """L^-T D^-1 rests: the accelerations."""
         known: list[tuple[Vector, Vector]] = []
         result: dict[int, ca.SX] = {}
         for link in self.links:
             x, y = (null(), null()) if link.parent < 0 else known[link.parent]
             for step in link.steps:
                 if isinstance(step, Freedom):
-                    x, y, result[step.row] = self._moved(step, x, y, free[step.row])
+                    free = multiplied(rests[step.row], self.eliminated[step.row].inverse)
+                    x, y, result[step.row] = self._moved(step, x, y, free)
                 else:
                     x, y = step.accelerations(x, y)
             known.append((x, y))

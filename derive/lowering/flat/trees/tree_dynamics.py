@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -60,10 +60,14 @@ class TreeDynamics:
         """The factors of M."""
         return articulated_bodies(self.links)
 
-    def accelerations(self) -> list[ca.SX]:
-        """The solution of M vdot + h = 0; all rows are those of trees."""
-        right = {row: -self.applied(row) for row in self.rows}
-        known = self.bodies.solution(right, self.wrenches)
+    @property
+    def rests(self) -> dict[int, ca.SX]:
+        """The forces that accelerate each row alone, L^-1 (-h); all rows are those of trees."""
+        return self.bodies.forward({row: -self.applied(row) for row in self.rows}, self.wrenches)
+
+    def accelerations(self, rests: Mapping[int, ca.SX]) -> list[ca.SX]:
+        """The accelerations of all rows by such forces."""
+        known = self.bodies.backward(rests)
         return [known[row] for row in range(len(self.rows))]
 
     def in_order(self) -> Iterator[int]:
