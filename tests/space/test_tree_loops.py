@@ -62,6 +62,18 @@ kind = "bushing"
 stiffness = [0, 0, 7, 0, 0, 0]
 damping = [0, 0, 0.7, 0, 0, 0]
 between = ["b2.b", "b1.b"]
+[forces.push]
+at = "b6.a"
+force = [1, "2*t", 3]
+[forces.thrust]
+at = "b4.b"
+force = [1, 0.5, 2]
+frame = "body"
+[torques.wheel]
+on = "b4.a"
+against = "b1.b"
+torque = [0.1, { input = "drive" }, "t"]
+frame = "body"
 [outputs.angle]
 kind = "joint"
 joint = "j1"
@@ -69,6 +81,9 @@ joint = "j1"
 kind = "joint_speed"
 joint = "j2"
 """
+
+
+SPRING = '[springs.rope]\nkind = "linear"\nbetween = ["b1.b", "ground.o"]\nstiffness = 30\nrest = 1\n'
 
 
 def _body(name: str, number: int) -> str:
@@ -175,20 +190,20 @@ def test_compiled_loops_have_the_values_of_the_interpreter() -> None:
 
 
 def test_what_loops_over_links_do_not_have_is_refused_by_name() -> None:
-    """Joints that close loops, balls, and forces at markers: all of them at once, with what to write instead."""
+    """Joints that close loops, and springs between markers: all of them at once, with what to write instead."""
     text = _chain(3) + JOINT.format(name="last", kind="spherical", first="b2.b", second="ground.o")
-    text += '[forces.push]\nat = "b1.b"\nforce = [1, 0, 0]\n'
+    text += SPRING
     with pytest.raises(SpecError) as error:
         _model(text)
     assert [p.message.split(": ")[-1] for p in error.value.problems] == ['write lowering = "flat"'] * 2
     assert "joint last closes a loop" in str(error.value)
-    assert "push" in str(error.value)
+    assert "rope" in str(error.value)
 
 
 def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
     """Fourteen links take less time in loops; five, and a scene that loops do not have, stay in straight-line code."""
     scenes = [_mechanism(_chain(count, "auto")) for count in (14, 5)]
-    scenes.append(_mechanism(_chain(14, "auto") + '[forces.push]\nat = "b1.b"\nforce = [1, 0, 0]\n'))
+    scenes.append(_mechanism(_chain(14, "auto") + SPRING))
     assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
     assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since loops over links have no derivatives")
     assert lower(scenes[0], explicit=True).lowering == "instances"

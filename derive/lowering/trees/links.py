@@ -22,7 +22,7 @@ from derive.mechanics.multibody.space.frame_motion import fixed_axes, fixed_fram
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, joint_coordinates
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
-from derive.mechanics.multibody.space.tree.recursions import tree_body
+from derive.mechanics.symbols import Family, identity
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 
@@ -165,7 +165,7 @@ class _Links:
             self.links.append(TreeLink(-1, first, row, is_free=True))
             place = BodyPlace(len(self.links) - 1)
         else:
-            before = self._marker(joint.known)
+            before = marker_place(self.mechanism, self.bodies, joint.known)
             moved = [*self._moved(instance, joint, before, first, row)]
             self.links += moved
             axes, _ = marker_in_body(instance, joint.own.marker)
@@ -174,7 +174,7 @@ class _Links:
                 before, turn = BodyPlace(len(self.links) - 1), self._last_turn
             place = before.at(product(transposed(turn), transposed(axes)), AT_REST)
         self.bodies[instance.name] = place
-        if place.link >= 0 and of.carried:
+        if place.link >= 0:
             own = self.links[place.link]
             self.links[place.link] = replace(own, inertia=own.inertia + _inertia(instance).placed(place))
 
@@ -208,14 +208,13 @@ class _Links:
             lead=lead(joint.joint),
         )
 
-    def _marker(self, marker: MarkerRef) -> BodyPlace:
-        """The place of a marker."""
-        if marker.body == GROUND:
-            frame, values = self.mechanism.ground[marker.marker], {c.symbol: c.value for c in self.mechanism.constants}
-            return BodyPlace(-1, _matrix(frame.axes, values), _vector(frame.position, values))
-        return self.bodies[marker.body].at(
-            *marker_in_body(self.mechanism.instances_by_name[marker.body], marker.marker)
-        )
+
+def marker_place(mechanism: SpatialMechanism, bodies: Mapping[str, BodyPlace], marker: MarkerRef) -> BodyPlace:
+    """The place of a marker of a body that has one, or of the ground."""
+    if marker.body == GROUND:
+        frame, values = mechanism.ground[marker.marker], {c.symbol: c.value for c in mechanism.constants}
+        return BodyPlace(-1, _matrix(frame.axes, values), _vector(frame.position, values))
+    return bodies[marker.body].at(*marker_in_body(mechanism.instances_by_name[marker.body], marker.marker))
 
 
 def marker_in_body(instance: BodyInstance, marker: str) -> tuple[Matrix, Vector]:
@@ -227,11 +226,14 @@ def marker_in_body(instance: BodyInstance, marker: str) -> tuple[Matrix, Vector]
 
 def _inertia(instance: BodyInstance) -> LinkInertia:
     """The inertia of a body about its origin in its frame."""
-    constants, carried = instance.component.body.constants, instance.coordinates.carried
-    assert carried is not None
-    body, values = tree_body(instance.name, "", carried, constants), {c.symbol: c.value for c in constants}
-    mass = _number(sp.sympify(body.mass).xreplace(values))
-    return LinkInertia(mass, _vector(body.moment, values), _matrix(body.tensor, values))
+    values = {
+        (of.family, of.components): _number(c.value)
+        for c in instance.component.body.constants
+        if (of := identity(c.symbol)).owner == "" and c.value.is_Rational
+    }
+    moment = tuple(values.get((Family.C1, (k,)), ZERO) for k in (1, 2, 3))
+    tensor = tuple(tuple(values.get((Family.C3, (min(a, b), max(a, b))), ZERO) for b in (1, 2, 3)) for a in (1, 2, 3))
+    return LinkInertia(values.get((Family.MASS, ()), ZERO), moment, tensor)
 
 
 def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
@@ -248,14 +250,11 @@ def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
         for body in scene.bodies
         if not isinstance(body, SpatialRigidBody)
     )
-    for instance in mechanism.instances:
-        if instance.moves and instance.coordinates.carried is None:
-            yield f"{only} bodies in trees alone, and no joint connects {instance.name} to one that moves"
     for joint in mechanism.eliminated_joints:
         if {"rx", "ry", "rz"} <= {*(joint.type.free(joint.joint) or ())}:
             yield f"{only} no joint that leaves all rotations, as {joint.joint.name} does"
     for name in refused_actions(mechanism):
-        yield f"{only} loads along and about the axes of joints alone, and {name} is none"
+        yield f"{only} no springs but those about and along the axes of joints, and {name} is none"
     if mechanism.parameters:
         yield f"{only} numbers alone, and {mechanism.parameters[0].symbol} is a parameter"
 

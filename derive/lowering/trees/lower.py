@@ -25,7 +25,7 @@ from derive.lowering.instances.lower import rows_for_people, with_constants
 from derive.lowering.instances.places import Places
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
-from derive.lowering.trees import invariants, joint_outputs, loads
+from derive.lowering.trees import invariants, joint_outputs, loads, marker_loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite, mass_pattern
 from derive.lowering.trees.joint_outputs import MOST_UNROLLED
@@ -51,9 +51,11 @@ class TreeContext:
         """tree: that of the mechanism, unless a benchmark has another one."""
         self.mechanism, self.tree = mechanism, tree or tree_of(mechanism)
         self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
+        self.at_markers = marker_loads.marker_loads(mechanism, self.tree)
         inputs = self.known.context.u.symbols
         self.known = KnownMotion(mechanism)
-        self.known.definitions = (*self.known.definitions, *loads.definitions(self.loads, inputs))
+        given = (*loads.definitions(self.loads, inputs), *self.at_markers.definitions)
+        self.known.definitions = (*self.known.definitions, *given)
         self.constants = Constants(frozenset())
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
@@ -75,7 +77,8 @@ class TreeContext:
     def applied_at(self, motion: TreeMotion) -> list[Part]:
         """The section of the loads for a state in other arrays."""
         body = loads.applied(motion, self.loads, self.known.context.u.symbols, len(self.rows))
-        return [("loads", "(10)", "generalised forces of loads and springs", body)]
+        acting = marker_loads.acting(motion, self.at_markers)
+        return [("loads", "(10)", "generalised forces of loads and springs", [*body, *acting])]
 
     @property
     def applied_array(self) -> str:

@@ -10,7 +10,16 @@ from derive.algebra import sp
 from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.symbols import Family, identity
-from derive.spec.model.spatial_forces import SpatialJointForce, SpatialJointTorque, SpatialSpring
+from derive.spec.model.spatial_forces import (
+    SpatialForce,
+    SpatialJointForce,
+    SpatialJointTorque,
+    SpatialSpring,
+    SpatialTorque,
+)
+
+AT_MARKERS = (SpatialForce, SpatialTorque)
+"""The actions at markers, which act on links and not on rows."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,8 @@ def row_loads(mechanism: SpatialMechanism) -> RowLoads:
     """The loads of a mechanism whose actions are all in joints, see `refused_actions`."""
     loads, springs = [], []
     for action in mechanism.forces:
+        if isinstance(action.element, AT_MARKERS):
+            continue
         joint, freedom = _joint(mechanism, action)
         assert joint is not None
         row, coordinate = place_in(mechanism, joint, freedom)
@@ -68,6 +79,8 @@ def row_loads(mechanism: SpatialMechanism) -> RowLoads:
 def refused_actions(mechanism: SpatialMechanism) -> Iterator[str]:
     """Yield the names of actions that loops along trees do not have."""
     for action in mechanism.forces:
+        if isinstance(action.element, AT_MARKERS):
+            continue
         joint, freedom = _joint(mechanism, action)
         if joint is None or _motion(joint, freedom) is None:
             yield action.element.name
