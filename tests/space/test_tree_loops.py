@@ -135,7 +135,8 @@ def _state(model: Model) -> dict[str, Any]:
 
 def _differences(first: Model, second: Model) -> dict[str, float]:
     """The differences of the outputs of the functions of a state, relative to the largest value of each."""
-    result, state = {}, _state(first)
+    result: dict[str, float] = {}
+    state = _state(first)
     for kernel in first.kernels:
         if kernel.name == "setup" or not {a.name for a in kernel.arguments} <= {*state}:
             continue

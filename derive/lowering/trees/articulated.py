@@ -50,7 +50,9 @@ COUNT = 27
 def articulated(motion: TreeMotion, gravity: Sequence[Number], has_forces: bool) -> list[Part]:
     """The sections of the accelerations after those of the motion and of the inertias."""
     backward = _backward(motion, has_forces)
-    declared = [*motion.work((BEHIND, COUNT), cleared=True), *motion.work((SHARE, 8))]
+    chain = motion.tree.is_chain
+    declared = [*motion.work((BEHIND, COUNT), cleared=not chain), *motion.work((SHARE, 8))]
+    declared += motion.at_link(BEHIND, len(motion.tree.links) - 1, [ZERO] * COUNT) if chain else []
     loops: list[Statement] = [*declared, backward] if motion.joints else [*declared]
     ground = [*motion.work((FOUND, 6))]
     return [
@@ -94,7 +96,7 @@ def _backward(motion: TreeMotion, has_forces: bool) -> ForEach:
     turned = plus_matrix(j, transposed(before_cross(r, s)), before_cross(r, moved))
     g = plus(g, cross(r, p))
     values = [*packed(m), *(x for row in moved for x in row), *packed(turned), *p, *g]
-    loop.store_vector(BEHIND, before, values, operator=Operator.ADD)
+    loop.store_vector(BEHIND, before, values, operator=None if motion.tree.is_chain else Operator.ADD)
     return loop.made(backward=True)
 
 

@@ -77,8 +77,12 @@ class TreeMotion:
 
     def at_ground(self, array: str, values: Sequence[Number]) -> Iterator[Statement]:
         """Yield the statements that write the components of the ground."""
+        return self.at_link(array, -1, values)
+
+    def at_link(self, array: str, link: int, values: Sequence[Number]) -> Iterator[Statement]:
+        """Yield the statements that write the components of a link, -1 for the ground."""
         for k, value in enumerate(values):
-            yield StoreElement(Element(array, constant(k * self.arrays.spacing + self.arrays.slot(-1))), value)
+            yield StoreElement(Element(array, constant(k * self.arrays.spacing + self.arrays.slot(link))), value)
 
     def coordinate(self, loop: LinkLoop, k: int = 0) -> ca.SX:
         """A coordinate of each link."""
