@@ -13,10 +13,9 @@ the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
 from __future__ import annotations
 
 import argparse
-import shlex
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -27,17 +26,16 @@ import space_scenes as scenes
 from chain_model import casadi_accelerations, numeric_function
 from exudyn_space import evaluation
 from interleaved import TimedCall, interleaved
-from limited import limited
 from machine import OWN_OPTION, described
 from rows import Row, row
 from space_tables import flexible_tables, free_tables, rigid_tables
+from timed_program import Program
 
 from derive.backends.c.source import CBackend
 from derive.derivation import derive, lower
 from derive.ir.model import Model
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
-from derive.runtime.compiler import compiler
 from derive.spec.model.spatial_scene import SpatialScene
 
 Array = scenes.Array
@@ -160,25 +158,6 @@ CASES = {
     ),
     **_chains(COUNT),
 }
-
-
-@dataclass
-class Program:
-    """The parts of the timed program of a scene, besides its calls."""
-
-    folder: Path
-    flags: str
-    objects: list[Path] = field(default_factory=list)
-    declare: list[str] = field(default_factory=list)
-    once: list[str] = field(default_factory=list)
-    arrays: dict[str, Array] = field(default_factory=dict)
-    scratch: dict[str, int] = field(default_factory=dict)
-
-    def compile(self, source: Path, options: str = "", target: str = "") -> None:
-        """Compile a file and add its object."""
-        out = self.folder / f"{target or source.stem}.o"
-        limited([*compiler(), *shlex.split(f"{self.flags} {options} -w -c"), str(source), "-o", str(out)])
-        self.objects.append(out)
 
 
 def times(

@@ -30,7 +30,8 @@ The public interface, by stages:
                     Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
     files           model_files, write; File
-    compiled code   load, load_scene, vector_flags; Native, NativeScene, Role
+    compiled code   load, load_scene, vector_flags; Native, NativeScene, RequestedFunctions, Role; inverse_dynamics,
+                    DrivingForces
     modes           modes; Modes, Mode, Linearisation
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
@@ -40,7 +41,7 @@ The public interface, by stages:
     other programs  exported, host_model, casadi_function; HostModel
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
-                    IntegratorError, SimulationError
+                    IntegratorError, SimulationError, MissingInputs
 
 Names are imported when they are first used, so that `import derive` is fast and nothing pays for what it does not need.
 The module of each of them is in `__init__.pyi`, where type checkers look too.

@@ -33,9 +33,15 @@ from derive.runtime.integrators.c_integrator import Integration as Integration, 
 from derive.runtime.integrators.fixed_step import FixedStep as FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha as GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida as Ida
+from derive.runtime.inverse_dynamics import (
+    DrivingForces as DrivingForces,
+    MissingInputs as MissingInputs,
+    inverse_dynamics as inverse_dynamics,
+)
 from derive.runtime.loading import load as load, load_scene as load_scene
 from derive.runtime.native_call import ModelError as ModelError
 from derive.runtime.native_scene import NativeScene as NativeScene
+from derive.runtime.requested_functions import RequestedFunctions as RequestedFunctions
 from derive.simulation.equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
 from derive.simulation.errors import SimulationError as SimulationError
 from derive.simulation.initial.initial_state import InitialState as InitialState, initial_state as initial_state

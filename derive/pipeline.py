@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -63,17 +63,22 @@ class Stages:
         self.seconds[name] = time.perf_counter() - began
 
 
-def build(path: Path, announce: Callable[[str], None] = lambda _: None, sensitivities: bool = False) -> Built:
+def build(
+    path: Path,
+    announce: Callable[[str], None] = lambda _: None,
+    sensitivities: bool = False,
+    functions: Collection[str] = (),
+) -> Built:
     """Run all stages on a specification file, without writing the generated files.
 
-    `path` is the TOML file; `announce` is called with a description of each stage when it begins; `sensitivities`: see
-    `lower`. Raises SpecError, with line numbers of the file, if the specification is invalid.
+    `path` is the TOML file; `announce` is called with a description of each stage when it begins; `sensitivities`,
+    `functions`: see `lower`. Raises SpecError, with line numbers of the file, if the specification is invalid.
     """
     stages = Stages(announce)
     with stages.stage("read", "reading the specification"):
         spec = read(path)
     try:
-        result = generate(spec, sensitivities, stages=stages)
+        result = generate(spec, sensitivities, stages=stages, functions=functions)
         if isinstance(spec, (Scene, SpatialScene)):
             _check_plots(spec, result.model)
     except SpecError as error:  # a fault that shows only in the derivation, or in the names of the columns
@@ -87,11 +92,13 @@ def generate(
     backends: Sequence[str] = ("c", "python"),
     start_needed: bool = False,
     stages: Stages | None = None,
+    functions: Collection[str] = (),
 ) -> Built:
     """Run all stages on a specification: derive, lower, compute the initial state, emit.
 
-    sensitivities: see `lower`. backends: names in `BACKENDS`. start_needed: whether it is an error that a scene has no
-    initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with `start_needed`.
+    sensitivities, functions: see `lower`. backends: names in `BACKENDS`. start_needed: whether it is an error that a
+    scene has no initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with
+    `start_needed`.
     """
     from derive.derivation import derive, lower
 
@@ -100,7 +107,7 @@ def generate(
     with stages.stage("derive", "deriving the equations of motion"):
         derived, first = derive(spec), _foreseen(spec)
     with stages.stage("lower", "lowering to kernels"):
-        model = lower(derived if first is spec else derive(first), sensitivities)
+        model = lower(derived if first is spec else derive(first), sensitivities, functions=functions)
     unstarted = ""
     if isinstance(spec, (Scene, SpatialScene)):
         with stages.stage("start", "computing the initial state"):
@@ -167,9 +174,12 @@ def _started(scene: AnyScene, model: Model, needed: bool = False, resolved: bool
     from derive.simulation.linear.run_time_inputs import with_zero_inputs
     from derive.simulation.redundant_joints import with_redundant_joints
 
+    def again(described: AnyScene) -> Model:
+        return lower(derive(described), model.sensitivities, functions=model.requested)
+
     def started(described: AnyScene) -> Model:
         given = (described is scene) != resolved
-        own = model if given else lower(derive(described), model.sensitivities)
+        own = model if given else again(described)
         return replace(own, start=start_state(with_zero_inputs(described) if needed else described, own))
 
     try:
@@ -179,7 +189,7 @@ def _started(scene: AnyScene, model: Model, needed: bool = False, resolved: bool
             raise
         reason = str(error).splitlines()[0]
         if resolved:
-            model = lower(derive(scene), model.sensitivities)
+            model = again(scene)
         return model, f"no function {model.name}_start, since there is no initial state: {reason}"
 
 

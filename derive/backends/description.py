@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.backends.wrapping import Item, Prose, prefixed
+from derive.function_names import OF_MODELS
 from derive.ir.kernel import Argument, Kernel, Output, OutputKind, Section
 from derive.ir.model import JACOBIAN, PARAMETER_JACOBIAN, Model, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
@@ -47,6 +48,10 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     matrices += [("constraint_jacobian", "G"), (f"{JACOBIAN}_ggl", "jac"), (f"{JACOBIAN}_index1", "jac")]
     matrices += [("outputs_jacobian", "jac"), (PARAMETER_JACOBIAN, "jac")]
     matrices += [(f"marker_{of.name}", "jacobian") for of in model.marker_classes]
+    matrices += [("centre_of_mass", "jacobian"), ("centroidal_momentum", "A")]
+    matrices += [(f"{name}_jacobian", "jac") for name in OF_MODELS]
+    matrices += [(f"rotation_{m.name}", "jacobian") for m in model.markers]
+    matrices += [(f"jacobian_of_rotation_{m.name}", "jac") for m in model.markers]
     present = {kernel.name for kernel in model.kernels}
     patterns = [(kernel, model.pattern(kernel, output)) for kernel, output in matrices if kernel in present]
 

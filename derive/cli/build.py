@@ -20,7 +20,7 @@ SIZES = ("terms", "operations", "nonzeros")
 def run(options: argparse.Namespace) -> int:
     """Build all specifications, then write all files; an error in any specification prevents all writing."""
     paths = tuple(dict.fromkeys(options.specs))
-    built = dict(zip(paths, build_all(paths, options.sensitivities), strict=True))
+    built = dict(zip(paths, build_all(paths, options.sensitivities, options.functions), strict=True))
     write([file for b in built.values() for file in b.files], options.out)
     if options.json:
         print(json.dumps([_plain(b, path, options.out) for path, b in built.items()], indent=2))

@@ -10,6 +10,7 @@ from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.notes.body_notes import body_notes, notes_on_flexible_bodies
 from derive.notes.model_notes import limits
+from derive.notes.requested_notes import requested_notes
 from derive.pipeline import Built
 from derive.report.sections.instance_rows import merged_rows
 from derive.spec.model.body import NodalBody
@@ -25,6 +26,7 @@ def build_notes(built: Built, path: Path) -> tuple[str, ...]:
         *(body_notes(spec) if isinstance(spec, NodalBody) else ()),
         *(notes_on_flexible_bodies(spec) if isinstance(spec, SpatialScene) else ()),
         *_elimination(model),
+        *requested_notes(model),
         *limits(spec),
         *(f"warning: {text}" for text in (*((built.unstarted,) if built.unstarted else ()), *warnings(path))),
     )

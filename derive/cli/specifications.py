@@ -130,8 +130,8 @@ def _file(path: Path) -> Iterator[None]:
         raise SpecError(error.problems, str(path)) from None
 
 
-def build_all(paths: Sequence[Path], sensitivities: bool = False) -> list[Built]:
-    """Build every specification, with derivatives by the parameters if `sensitivities`.
+def build_all(paths: Sequence[Path], sensitivities: bool = False, functions: Sequence[str] = ()) -> list[Built]:
+    """Build every specification, with derivatives by the parameters if `sensitivities`, and with these `functions`.
 
     Raises SpecError with the problems of all files, also when two models would have the same name in C.
     """
@@ -145,7 +145,7 @@ def build_all(paths: Sequence[Path], sensitivities: bool = False) -> list[Built]
     for path in every:
         label = remaining.named(str(path))
         try:
-            result = build(path, partial(_show_stage, label), sensitivities)
+            result = build(path, partial(_show_stage, label), sensitivities, functions)
         except SpecError as error:
             errors.append(error)
             continue

@@ -157,6 +157,7 @@ class Model:
         marker_classes: what loops over instances have in place of `markers`.
         proximal: whether the constraints may be redundant, since a proximal term gives multipliers of least norm.
         in_space: whether the bodies of a scene are in space.
+        requested: the names of the functions that it has on request.
 
     Examples:
         >>> import derive
@@ -196,6 +197,7 @@ class Model:
     marker_classes: tuple[MarkerClass, ...] = ()
     proximal: bool = False
     in_space: bool = False
+    requested: tuple[str, ...] = ()
 
     @property
     def defaults(self) -> tuple[float, ...]:

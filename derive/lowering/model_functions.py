@@ -41,14 +41,24 @@ class FunctionKind(Enum):
     JACOBIAN = JACOBIAN
     PARAMETER_JACOBIAN = PARAMETER_JACOBIAN
     SOLVE_KKT = "solve_kkt"
+    INVERSE_DYNAMICS = "inverse_dynamics"
+    GRAVITY_COMPENSATION = "gravity_compensation"
+    CENTRE_OF_MASS = "centre_of_mass"
+    CENTROIDAL_MOMENTUM = "centroidal_momentum"
+    ROTATION = "rotation"
+    INVERSE_DYNAMICS_JACOBIAN = "inverse_dynamics_jacobian"
+    GRAVITY_COMPENSATION_JACOBIAN = "gravity_compensation_jacobian"
+    CENTRE_OF_MASS_JACOBIAN = "centre_of_mass_jacobian"
+    CENTROIDAL_MOMENTUM_JACOBIAN = "centroidal_momentum_jacobian"
+    ROTATION_JACOBIAN = "jacobian_of_rotation"
 
 
 @dataclass(frozen=True)
 class ModelFunction:
     """A function of a model.
 
-    arguments: their names. outputs: the documentation of each output, by name. variant: the marker of a `MARKER` or
-    `LOAD`, or the form of a `RESIDUAL` or `JACOBIAN` of a mechanism, a key of `FORMS`; otherwise empty.
+    arguments: their names. outputs: the documentation of each output, by name. variant: the marker of a `MARKER`,
+    `LOAD` or `ROTATION`, or the form of a `RESIDUAL` or `JACOBIAN` of a mechanism, a key of `FORMS`; otherwise empty.
     """
 
     kind: FunctionKind
@@ -115,10 +125,10 @@ def functions_of(
     if explicit:
         kept = {JACOBIAN} if balanced else set()
         every = tuple(function for function in every if function.kind not in IMPLICIT or function.name in kept)
-    return tuple(map(_with_inputs, every)) if equations.inputs else every
+    return tuple(map(with_inputs, every)) if equations.inputs else every
 
 
-def _with_inputs(function: ModelFunction) -> ModelFunction:
+def with_inputs(function: ModelFunction) -> ModelFunction:
     """A function that depends on the time depends on the inputs u as well, an argument before the constants k."""
     if "t" not in function.arguments:
         return function

@@ -70,6 +70,7 @@ class Equations:
         weight_energy: the potential of gravity, J; None where there is no gravity.
         linear_momentum: its components in the inertial frame, kg m/s.
         angular_momentum: its components about the origin of the inertial frame, kg m^2/s.
+        mass_moments: the mass, kg, and the first moments of mass in the inertial frame, kg m.
         markers: the positions, velocities and Jacobians of markers.
         constraints: those of a mechanism; the sum of a row is then what the multipliers contribute, sum lambda_k
             jacobian_k.
@@ -119,6 +120,7 @@ class Equations:
     mass: sp.ImmutableMatrix = NO_MATRIX
     mass_zeros: tuple[tuple[int, int, Reason], ...] = ()
     body: Body | None = None
+    mass_moments: tuple[sp.Expr, ...] = ()
     trees: tuple[TreeBody, ...] = ()
 
     @property

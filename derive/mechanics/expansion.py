@@ -72,6 +72,7 @@ def expand(body: Body) -> Equations:
         weight_energy=total(work.weight_energy) if body.gravity else None,
         linear_momentum=tuple(map(total, work.linear_momentum)),
         angular_momentum=tuple(map(total, work.angular_momentum)),
+        mass_moments=tuple(map(total, work.mass_moments)),
         markers=tuple(marker(motion, point) for point in body.points),
         body=body,
     )

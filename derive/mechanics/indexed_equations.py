@@ -116,6 +116,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> IndexedEquations:
         weight_energy=settled(work.weight_energy) if body.gravity else None,
         linear_momentum=tuple(map(settled, work.linear_momentum)),
         angular_momentum=tuple(map(settled, work.angular_momentum)),
+        mass_moments=tuple(map(settled, work.mass_moments)),
         markers=tuple(points),
         body=body,
         tables=(*body.tables, *of_points),

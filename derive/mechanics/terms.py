@@ -178,7 +178,8 @@ class MarkerEquations:
     `load` (rows,) is the virtual work of a force at the marker, with inertial components `force` (d, 1). If the
     equations keep their sums over the modes, `mode_sums` define the point in the body frame, at second order with the
     `table_sums` dr/dalpha_i, and the last column and row belong to a generic mode. d is 2 in the plane and 3 in space.
-    shown: the name for people, where that is another one.
+    shown: the name for people, where that is another one; angular_velocity: of a marker of a scene, that of its frame,
+    in the inertial frame (3, 1), in the plane (1, 1).
     """
 
     name: str
@@ -193,6 +194,7 @@ class MarkerEquations:
     mode_sums: tuple[ModeSum, ...] = ()
     table_sums: tuple[TableSum, ...] = ()
     shown: str = ""
+    angular_velocity: sp.ImmutableMatrix | None = None
 
 
 @dataclass(frozen=True)

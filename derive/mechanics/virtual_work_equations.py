@@ -43,6 +43,7 @@ class VirtualWork:
     weight_energy: sp.Expr
     linear_momentum: tuple[sp.Expr, ...]
     angular_momentum: tuple[sp.Expr, ...]
+    mass_moments: tuple[sp.Expr, ...]
 
 
 @cache
@@ -60,6 +61,7 @@ def virtual_work(dimension: int, truncated: bool) -> VirtualWork:
         weight_energy=weight_energy(motion),
         linear_momentum=linear_momentum(motion),
         angular_momentum=angular_momentum(motion),
+        mass_moments=mass_moments(motion),
     )
 
 
@@ -156,3 +158,9 @@ def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     position = motion.position
     rotated = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.rotation_generators)
     return tuple(motion.product(field, motion.velocity) for field in rotated)
+
+
+def mass_moments(motion: Motion) -> tuple[sp.Expr, ...]:
+    """The mass, and the first moments int rho x along each axis: products of unit translations with the position."""
+    first = motion.translations[0]
+    return motion.product(first, first), *(motion.product(motion.position, d) for d in motion.translations)

@@ -28,6 +28,7 @@ from derive.runtime.native_call import (
     doubles,
 )
 from derive.runtime.native_markers import NativeMarker, native_markers
+from derive.runtime.requested_functions import RequestedFunctions
 from derive.short_text import listed, summary
 
 
@@ -55,7 +56,7 @@ NO_PATTERN = Pattern(0, 0, (0,), (), symmetric=False)
 """The pattern of a matrix that a model does not have."""
 
 
-class Native:
+class Native(RequestedFunctions):
     """A compiled model. Arrays are vectors of doubles in SI units; matrices come as the values of their pattern.
 
     The pattern makes a matrix of them, dense or in SciPy's compressed columns: `native.mass_pattern.dense(values)`,
@@ -141,6 +142,7 @@ class Native:
             results = dimension, dimension, marker.size
             self._add(of, "evaluate", state, results, f"marker_{point}", order=marker.bound)
             self._add(of, "load", (m.nq, dimension, m.nk), (m.nv,), f"load_{point}", order=marker.bound)
+        self._add_requested(m)
 
     def _add(
         self,

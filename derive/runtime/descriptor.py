@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from typing import Any
 
+from derive.function_names import OF_MODELS
 from derive.ir.model import element_names
 from derive.ir.patterns import Pattern
 from derive.roles import Role
@@ -51,6 +52,10 @@ class MarkerStruct(ctypes.Structure):
         ("pattern", ctypes.POINTER(PatternStruct)),
         ("evaluate", _function(*[Doubles] * 6)),
         ("load", _function(*[Doubles] * 4)),
+        ("rotation_pattern", ctypes.POINTER(PatternStruct)),
+        ("derivatives", ctypes.POINTER(PatternStruct)),
+        ("rotation", _function(*[Doubles] * 5)),
+        ("jacobian_of_rotation", _function(*[Doubles] * 4)),
     ]
 
 
@@ -118,6 +123,23 @@ class PortsStruct(ctypes.Structure):
     ]
 
 
+class RequestedStruct(ctypes.Structure):
+    """The C structure `tisserand_requested`."""
+
+    _fields_ = [
+        *((f"{name}_pattern", ctypes.POINTER(PatternStruct)) for name in ("centre", "momentum")),
+        ("inverse_dynamics", _function(_T, *[Doubles] * 5)),
+        ("gravity_compensation", _function(_T, *[Doubles] * 3)),
+        ("centre_of_mass", _function(*[Doubles] * 7)),
+        ("centroidal_momentum", _function(*[Doubles] * 5)),
+        *((f"of_{name}", ctypes.POINTER(PatternStruct)) for name in OF_MODELS),
+        ("inverse_dynamics_jacobian", _function(_T, *[Doubles] * 5)),
+        ("gravity_compensation_jacobian", _function(_T, *[Doubles] * 3)),
+        ("centre_of_mass_jacobian", _function(*[Doubles] * 4)),
+        ("centroidal_momentum_jacobian", _function(*[Doubles] * 4)),
+    ]
+
+
 class ModelStruct(ctypes.Structure):
     """The C structure `tisserand_model`."""
 
@@ -153,6 +175,7 @@ class ModelStruct(ctypes.Structure):
         ("parameter_pattern", ctypes.POINTER(PatternStruct)),
         ("parameter_jacobian", _function(_T, *[Doubles] * 4)),
         ("solve_kkt", _function(_T, *[Doubles] * 6)),
+        ("requested", ctypes.POINTER(RequestedStruct)),
     ]
 
 

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_1b4ea272b7c3e826
+#ifndef BLOCK_HASH_07310c1ddeab3341
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -5168,15 +5168,18 @@ static const tisserand_variable block_table_v[] = {
 
 static const tisserand_marker block_table_markers[] = {
     {"corner", 3, &block_sparsity_marker_corner, block_marker_corner,
-        block_load_corner},
+        block_load_corner, 0, 0,
+        0, 0},
     {"centre", 3, &block_sparsity_marker_centre, block_marker_centre,
-        block_load_centre},
+        block_load_centre, 0, 0,
+        0, 0},
     {"end", 3, &block_sparsity_marker_end, block_marker_end,
-        block_load_end},
+        block_load_end, 0, 0,
+        0, 0},
 };
 
 static const tisserand_model block_descriptor = {
-    8,
+    9,
     "block",
     BLOCK_HASH,
     BLOCK_NQ,
@@ -5227,6 +5230,7 @@ static const tisserand_model block_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_0c1854f5028e7437
+#ifndef DOUBLE_PENDULUM_HASH_74f39cd3351f807f
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -4658,17 +4658,23 @@ static const tisserand_variable double_pendulum_table_lambda[] = {
 
 static const tisserand_marker double_pendulum_table_markers[] = {
     {"upper_left", 2, &double_pendulum_sparsity_marker_upper_left, double_pendulum_marker_upper_left,
-        double_pendulum_load_upper_left},
+        double_pendulum_load_upper_left, 0, 0,
+        0, 0},
     {"upper_middle", 2, &double_pendulum_sparsity_marker_upper_middle, double_pendulum_marker_upper_middle,
-        double_pendulum_load_upper_middle},
+        double_pendulum_load_upper_middle, 0, 0,
+        0, 0},
     {"upper_right", 2, &double_pendulum_sparsity_marker_upper_right, double_pendulum_marker_upper_right,
-        double_pendulum_load_upper_right},
+        double_pendulum_load_upper_right, 0, 0,
+        0, 0},
     {"lower_left", 2, &double_pendulum_sparsity_marker_lower_left, double_pendulum_marker_lower_left,
-        double_pendulum_load_lower_left},
+        double_pendulum_load_lower_left, 0, 0,
+        0, 0},
     {"lower_middle", 2, &double_pendulum_sparsity_marker_lower_middle, double_pendulum_marker_lower_middle,
-        double_pendulum_load_lower_middle},
+        double_pendulum_load_lower_middle, 0, 0,
+        0, 0},
     {"lower_right", 2, &double_pendulum_sparsity_marker_lower_right, double_pendulum_marker_lower_right,
-        double_pendulum_load_lower_right},
+        double_pendulum_load_lower_right, 0, 0,
+        0, 0},
 };
 
 static const char *const double_pendulum_table_bodies[] = {
@@ -4701,7 +4707,7 @@ static const tisserand_scene double_pendulum_scene = {
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    8,
+    9,
     "double_pendulum",
     DOUBLE_PENDULUM_HASH,
     DOUBLE_PENDULUM_NQ,
@@ -4753,6 +4759,7 @@ static const tisserand_model double_pendulum_descriptor = {
     0,
 #endif
     &double_pendulum_scene,
+    0,
     0,
     0,
     0,

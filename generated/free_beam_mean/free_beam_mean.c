@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_732387e11c5d2842
+#ifndef FREE_BEAM_MEAN_HASH_615d579671158ed9
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -1819,15 +1819,18 @@ static const tisserand_variable free_beam_mean_table_v[] = {
 
 static const tisserand_marker free_beam_mean_table_markers[] = {
     {"left", 2, &free_beam_mean_sparsity_marker_left, free_beam_mean_marker_left,
-        free_beam_mean_load_left},
+        free_beam_mean_load_left, 0, 0,
+        0, 0},
     {"middle", 2, &free_beam_mean_sparsity_marker_middle, free_beam_mean_marker_middle,
-        free_beam_mean_load_middle},
+        free_beam_mean_load_middle, 0, 0,
+        0, 0},
     {"right", 2, &free_beam_mean_sparsity_marker_right, free_beam_mean_marker_right,
-        free_beam_mean_load_right},
+        free_beam_mean_load_right, 0, 0,
+        0, 0},
 };
 
 static const tisserand_model free_beam_mean_descriptor = {
-    8,
+    9,
     "free_beam_mean",
     FREE_BEAM_MEAN_HASH,
     FREE_BEAM_MEAN_NQ,
@@ -1878,6 +1881,7 @@ static const tisserand_model free_beam_mean_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

@@ -77,6 +77,7 @@ def corpus_scene(seed: int) -> CorpusScene:
     if seed >= FIRST:
         tables, files, linkage = spatial_scene(draws, f"scene_{seed}")
         respell(tables, spatial_schema(), draws, 0.15)
+        _choose_coordinates(tables, Draws(f"coordinates {seed}"))
         return CorpusScene(seed, tables, tables, files, linkage)
     tables, files, linkage = _parts(draws, f"scene_{seed}")
     many = Draws(f"many {seed}")
@@ -94,6 +95,15 @@ def _lower(tables: Table, draws: Draws) -> None:
     lowering = draws.choice(["instances"] * 5 + ["auto", "flat"] + [""] * 13)
     if lowering and "bodies" in tables:
         tables.setdefault("scene", {})["lowering"] = lowering
+
+
+def _choose_coordinates(tables: Table, draws: Draws) -> None:
+    """Choose the coordinates of a scene in space in half of the cases, and in some a joint that closes a loop."""
+    chosen = draws.choice(["", "", "", "auto", "relative", "absolute"])
+    if chosen:
+        tables.setdefault("scene", {})["coordinates"] = chosen
+    if tables.get("joints") and draws.chance(0.15):
+        tables["joints"][draws.choice([*tables["joints"]])]["closes_loop"] = True
 
 
 def _treat_redundancy(tables: Table, linkage: str, draws: Draws) -> None:

@@ -9,7 +9,7 @@ from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
 
-LAYOUT = (8, "8689f1694922f517c6bac12b1ed79c4fa3791d7fb24f984cd43a05cf4628807f")
+LAYOUT = (9, "1a84cbcf2e2b4b6262c974dc8763d5dad437a1c4c415b0f027f78f10b008e18b")
 """The number of the interface, and the SHA-256 of the descriptor's declarations without comments."""
 
 

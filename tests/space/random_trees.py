@@ -58,7 +58,13 @@ def random_tree(
         scene["joints"]["rod"] = {"kind": "distance", "between": ends[0], "distance": 1}
         scene["joints"]["ball"] = {"kind": "spherical", "between": ends[1], "closes_loop": True}
     scene["springs"] = {
-        "s": {"kind": "linear", "between": ["ground.m", f"{names[-1]}.m"], "stiffness": 20.0, "damping": 0.5, "rest": 0.1}
+        "s": {
+            "kind": "linear",
+            "between": ["ground.m", f"{names[-1]}.m"],
+            "stiffness": 20.0,
+            "damping": 0.5,
+            "rest": 0.1,
+        }
     }
     spec = parse("\n".join(f"{key} = {_text(value)}" for key, value in scene.items()))
     assert isinstance(spec, SpatialScene)

@@ -84,6 +84,11 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
     },
     ("scene", "plots"): "shows results",
     ("joint", "limits"): "noted where a run passes them",
+    ("joint", "closes_loop"): "the choice of coordinates: test_trees.py",
+    **{
+        ("scene", "coordinates", *choice): "both are compared in test_trees.py"
+        for choice in ((), ("auto",), ("relative",), ("absolute",))
+    },
     ("scene", "outputs"): "compared with differences in test_space_marker_outputs.py and others",
     **{("scene", "start", choice): "initial values" for choice in ("equilibrium", "steady")},
     **{

@@ -9,13 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from decimal_vectors import Array
 from random_trees import random_tree
 
 import derive
-from decimal_vectors import Array
 from derive.ir.analysis import operations
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
+from derive.spec.model.spatial_bodies import SpatialRigidBody
+from derive.spec.model.spatial_scene import SpatialScene
 
 LIMIT = 1e-11
 STEP = 1e-30
@@ -59,14 +61,24 @@ def test_recursions_solve_the_equations_of_trees(seed: int, bodies: int, loops: 
         assert counts[0] <= counts[1] or name == "mass_force"
 
 
-def absolute_state(model: Model, q: Array, v: Array, absolute: Model) -> tuple[Array, Array]:
-    """The state in absolute coordinates, whose rates are those of the poses along the motion."""
+def centres(scene: SpatialScene) -> dict[str, Array]:
+    """The centres of mass from the origins of poses of a random tree: those of the bodies that hang on a joint."""
+    hung = {end.body for joint in scene.joints for end in (joint.first, joint.second) if end.marker == "own"}
+    bodies = (body for body in scene.bodies if isinstance(body, SpatialRigidBody))
+    return {body.name: np.array([float(x) for x in body.centre]) * (body.name in hung) for body in bodies}  # type: ignore[arg-type]
+
+
+def absolute_state(
+    model: Model, q: Array, v: Array, absolute: Model, centre: Mapping[str, Array]
+) -> tuple[Array, Array]:
+    """The state in absolute coordinates, which have the centre of mass as the origin: the rates are those of poses."""
     names = [name for c in model.coordinates for name in c.elements]
     rates = [name for c in model.velocities for name in c.elements]
     known = dict(zip(names, q, strict=True)) | dict(zip(rates, v, strict=True))
     moving = q + 1j * STEP * called(model, "rates", q=q, v=v)["qdot"]
     for body, pose in zip(model.bodies, called(model, "poses", q=moving)["pose"].reshape(-1, 12), strict=True):
-        x, Q = pose[:3], pose[3:].reshape(3, 3)
+        Q = pose[3:].reshape(3, 3)
+        x = pose[:3] + Q @ centre[body]
         spin = Q.real.T @ Q.imag / STEP
         values = [*x.real, *x.imag / STEP, *quaternion(Q.real), spin[2, 1], spin[0, 2], spin[1, 0]]
         axes, ends = (1, 2, 3), [f"c{k}" for k in (1, 2, 3)]
@@ -86,14 +98,15 @@ def quaternion(Q: Array) -> Sequence[float]:
 
 @pytest.mark.parametrize(("seed", "free"), [(2, True), (7, False)])
 def test_trees_move_as_in_absolute_coordinates(seed: int, free: bool) -> None:
-    """Accelerations of markers, and energies, are those of bodies with seven coordinates each and joints as constraints."""
-    relative, absolute = (
-        derive.lower(derive.derive(random_tree(seed, free=free, coordinates=of))) for of in ("relative", "absolute")
-    )
+    """Accelerations of markers, energies and momenta are those of bodies with seven coordinates each and constraints."""
+    scenes = [random_tree(seed, free=free, coordinates=of) for of in ("relative", "absolute")]
+    relative, absolute = (derive.lower(derive.derive(scene), explicit=True) for scene in scenes)
     assert len(relative.multipliers) == 0 < len(absolute.multipliers)
     q, v = state(relative, seed)
     found = []
-    for model, (own_q, own_v) in ((relative, (q, v)), (absolute, absolute_state(relative, q, v, absolute))):
+    in_absolute = absolute_state(relative, q, v, absolute, centres(scenes[0]))
+    for model, (own_q, own_v) in ((relative, (q, v)), (absolute, in_absolute)):
         solved = called(model, "solve", q=own_q, v=own_v)
-        found.append(called(model, "outputs", q=own_q, v=own_v, **solved))
+        further = called(model, "energy", q=own_q, v=own_v) | called(model, "momentum", q=own_q, v=own_v)
+        found.append(called(model, "outputs", q=own_q, v=own_v, **solved) | further)
     assert max(differences(*found)) < LIMIT

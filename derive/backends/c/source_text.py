@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate, groupby
@@ -41,6 +42,7 @@ from derive.backends.description import (
 from derive.backends.source_map import SourceBuilder, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.enumerations import enumeration
+from derive.function_names import OF_MODELS
 from derive.ir.model import Model, Variable
 from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.ir.tiles import numbers_of_instances, tiled
@@ -126,6 +128,7 @@ def _template_values(
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     names = composed_names(model) if model.lowering == "instances" else None
     checked = [f"{name}_batch" for name in blocks if model.kernel(name).checked]
+    patterns = pattern_texts(model, "    ")
     return {
         "model": model,
         "name": model.name,
@@ -148,7 +151,9 @@ def _template_values(
         "batches": [batch_function(block) for block in blocks.values()],
         "batch_width": " or ".join(str(w) for w in sorted({block.width for block in blocks.values()})),
         "batch_stack": -(-max(map(stack, blocks.values())) // 1024),
-        "patterns": pattern_texts(model, "    "),
+        "patterns": patterns,
+        "sparsities": defaultdict(lambda: "0", {p.name: f"&{model.name}_sparsity_{p.name}" for p in patterns}),
+        "requested": OF_MODELS,
         "markers": [(m.name, m.title, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.is_scene and not model.explicit else {},
         "reduced_forms": REDUCED_FORMS,

@@ -21,10 +21,12 @@ from derive.cli.arguments.types import (
     count,
     error_fraction,
     export_kind,
+    function_names,
     number,
     page_file,
     spec_file,
 )
+from derive.function_names import ON_REQUEST
 from derive.study.study_options import ERROR
 from derive.version import VERSION
 
@@ -106,6 +108,13 @@ def _add_build(commands: Any) -> None:
     add_folder(build, "generated")
     build.add_argument(
         "--sensitivities", action="store_true", help="with the derivatives of the equations by parameters and inputs"
+    )
+    build.add_argument(
+        "--functions",
+        type=function_names,
+        default=(),
+        metavar="NAMES",
+        help=f"with functions that few users need, separated by commas: {', '.join(ON_REQUEST)}; or all",
     )
     build.add_argument("--json", action="store_true", help="print the table of stages as JSON")
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 from collections.abc import Sequence
 
-from derive.cli.arguments.types import count, pieces
+from derive.cli.arguments.types import among, count, pieces
 from derive.study.study_options import COMPONENT_MODES, FRAMES, MAX_MODES, MAX_SHAPES, MODES, ORDERS, LadderRange
 
 
@@ -107,17 +106,6 @@ def modes(text: str) -> tuple[str, ...]:
 def component_modes(text: str) -> tuple[str, ...]:
     """Modes of finite-element bodies by their names."""
     return among(text, COMPONENT_MODES)
-
-
-def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
-    """Names among those that are known."""
-    names = tuple(dict.fromkeys(text.split(",")))
-    for name in names:
-        if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"choose from {', '.join(known)}"
-            raise argparse.ArgumentTypeError(f"unknown: {name!r}; {hint}")
-    return names
 
 
 def shapes(text: str) -> tuple[int, ...]:

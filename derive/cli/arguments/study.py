@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from derive.cli.arguments.ladder import add_ladder, add_spatial_ladder, among, joined
+from derive.cli.arguments.ladder import add_ladder, add_spatial_ladder, joined
 from derive.cli.arguments.stability import add_stability
 from derive.cli.arguments.types import (
     SPEC,
     add_command,
     add_no_cache,
+    among,
     count,
     error_fraction,
     folder,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
 from pathlib import Path
 from typing import Any
 
+from derive.function_names import ON_REQUEST
 from derive.study.study_options import MAX_PIECES
 
 SPEC = "specification file (.toml)"
@@ -38,6 +40,23 @@ def pieces(text: str) -> tuple[int, ...]:
     if max(numbers) > MAX_PIECES:
         raise argparse.ArgumentTypeError(f"a rod is divided into at most {MAX_PIECES} beams, not {max(numbers)}")
     return numbers
+
+
+def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Names among those that are known."""
+    names = tuple(dict.fromkeys(text.split(",")))
+    for name in names:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"choose from {', '.join(known)}"
+            raise argparse.ArgumentTypeError(f"unknown: {name!r}; {hint}")
+    return names
+
+
+def function_names(text: str) -> tuple[str, ...]:
+    """Names of functions that a model has on request, or `all`."""
+    names = among(text, (*ON_REQUEST, "all"))
+    return ON_REQUEST if "all" in names else names
 
 
 def tolerance(text: str) -> float:

@@ -17,6 +17,7 @@ from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
 from derive.lowering.flat.trees.tree_dynamics import force_values
 from derive.lowering.ldlt import VANISHING, Factorisation
 from derive.lowering.model_functions import ModelFunction, OutputElements
+from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import state_rate
 
 
@@ -86,16 +87,19 @@ def momentum(context: Context, function: ModelFunction) -> Kernel:
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
     values = [symbols(p) for p in (*eq.linear_momentum, *eq.angular_momentum)]
-    linear = [f"linear_{k}" for k, _ in enumerate(eq.linear_momentum, 1)]
-    angular = (
-        [f"angular_{k}" for k, _ in enumerate(eq.angular_momentum, 1)] if len(eq.angular_momentum) > 1 else ["angular"]
-    )
     return context.kernel(
         function,
-        {"momentum": OutputElements((*linear, *angular))},
+        {"momentum": OutputElements(momentum_names(eq))},
         symbols,
         Step("momentum", "(1)", "int rho xdot and int rho x x xdot", stores("momentum", values)),
     )
+
+
+def momentum_names(equations: Equations) -> tuple[str, ...]:
+    """The names of the components of linear and angular momentum."""
+    linear = (f"linear_{k}" for k, _ in enumerate(equations.linear_momentum, 1))
+    angular = tuple(f"angular_{k}" for k, _ in enumerate(equations.angular_momentum, 1))
+    return *linear, *(angular if len(angular) > 1 else ("angular",))
 
 
 def rates(context: Context, function: ModelFunction) -> Kernel:

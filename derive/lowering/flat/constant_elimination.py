@@ -20,8 +20,8 @@ from typing import TypeAlias
 from sympy.polys.matrices import DomainMatrix
 
 from derive.algebra import sp
-from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.polynomials import Coefficient, NotPolynomialError, Polynomial, StatePolynomials, rational
+from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 
 Matrix: TypeAlias = list[list[Polynomial]]

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule
-from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
+from derive.lowering.ldlt import VANISHING
 from derive.lowering.relative_rotations import InertialRotations, RelativeElimination, RelativeTurn, Triple, Vector
 from derive.mechanics.symbols import identity
 from derive.mechanics.terms import ConstrainedFrame, Constraint

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from derive.ir.kernel import Kernel
@@ -12,9 +12,16 @@ from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.motion_quantities import (
+    QUANTITIES,
+    requested_derivatives,
+    requested_function,
+    with_mass_reciprocal,
+)
 from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.requested_functions import JACOBIANS, requested_functions
 from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
@@ -36,6 +43,8 @@ OF_BODIES: Mapping[FunctionKind, Implementation] = {
     FunctionKind.JACOBIAN: body_functions.jacobian,
     FunctionKind.PARAMETER_JACOBIAN: parameter_jacobian,
     FunctionKind.SOLVE_KKT: solve_kkt,
+    **dict.fromkeys(QUANTITIES, requested_function),
+    **dict.fromkeys(JACOBIANS.values(), requested_derivatives),
 }
 OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
     FunctionKind.ACCEL: constraints.accelerations,
@@ -62,19 +71,22 @@ def lower(
     explicit: bool = False,
     balanced: bool = False,
     proximal: bool = False,
+    requested: Collection[str] = (),
 ) -> Model:
     """The model, with all of its kernels, from its expanded equations.
 
     choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix;
     sensitivities: with the derivatives with respect to the parameters; explicit, balanced: see `functions_of`;
-    proximal: with multipliers of least norm where constraints are redundant.
+    proximal: with multipliers of least norm where constraints are redundant; requested: names in `REQUESTED`.
     Raises LoweringError if a kernel cannot be evaluated.
     """
-    differentiated = with_derivatives(equations) if sensitivities else equations
+    complete = with_mass_reciprocal(equations) if requested else equations
+    differentiated = with_derivatives(complete) if sensitivities else complete
     context = Context(differentiated, elimination, proximal, sensitivities)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
     every = functions_of(equations, sensitivities, explicit, balanced)
+    every += requested_functions(equations, requested, sensitivities)
     lowered = (implementations[function.kind](context, function) for function in every)
     kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
     setup, constants = setup_kernel(context, kernels)
@@ -99,6 +111,7 @@ def lower(
         inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         proximal=proximal,
+        requested=tuple(requested),
         in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),

@@ -9,9 +9,8 @@ from derive.ir.kernel import Kernel, Section
 from derive.ir.patterns import pattern
 from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve
 from derive.lowering.elimination_orders import elimination_order
-from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.ldlt import factorise, solve
+from derive.lowering.ldlt import VANISHING, factorise, solve
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar, Target
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext
 from derive.lowering.loops.program import Program

@@ -20,6 +20,8 @@ from derive.spec.model.instances import identifier, joined
 
 MOST_UNROLLED = 12
 """The largest number of velocities for which functions without loops are straight-line code."""
+LOOPED = frozenset({"inverse_dynamics", "gravity_compensation"})
+"""The functions on request that are in loops."""
 KINDS = {"joint": ("relative motion", ""), "joint_speed": ("rate of the relative motion", "/s")}
 """The kinds of outputs that loops have, with their nouns and the ends of their units."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,11 +12,12 @@ from derive.ir.expressions import Number
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.model import Model, Variable, Zero
 from derive.ir.patterns import pattern
-from derive.ir.statements import Clear, Statement
+from derive.ir.statements import Clear, Statement, Work
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import OF_BODIES, OF_MECHANISMS
+from derive.lowering.flat.motion_quantities import with_mass_reciprocal
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion
@@ -24,11 +25,12 @@ from derive.lowering.instances.loop_code.context import Part, Result, kernel, wh
 from derive.lowering.instances.lower import rows_for_people, with_constants
 from derive.lowering.instances.places import Places
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.requested_functions import requested_functions
 from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.trees import invariants, joint_outputs, loads, marker_loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite, mass_pattern
-from derive.lowering.trees.joint_outputs import MOST_UNROLLED
+from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED
 from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import BodyPlace, Tree, marker_in_body, tree_of
 from derive.lowering.trees.motion import TreeMotion
@@ -217,6 +219,36 @@ def residual(context: TreeContext, function: ModelFunction) -> Kernel:
     return kernel(context, function, results, *parts, inputs=inputs)
 
 
+def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the generalised forces f = M vdot + h of a motion."""
+    motion, target = context.motion, ("f", 0)
+    parts = [
+        motion.frames(moving=True),
+        motion.inertias(moving=True),
+        *context.applied,
+        *newton_euler(motion, context.gravity, target, context.applied_array, ("vdot", 0)),
+    ]
+    return kernel(context, function, context.counted("f"), *parts, inputs=_reactions(context))
+
+
+def gravity_compensation(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the generalised forces h that hold a tree without velocities."""
+    motion = replace(context.motion, v=(STILL, 0))
+    still: list[Statement] = [Work(STILL, len(context.rows), cleared=True)]
+    parts = [
+        ("still", "", "no velocities", still),
+        motion.frames(moving=True),
+        motion.inertias(moving=True),
+        *context.applied_at(motion),
+        *newton_euler(motion, context.gravity, ("f", 0), context.applied_array),
+    ]
+    return kernel(context, function, context.counted("f"), *parts)
+
+
+STILL = "still"
+"""The local array of velocities that are all zero."""
+
+
 def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the outputs."""
     body = [*joint_outputs.values(context.motion, context.outputs or ())]
@@ -260,6 +292,8 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.OUTPUTS: outputs,
     FunctionKind.OUTPUTS_JACOBIAN: outputs_jacobian,
     FunctionKind.RESIDUAL: residual,
+    FunctionKind.INVERSE_DYNAMICS: inverse_dynamics,
+    FunctionKind.GRAVITY_COMPENSATION: gravity_compensation,
 }
 """The functions of a tree, by their kinds."""
 
@@ -267,7 +301,7 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
 WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives and no functions of markers"
 
 
-def _equations(context: TreeContext) -> tuple[Equations, Context | None]:
+def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
     """What the table of functions asks for, and the context of straight-line code for functions without loops.
 
     Raises SpecError for outputs that neither has.
@@ -275,7 +309,7 @@ def _equations(context: TreeContext) -> tuple[Equations, Context | None]:
     mechanism = context.mechanism
     if len(context.rows) <= MOST_UNROLLED:
         equations = mechanism.expanded()
-        return equations, Context(equations)
+        return equations, Context(with_mass_reciprocal(equations) if requested else equations)
     if context.outputs is None:
         text = f"loops in relative coordinates of more than {MOST_UNROLLED} velocities have motions of joints alone"
         others = [output.name for output in mechanism.scene.outputs if output.kind not in joint_outputs.KINDS]
@@ -294,23 +328,25 @@ def lower_trees(
     explicit: bool = False,
     sensitivities: bool = False,
     balanced: bool = False,
+    requested: Collection[str] = (),
 ) -> Model:
     """The model of trees of rigid bodies in loops over links. Raises SpecError with all that these do not have."""
     context = TreeContext(mechanism)
-    equations, others = _equations(context)
+    equations, others = _equations(context, requested)
     kernels: list[Kernel] = []
     if others is None:
         choice, explicit = f"{choice}; {WITHOUT}", True
-        if sensitivities or balanced:
+        if sensitivities or balanced or not {*requested} <= LOOPED:
             raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
-    for function in functions_of(equations, sensitivities, explicit):
+    every = functions_of(equations, sensitivities, explicit)
+    for function in (*every, *requested_functions(equations, requested, sensitivities)):
         if context.has(function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
         elif others is not None:
             kernels.append(
                 with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations)
             )
-    setup, constants = setup_kernel(context.known.context, kernels)
+    setup, constants = setup_kernel(others or context.known.context, kernels)
     scene = mechanism.scene
     inputs = context.known.context.equations.inputs
     return Model(
@@ -334,5 +370,6 @@ def lower_trees(
         inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         eliminated=tuple(Zero(out.what, out.reason) for out in mechanism.eliminated),
+        requested=tuple(requested),
         in_space=True,
     )

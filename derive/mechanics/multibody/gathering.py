@@ -186,9 +186,14 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         return sp.Add(*(e for e in expressions if not e.free_symbols & moving))
 
     def total(vectors: Sequence[tuple[sp.Expr, ...]]) -> tuple[sp.Expr, ...]:
-        """The sum of the vectors of the bodies that have coordinates."""
-        own = [vector if b.rows else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
+        """The sum of the vectors of the bodies that coordinates move."""
+        own = [vector if b.moved_by else (sp.S.Zero,) * len(vector) for b, vector in zip(bodies, vectors, strict=True)]
         return tuple(map(summed, zip(*own, strict=True)))
+
+    def of_unmoved(vectors: Sequence[tuple[sp.Expr, ...]]) -> tuple[sp.Expr, ...]:
+        """The same without the bodies that a drive moves, so that all of these sums are of the same bodies."""
+        own = [v if not _of_time(b, moving) else (sp.S.Zero,) * len(v) for b, v in zip(bodies, vectors, strict=True)]
+        return total(own)
 
     terms = (*chain.from_iterable(b.terms for b in bodies), *of.terms)
     kinetic, strain, weight = total([b.energies for b in bodies])
@@ -211,8 +216,9 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         kinetic_energy=kinetic,
         strain_energy=strain + summed(of.potentials),
         weight_energy=weight if scene.gravity else None,
-        linear_momentum=total([b.linear for b in bodies]),
-        angular_momentum=total([b.angular for b in bodies]),
+        linear_momentum=of_unmoved([b.linear for b in bodies]),
+        angular_momentum=of_unmoved([b.angular for b in bodies]),
+        mass_moments=of_unmoved([b.mass_moments for b in bodies]),
         markers=tuple(m for m in markers_of_scene(bodies, rows) if not depends(m.definitions, m.position, moving)),
         constraints=of.conditions,
         inputs=inputs,
@@ -275,7 +281,7 @@ def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:
 def carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
     """The bodies whose pose depends on a prescribed motion, which functions without the argument t cannot describe."""
     reason = "a drive moves it, and these functions do not depend on time"
-    names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
+    names = [name for name, instance in instances.items() if instance.moved_by and _of_time(instance, moving)]
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 
 

@@ -57,6 +57,7 @@ class InstanceEquations:
     energies: tuple[sp.Expr, sp.Expr, sp.Expr]
     linear: tuple[sp.Expr, ...]
     angular: tuple[sp.Expr, ...]
+    mass_moments: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
     points: Mapping[str, PointMotion]
     frames: Mapping[str, FrameMotion]
@@ -118,6 +119,7 @@ def _equations(request: _Request) -> InstanceEquations:
         energies=tuple(change(e or sp.S.Zero) for e in energies),
         linear=tuple(map(change, equations.linear_momentum)),
         angular=tuple(map(change, equations.angular_momentum)),
+        mass_moments=tuple(map(change, equations.mass_moments)),
         markers=tuple(_markers(instance, kind, change, motions)) if instance.moves else (),
         points={} if in_space else motions,
         frames=motions if in_space else {},
@@ -280,7 +282,7 @@ def _markers(
     carried = instance.coordinates.carried
     for name in instance.component.markers:
         if carried is None:
-            yield _marker(instance, kind, name, change)
+            yield _marker(instance, kind, name, change, motions[name])
         else:
             yield _carried_marker(instance, kind, name, motions[name], carried)
 
@@ -303,6 +305,7 @@ def _carried_marker(
         jacobian=sp.ImmutableMatrix.hstack(*columns),
         force_definitions=(),
         load=tuple(total for _, total in _works(frame, force)),
+        angular_velocity=frame.angular_velocity,
     )
 
 
@@ -312,8 +315,8 @@ def _works(frame: FrameMotion, force: sp.Matrix) -> Iterator[tuple[str, sp.Expr]
     yield from ((v.row, works.get(v.row, sp.S.Zero)) for v in frame.virtual)
 
 
-def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) -> MarkerEquations:
-    """A marker with its Jacobian and load in the coordinates that the body keeps."""
+def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change, motion: Any) -> MarkerEquations:
+    """A marker with its Jacobian and load in the coordinates that the body keeps; motion: that of its frame."""
     component, free = instance.component, marker(kind.motion, instance.component.sections[name].point)
     own = _Change(component.name, change.values)
     own.define(free.definitions, name)
@@ -337,4 +340,5 @@ def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) 
         jacobian=sp.ImmutableMatrix([combined(free.jacobian[i, :]) for i in range(free.jacobian.rows)]),
         force_definitions=tuple(of_force.definitions),
         load=tuple(combined(free.load)),
+        angular_velocity=sp.ImmutableMatrix([motion.angular_velocity]),
     )

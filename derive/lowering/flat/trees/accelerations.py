@@ -11,9 +11,9 @@ from functools import reduce
 
 import casadi as ca
 
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
-from derive.ir.kernel import Kernel
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.body_functions import pivot_checks

@@ -17,16 +17,14 @@ import casadi as ca
 from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, divided, multiplied
 from derive.lowering.flat.trees.spatial_vectors import (
+    NEXT,
     ZERO,
     FullRotation,
-    NEXT,
     Matrix,
     Permutation,
     PlanarTurn,
-    Rotation,
     SpatialInertia,
     Vector,
-    cross,
     multiply,
     null,
     plus,

@@ -6,7 +6,7 @@ have for what carries them, in which the degrees of freedom behind are free: a b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca

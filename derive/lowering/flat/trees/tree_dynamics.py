@@ -10,7 +10,6 @@ import casadi as ca
 
 from derive.algebra import sp
 from derive.ir.statements import Requirement, ReturnCode
-from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
@@ -18,6 +17,7 @@ from derive.lowering.flat.trees.links import Link, Links
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies, forces, motions, needed
 from derive.lowering.flat.trees.spatial_vectors import dot
 from derive.lowering.flat.trees.steps import Freedom, Motion, Turn, Wrench
+from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL
 from derive.mechanics.symbols import Family, identity

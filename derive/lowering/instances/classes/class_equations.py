@@ -76,7 +76,7 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
         """An expression, or 0 if it depends on the time, which energies and momenta do not know."""
         return sp.S.Zero if expr.free_symbols & moving else expr
 
-    energies = [still(e) for e in own.energies]
+    energies, carried = [still(e) for e in own.energies], _carried(instance.name, own, moving)
     pose: Any = mechanism.pose(instance.name, own)
     of_members = (*own.coefficients, *of.first.of_forces)
     present = {c.symbol for c in of_members}
@@ -98,13 +98,13 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
         kinetic_energy=energies[0],
         strain_energy=energies[1] + sp.Add(*(still(force.potential) for force in forces)),
         weight_energy=energies[2] if mechanism.scene.gravity else None,
-        linear_momentum=tuple(map(still, own.linear)),
-        angular_momentum=tuple(map(still, own.angular)),
+        linear_momentum=tuple(sp.S.Zero if carried else p for p in own.linear),
+        angular_momentum=tuple(sp.S.Zero if carried else p for p in own.angular),
         markers=tuple(m for m in own.markers if not _depends_on(m, moving)),
         constraints=tuple(c for k, of_joint in enumerate(parts) for c in of_joint if k not in varying),
         inputs=inputs,
         poses=(pose,),
-        eliminated=_carried(instance.name, own, moving),
+        eliminated=carried,
         splines=known.context.equations.splines,
     )
     return with_known(equations, known, len(of_members), parts, varying)

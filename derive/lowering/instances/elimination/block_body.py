@@ -9,11 +9,11 @@ import casadi as ca
 
 from derive.ir.expressions import Element, Ends, Operator, ScalarRef
 from derive.ir.statements import InstanceItem, Let, Require, Requirement, ReturnCode, Store, StoreElement
-from derive.lowering.ldlt import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step, StepItem, schedule
 from derive.lowering.instances.elimination.block_system import packed
+from derive.lowering.ldlt import VANISHING
 from derive.mechanics.symbols import local
 
 Target = Element | Ends
