@@ -129,7 +129,7 @@ def _state(model: Model) -> dict[str, Any]:
         first = names.index("b0_e0")
         q[first : first + 4] /= np.linalg.norm(q[first : first + 4])
     y, ydot = np.concatenate([q, v]), rng.uniform(-1, 1, len(q) + len(v))
-    given = {"q": q, "v": v, "u": u, "y": y, "ydot": ydot, "vdot": v, "r": [], "lam": [], "k": []}
+    given: dict[str, Any] = {"q": q, "v": v, "u": u, "y": y, "ydot": ydot, "vdot": v, "r": [], "lam": [], "k": []}
     return {"t": 0.7, **{name: list(value) for name, value in given.items()}}
 
 

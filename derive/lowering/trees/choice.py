@@ -31,7 +31,7 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
     if any(refusals(mechanism)) or has_others:
         return False, "unrolled, since loops over links do not have all that the scene has"
     if not {*functions} <= LOOPED:
-        return False, f"unrolled, for {enumeration(functions)}"
+        return False, f"unrolled, for {enumeration([*functions])}"
     if looped > flat:
         return False, f"unrolled, the faster form; {times}"
     if explicit or links > MOST_WITH_DERIVATIVES:
