@@ -29,6 +29,7 @@ def lowered(expr: sp.Expr, constants: Constants) -> object:
         symbols.input(symbol, ScalarRef(symbol.name))
     graph = Graph(constants)
     (node,) = read_expressions(graph, symbols, [symbols(expr)])
+    assert node is not None
     return graph.expr(node)
 
 

@@ -1,4 +1,4 @@
-"""Random trees of rigid bodies in space: all joints that give coordinates, branches, and a root that is fixed or free."""
+"""Random trees of rigid bodies in space: all joints that give coordinates, branches, a root that is fixed or free."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def random_tree(
         kind = kinds[n % len(kinds)]
         scene["joints"][f"j{n}"] = {"kind": kind, "between": ends, **JOINTS[kind]}
     if loops:
-        ends = ["ground.m", f"{names[-1]}.m"], [f"{names[0]}.m", f"{names[-2]}.own"]
-        scene["joints"]["rod"] = {"kind": "distance", "between": ends[0], "distance": 1}
-        scene["joints"]["ball"] = {"kind": "spherical", "between": ends[1], "closes_loop": True}
+        rod, ball = ["ground.m", f"{names[-1]}.m"], [f"{names[0]}.m", f"{names[-2]}.own"]
+        scene["joints"]["rod"] = {"kind": "distance", "between": rod, "distance": 1}
+        scene["joints"]["ball"] = {"kind": "spherical", "between": ball, "closes_loop": True}
     scene["springs"] = {
         "s": {
             "kind": "linear",

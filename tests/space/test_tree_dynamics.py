@@ -98,7 +98,7 @@ def quaternion(Q: Array) -> Sequence[float]:
 
 @pytest.mark.parametrize(("seed", "free"), [(2, True), (7, False)])
 def test_trees_move_as_in_absolute_coordinates(seed: int, free: bool) -> None:
-    """Accelerations of markers, energies and momenta are those of bodies with seven coordinates each and constraints."""
+    """Accelerations of markers, energies and momenta are those of bodies with seven coordinates each."""
     scenes = [random_tree(seed, free=free, coordinates=of) for of in ("relative", "absolute")]
     relative, absolute = (derive.lower(derive.derive(scene), explicit=True) for scene in scenes)
     assert len(relative.multipliers) == 0 < len(absolute.multipliers)

@@ -388,8 +388,6 @@ class CNests:
             case LoopKind.STATES:
                 body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
-                if node.count == 0:
-                    return []
                 short = self._vectors is None or node.variable == ROW  # rows of vectors written out run no faster
                 body, head = self._body(node.body), loop_head(node, self.counter, short)
                 last = last_block(node)

@@ -56,7 +56,7 @@ def read_expressions(
     places: dict[int, int] = {}
     for k in range(function.n_instructions()):
         operation = function.instruction_id(k)
-        inputs = () if operation == ca.OP_CONST else function.instruction_input(k)
+        inputs: Sequence[int] = () if operation == ca.OP_CONST else function.instruction_input(k)
         if operation == ca.OP_OUTPUT:
             places[function.instruction_output(k)[1]] = inputs[0]
         else:

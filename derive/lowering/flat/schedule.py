@@ -92,8 +92,8 @@ def schedule(
     constants alone move to setup; LoweringError is raised if a constant cannot meet its requirement.
     """
     every = (*definitions, *steps)
-    items = [item for step in every for item in step.items]
-    nodes = iter(read_expressions(graph, symbols, [item.value for item in items], _if_needed(items)))
+    listed = [item for step in every for item in step.items]
+    nodes = iter(read_expressions(graph, symbols, [item.value for item in listed], _if_needed(listed)))
     located = [(step, [(item, node) for item in step.items if (node := next(nodes)) is not None]) for step in every]
     results = [node for _, items in located for item, node in items if _is_result(item)]
     needed = _uses(graph, results)

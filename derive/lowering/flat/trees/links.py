@@ -36,6 +36,7 @@ from derive.mechanics.multibody.space.coordinates import AXES_OF, JointCoordinat
 from derive.mechanics.multibody.space.tree.carried_motion import Hinge
 from derive.mechanics.multibody.space.tree.recursions import TreeBody
 from derive.mechanics.symbols import Family, Identity, identity
+from derive.mechanics.terms import EquationOfMotion
 
 Step = Shift | Turn | Freedom
 
@@ -95,7 +96,7 @@ class Links:
         parent = self.numbers.get(body.motion.parent, -1)
         base, place = Motion(null(), null(), self.upwards), null()
         if hinge is None:
-            steps = self._free(body)
+            steps = tuple(self._free(body))
         else:
             if parent < 0:
                 base = self._of_marker(hinge)
@@ -103,12 +104,12 @@ class Links:
                 own = self._matrix(self.axes[body.motion.parent])
                 place = times(transposed(own), [of(x) for x in hinge.place])
             steps = (*self._carried(body, hinge, place), *self._own(body, hinge))
-        O = self._matrix(self.axes[body.name])
+        own_axes = self._matrix(self.axes[body.name])
         tensor = self._matrix(body.tensor)
         if self.axes[body.name] != sp.eye(3):
-            tensor = FullRotation(transposed(O)).symmetric_back(tensor)
-        moment = times(transposed(O), [of(x) for x in body.moment])
-        return Link(body.name, parent, tuple(steps), base, place, of(body.mass), moment, tensor)
+            tensor = FullRotation(transposed(own_axes)).symmetric_back(tensor)
+        moment = times(transposed(own_axes), [of(x) for x in body.moment])
+        return Link(body.name, parent, steps, base, place, of(body.mass), moment, tensor)
 
     def _matrix(self, matrix: sp.Matrix) -> Matrix:
         return [[self.symbols(matrix[i, j]) for j in range(3)] for i in range(3)]
@@ -126,7 +127,7 @@ class Links:
         yield Turn(FullRotation(self._matrix(body.motion.frame)), free=True)
         yield from self._spins(rows[3:])
 
-    def _spins(self, rows: Sequence) -> Iterator[Freedom]:
+    def _spins(self, rows: Sequence[EquationOfMotion]) -> Iterator[Freedom]:
         for axis, row in enumerate(rows):
             yield Freedom(self.rows[row.name], axis, True, self.symbols(row.v), relative=False)
 
@@ -149,7 +150,7 @@ class Links:
         """The steps by the coordinates of a body."""
         of = self.symbols
         for c in hinge.motions:
-            if not c.is_rotation:
+            if c.row and not c.is_rotation:
                 yield Freedom(self.rows[c.row.name], AXES_OF[c.motion], False, of(c.values[1]))
         if hinge.ball:
             axes = (
@@ -160,12 +161,13 @@ class Links:
             yield from self._spins(body.motion.own_rows[-3:])
             return
         for c in hinge.motions:
-            if c.is_rotation:
+            if c.row and c.is_rotation:
                 axis = AXES_OF[c.motion]
                 yield Turn(PlanarTurn(axis, *self._cosine_and_sine(body.name, c)))
                 yield Freedom(self.rows[c.row.name], axis, True, of(c.values[1]), of(c.along))
 
     def _cosine_and_sine(self, body: str, c: JointCoordinate) -> tuple[ca.SX, ca.SX]:
+        assert c.coordinate, "no drive prescribes a motion in a tree"
         components = identity(c.coordinate.q).components
         cosine, sine = (Identity(f, components=components, owner=body).symbol for f in (Family.COSINE, Family.SINE))
         return self.symbols.values[cosine], self.symbols.values[sine]

@@ -174,7 +174,7 @@ def tensor_back(rotation: Rotation, tensor: Matrix) -> Matrix:
 
 @dataclass(frozen=True)
 class SpatialInertia:
-    """The force f = A x + B y and the torque n = B^T x + C y about a point, with its acceleration x and the angular y."""
+    """The force f = A x + B y and the torque n = B^T x + C y about a point with the accelerations x and, angular, y."""
 
     A: Matrix
     B: Matrix
