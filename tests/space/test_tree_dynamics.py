@@ -1,4 +1,4 @@
-"""Recursions along trees of rigid bodies, beside the terms of their equations: the same values, and no more operations."""
+"""Recursions along trees of rigid bodies beside the terms of their equations: equal values, no more operations."""
 
 from __future__ import annotations
 
