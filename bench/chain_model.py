@@ -71,7 +71,7 @@ def files(mechanism: Mechanism, form: str, clock: dict[str, float]) -> tuple[str
 
 def main(argv: list[str]) -> None:
     count, form, folder = int(argv[0]), argv[1], Path(argv[2])
-    name = f"chain_{count}_{form}"
+    name = f"chain_{form}"  # no number, which the text would have some hundred times
     clock = {"": time.process_time()}
     scene = chain(count, name)
     clock["read"] = time.process_time()

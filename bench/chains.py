@@ -179,10 +179,10 @@ def single_calls(count: int, forms: Sequence[str], yardsticks: bool) -> list[Cal
     """The calls for one state, of which the first is that of the first form."""
     nv = COORDINATES * count
     state = f"q + s * {nv}, v + s * {nv}"
-    texts = {form: f"chain_{count}_{form}_accel(0.0, {state}, k_{form}, out);" for form in forms}
+    texts = {form: f"chain_{form}_accel(0.0, {state}, k_{form}, out);" for form in forms}
     if CASADI in texts:
         given = f"const double *given[] = {{{state}}}; double *result[] = {{out}};"
-        texts[CASADI] = f"{given} chain_{count}_{CASADI}(given, result, 0, 0, 0);"
+        texts[CASADI] = f"{given} chain_{CASADI}(given, result, 0, 0, 0);"
     if yardsticks:
         texts |= {name: f"{function}({count}, {state}, par, out, work);" for name, (_, _, function) in HAND.items()}
     return [(TimedCall(name, text, nv), 1) for name, text in texts.items()]
@@ -193,7 +193,7 @@ def batch_calls(count: int, forms: Sequence[str], yardsticks: bool) -> list[Call
     nv = COORDINATES * count
     calls = single_calls(count, forms[:1], False)
     for form in forms:
-        text = f"chain_{count}_{form}_accel_batch({BATCH}, 0.0, q{BATCH}, v{BATCH}, k_{form}, out);"
+        text = f"chain_{form}_accel_batch({BATCH}, 0.0, q{BATCH}, v{BATCH}, k_{form}, out);"
         calls.append((TimedCall(f"{form} batch", text, nv * BATCH, BATCH), BATCH))
     for name, width in HAND_BATCHES.items() if yardsticks else ():
         at = [str(i * width * nv) for i in range(BATCH // width)]

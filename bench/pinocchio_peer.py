@@ -89,7 +89,7 @@ def python_times(pin: Any, robot: Any, states: Sequence[tuple[Array, Array, Arra
     no_data = none.createData()
     calls: dict[str, Callable[[Array, Array, Array], Any]] = {
         "accel": lambda q, v, tau: pin.aba(robot, data, q, v, tau),
-        "inverse": lambda q, v, tau: pin.rnea(robot, data, q, v, tau),
+        "inverse_dynamics": lambda q, v, tau: pin.rnea(robot, data, q, v, tau),
         "mass": lambda q, v, tau: pin.crba(robot, data, q),
         "call": lambda q, v, tau: pin.aba(none, no_data, nothing, nothing, nothing),
     }
@@ -101,4 +101,5 @@ def python_times(pin: Any, robot: Any, states: Sequence[tuple[Array, Array, Arra
                 for state in states:
                     call(*state)
             best[name] = min(best[name], (time.process_time_ns() - start) / (10 * len(states)))
-    return {name: best[name] - best["call"] for name in ("accel", "inverse", "mass")}
+    call = best.pop("call")
+    return {name: ns - call for name, ns in best.items()}

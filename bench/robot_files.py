@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot
@@ -160,7 +161,7 @@ def chain_tables(count: int) -> Array:
 
 
 def scene_of(case: str, folder: Path, coordinates: str) -> tuple[Path, SpatialScene]:
-    """The description of a case, and the scene that is imported from it; chains have no inputs, as those by hand."""
+    """The description of a case, and its scene: without markers at which no joint acts; chains without inputs."""
     chain = case.startswith("chain_")
     path = folder / f"{case}.urdf"
     path.write_text(chain_text(chain_count(case)) if chain else robot_text(case, ROBOTS[case]))
@@ -168,7 +169,12 @@ def scene_of(case: str, folder: Path, coordinates: str) -> tuple[Path, SpatialSc
     assert isinstance(scene, SpatialScene)
     if chain:
         scene = replace(scene, inputs=(), torques=())
-    changed: Any = {"coordinates": coordinates, "outputs": ()}
+    acted_on = {end for joint in scene.joints for end in (joint.first, joint.second)}
+    bodies = tuple(
+        replace(body, markers=tuple(m for m in body.markers if MarkerRef(body.name, m.name) in acted_on))
+        for body in scene.bodies
+    )
+    changed: Any = {"coordinates": coordinates, "outputs": (), "bodies": bodies}
     return path, replace(scene, **changed)
 
 

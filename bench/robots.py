@@ -23,6 +23,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 
 import pinocchio_peer
@@ -40,8 +41,6 @@ LABELS = {"accel": "forward dynamics", "inverse_dynamics": "inverse dynamics", "
 GOALS = {"accel": 0.3, "inverse_dynamics": 0.3, "mass": None}
 HAND_GOAL, BATCH_GOAL = 1.2, 0.5
 CASES = (*ROBOTS, *(f"chain_{n}" for n in COUNTS))
-QUICK = "chain_3"
-"""The case of a quick run, which needs no package of robots."""
 
 
 @dataclass(frozen=True)
@@ -95,34 +94,35 @@ def rows_of(found: Figures) -> list[Row]:
     return result
 
 
-def rows(options: Options = Options(), only: Sequence[str] = (), quick: bool = False) -> list[Row]:
-    """The rows of all cases, or `only` some; quick: the smallest case, once, beside Pinocchio from Python."""
-    if quick:
-        only = (QUICK,)
-        options = replace(options, flags="-O1", repeats=1, states=BATCH, compiled_peers=False)
-    wanted = only or (CASES if has_robots() else [case for case in CASES if case not in ROBOTS])
-    return [row for case in wanted for found in figures(case, options) for row in rows_of(found)]
+def rows(options: Options, cases: Sequence[str]) -> list[Row]:
+    """The rows of cases."""
+    return [row for case in cases for found in figures(case, options) for row in rows_of(found)]
 
 
 def _head(options: Options) -> list[str]:
     """The machine, the flags, and how the peers are measured."""
     compiled = options.compiled_peers and pinocchio_peer.include_folders()
-    way = "C++ from its headers, in the same process" if compiled else "from Python, less the time of a call"
+    way = (
+        "C++ from its headers, in the same process"
+        if compiled
+        else "from Python, less the time of a call (its C++ needs tisserand[bench] and g++)"
+    )
     try:
         mujoco = f"{version('mujoco')}, its C library, in the same process"
     except PackageNotFoundError:
-        mujoco = "none: it is not installed"
+        mujoco = "none: pip install tisserand[bench]"
     return [
         *described("pin", "numpy"),
         f"flags     {options.flags}; ours with {OWN_OPTION}",
         f"peers     Pinocchio {version('pin')}: {way}; MuJoCo {mujoco}",
         f"figures   ns of an evaluation, CPU time, least of {options.repeats}; {options.coordinates} coordinates",
+        *([] if has_robots() else ["robots    none: example-robot-data is missing: pip install tisserand[hosts]"]),
     ]
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", nargs="+", choices=CASES, default=CASES, metavar="NAME", help=", ".join(CASES))
+    parser.add_argument("--only", nargs="+", choices=CASES, metavar="NAME", help=", ".join(CASES))
     parser.add_argument("--yardsticks", type=Path, help="the folder of C by hand")
     parser.add_argument("--kept", type=Path, help="a folder for the compiled Pinocchio, so that it is compiled once")
     parser.add_argument("--coordinates", choices=("relative", "absolute"), default="relative")
@@ -134,14 +134,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = Options(
         given.flags, given.repeats, STATES, given.coordinates, given.yardsticks, given.kept, not given.python
     )
+    if not find_spec("pinocchio"):
+        parser.error("Pinocchio is missing: pip install tisserand[hosts]")
+    cases = given.only or [case for case in CASES if case not in ROBOTS or has_robots()]
     head = _head(options)
     if given.json:
-        print(json.dumps({"head": head, "rows": rows(options, given.only)}, indent=2))
+        print(json.dumps({"head": head, "rows": rows(options, cases)}, indent=2))
         return 0
     print("\n".join([*head, "", TABLE_HEAD]))
-    for case in given.only:
+    notes: dict[str, None] = {}
+    for case in cases:
         for found in figures(case, options):
             print(table_row(found), flush=True)
+            notes |= dict.fromkeys(f"{case}: {note}" for note in found.notes)
+    print("\n".join(["", *notes]))
     return 0
 
 
@@ -166,8 +172,7 @@ def table_row(found: Figures) -> str:
     cells += [f"{t:.4g}" if t else "" for t in (ours, batch, pinocchio, found.ns.get("MuJoCo"), hand)]
     pairs = ((ours, pinocchio), (ours, hand), (batch, ours))
     cells += [f"{a / b:.2f}" if a and b else "" for a, b in pairs]
-    notes = "".join(f"<br>{note}" for note in found.notes)
-    return f"| {LABELS[found.function]}, {found.case} ({found.joints}){notes} | {' | '.join(cells)} |"
+    return f"| {LABELS[found.function]}, {found.case} ({found.joints}) | {' | '.join(cells)} |"
 
 
 if __name__ == "__main__":

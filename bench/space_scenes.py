@@ -64,6 +64,11 @@ def cloud(seed: int) -> dict[str, Array]:
 
 def chain_of_rigid_bodies(count: int, kind: str, folder: Path) -> SpatialScene:
     """A chain of rigid bodies that keep all coordinates."""
+    return _scene(f"rigid_{kind}_{count}", [*_rigid_links(count), *_joints(count, kind)], folder)
+
+
+def _rigid_links(count: int) -> list[str]:
+    """The tables of rigid bodies of a chain, which keep all coordinates."""
     bodies = []
     for i in range(count):
         link = rigid_link(i)
@@ -71,9 +76,28 @@ def chain_of_rigid_bodies(count: int, kind: str, folder: Path) -> SpatialScene:
         tensor = [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]
         bodies.append(
             f"[bodies.link{i}]\nmass = {link.mass!r}\ninertia = {_list(tensor)}\nkeep_coordinates = true\n"
-            f"markers = {{ left = {_list(link.left)}, right = {_list(link.right)} }}\n"
+            f"markers = {{ left = {_list(link.left)}, right = {_list(link.right)}, middle = [0, 0, 0] }}\n"
         )
-    return _scene(f"rigid_{kind}_{count}", [*bodies, *_joints(count, kind)], folder)
+    return bodies
+
+
+def graph_of_rigid_bodies(seed: int, folder: Path) -> SpatialScene:
+    """3 to 9 rigid bodies that keep all coordinates, each joined to one before or to the ground; up to two loops."""
+    rng = np.random.default_rng(seed)
+    count, kinds = int(rng.integers(3, 10)), ("revolute", "spherical", "universal", "fixed", "cylindrical")
+    few = rng.permutation(kinds)[: rng.integers(1, 4)]
+    pairs = [
+        (f"link{k}.left", f"link{j}.right" if (j := int(rng.integers(-1, k))) >= 0 else "ground.base")
+        for k in range(count)
+    ]
+    for _ in range(rng.integers(0, 3)):
+        first, second = rng.choice(count, 2, replace=False)
+        pairs.append((f"link{first}.middle", f"link{second}.middle"))
+    parts = _rigid_links(count)
+    for n, (first, second) in enumerate(pairs):
+        kind = rng.choice(few) if n < count else "spherical"
+        parts.append(f'[joints.joint{n}]\nkind = "{kind}"\nbetween = ["{second}", "{first}"]\n')
+    return _scene(f"space_{seed}", parts, folder)
 
 
 def chain_of_flexible_bodies(count: int, kind: str, folder: Path) -> SpatialScene:

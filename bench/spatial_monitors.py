@@ -1,6 +1,7 @@
 """The errors that the monitors of beams in space imply, compared with finer models.
 
 python bench/spatial_monitors.py FILE 2000:2400    (random scenes of `bench/spatial_monitor_scenes.py`, a minute each)
+python bench/spatial_monitors.py FILE 0:8 --kind buckling    (scenes of `bench/composed_monitor_scenes.py`, or inertia)
 python bench/spatial_monitors.py FILE              (the tables of what FILE has)
 
 Every scene is run with one model of its beam and with the truth, three stiffnesses each; a line of FILE in JSON has the
@@ -16,14 +17,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from composed_monitor_scenes import MODELS as COMPOSED
+from composed_monitor_scenes import composed_scenes
 from resumed_rows import resumed
 from spatial_monitor_scenes import RandomScene, random_scenes
 
@@ -210,16 +214,23 @@ def main() -> None:
     parser.add_argument("file", type=Path)
     parser.add_argument("seeds", type=lambda text: range(*map(int, text.split(":"))), nargs="?", default=range(0))
     parser.add_argument("--alone", action="store_true", help="only scenes without other bodies, which take less time")
+    parser.add_argument("--kind", choices=COMPOSED, help="composed scenes in place of random ones")
     options = parser.parse_args()
-    print(table(resumed(options.file, _named(options.file, options.seeds, options.alone))))
+    if options.kind:
+        scenes = composed_scenes(options.kind, options.seeds)
+    else:
+        drawn = (of for of in random_scenes(options.seeds) if not options.alone or len(of.scene.bodies) == 1)
+        scenes = zip(drawn, cycle(MODELS), strict=False)
+    print(table(resumed(options.file, _named(options.file, scenes))))
 
 
-def _named(path: Path, seeds: range, alone: bool) -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
-    """The names of the scenes, and what computes their rows."""
-    for number, random in enumerate(random_scenes(seeds)):
-        if not alone or len(random.scene.bodies) == 1:
-            model, finer = MODELS[number % len(MODELS)], number % EVERY == EVERY - 1
-            yield random.scene.name, partial(rows, random, model, finer, path.with_suffix(""))
+def _named(
+    path: Path, scenes: Iterable[tuple[RandomScene, LadderModel]]
+) -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
+    """The names of scenes with models, and what computes their rows."""
+    for number, (scene, model) in enumerate(scenes):
+        finer = number % EVERY == EVERY - 1
+        yield scene.scene.name, partial(rows, scene, model, finer, path.with_suffix(""))
 
 
 if __name__ == "__main__":

@@ -339,10 +339,19 @@ def _lower_spatial(
     balanced = mechanism.scene.start is not None
     looped = requested == "instances"
     choice = "looped over instances, as the specification asks" if looped else ""
-    if (requested == "auto" and is_predicted(mechanism)) or (looped and functions):
+    in_trees = any(of.coordinates.carried for of in mechanism.instances)
+    if requested == "auto" and in_trees and not sensitivities and not balanced:
+        from derive.lowering.trees.choice import chosen
+
+        looped, choice = chosen(mechanism, explicit, functions)
+    elif not in_trees and ((requested == "auto" and is_predicted(mechanism)) or (looped and functions)):
         costs = estimate_mechanism_costs(mechanism)
         unrolled = _unrolled_for(functions, requested, costs)
         looped, choice = costs.lowering == "instances" and not unrolled, unrolled or costs.reason(requested)
+    if looped and in_trees:
+        from derive.lowering.trees.lower import lower_trees
+
+        return lower_trees(mechanism, choice, explicit, sensitivities, balanced, functions)
     if looped:
         from derive.lowering.instances.lower import lower_instances  # its forty modules; most models do without
 

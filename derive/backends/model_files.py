@@ -147,7 +147,8 @@ def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> Fil
     from derive.backends.c.stack_use import stack_bytes
     from derive.backends.merged_instances import merged_instances
 
-    mass, jacobian = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
+    mass = model.pattern("mass", "M")
+    jacobian = model.pattern(JACOBIAN, "jac") if model.has_iteration_matrix else None
     content = {
         "generator": f"{MARK}. Do not edit.",
         "name": model.name,
@@ -160,7 +161,11 @@ def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> Fil
         "stack_bytes": {kernel.name: stack_bytes(kernel) for kernel in model.kernels},
         "nonzeros": {
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},
-            "jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},
+            **(
+                {"jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols}}
+                if jacobian
+                else {}
+            ),
         },
         **_of_scene(model),
         "files": {file.path: hashlib.sha256(file.text.encode()).hexdigest() for file in files},

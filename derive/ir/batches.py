@@ -82,7 +82,7 @@ def batch(kernel: Kernel, instead: Iterable[Node] | None = None) -> Batch:
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     own = (node for statement in kernel.statements for node in expand_in_tiles(statement))
     nodes += own if instead is None else instead
-    nodes = [*_initialised(_in_records(continued_loops(fused(_one_by_one(nodes)))))]
+    nodes = [*_initialised(_in_records(continued_loops(fused(_extended(_one_by_one(nodes))))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     if kernel.repeats:
@@ -98,8 +98,8 @@ def batch(kernel: Kernel, instead: Iterable[Node] | None = None) -> Batch:
 def _one_by_one(nodes: Iterable[Node]) -> Iterator[Node]:
     """Plain statements with a loop for each end of a path in place of loops over both.
 
-    The loop of the first end is beside the joint that is left on its side, behind it and, in the back substitution,
-    before it: a loop that continues it.
+    The loop of the first end is beside that of the joint that is left on its side, behind it and, in the back
+    substitution, before it.
     """
     for node in nodes:
         if isinstance(node, For) and (names := {e.variable for e in ends_of(node)}):
@@ -108,6 +108,18 @@ def _one_by_one(nodes: Iterable[Node]) -> Iterator[Node]:
             yield from (loop for end in ((0, 1) if backward else (1, 0)) for loop in _at_end(node, end).body)
         else:
             yield node
+
+
+def _extended(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Plain statements with one loop in place of two with the same body, of which the second begins where one stops."""
+    kept: list[Node] = []
+    for node in nodes:
+        last = kept[-1] if kept else None
+        if isinstance(last, For) and isinstance(node, For) and node == replace(last, start=last.stop, stop=node.stop):
+            kept[-1] = replace(last, stop=node.stop)
+        else:
+            kept.append(node)
+    return iter(kept)
 
 
 def _at_end(loop: For, end: int) -> For:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from derive.ir.accesses import accesses_of, are_apart, is_ordered, iterations
+from derive.ir.accesses import accesses_of, are_apart, iterations
 from derive.ir.analysis import names_read
 from derive.ir.expressions import Element, ScalarRef, mapped, walk
 from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of
@@ -45,7 +45,7 @@ def _with_values(line: Node, known: Mapping[Element, ScalarRef]) -> Let | Assign
 
 
 def without_idle_stores(nodes: Sequence[Node]) -> tuple[Node, ...]:
-    """Plain statements without the elements of local arrays that ordered loops write and nothing reads."""
+    """Plain statements without the elements of local arrays that loops write and nothing reads."""
     arrays = {node.array for node in nodes if isinstance(node, Local)}
     read = {
         (a.array, a.first + a.stride * step)
@@ -73,7 +73,7 @@ def without_idle_stores(nodes: Sequence[Node]) -> tuple[Node, ...]:
             body.insert(0, line)
         return replace(loop, body=tuple(body))
 
-    return tuple(kept(node) if isinstance(node, For) and is_ordered(node) else node for node in nodes)
+    return tuple(kept(node) if isinstance(node, For) else node for node in nodes)
 
 
 def without_unread_arrays(nodes: Sequence[Node]) -> tuple[Node, ...]:
@@ -90,7 +90,7 @@ def without_unread_arrays(nodes: Sequence[Node]) -> tuple[Node, ...]:
 
 
 def without_unread_values(nodes: Sequence[Node]) -> tuple[Node, ...]:
-    """Plain statements without the values of ordered loops that nothing reads, since their stores are gone."""
+    """Plain statements without the values of loops that nothing reads, since their stores are gone."""
 
     def kept(loop: For) -> For:
         read: set[str] = set()
@@ -101,4 +101,4 @@ def without_unread_values(nodes: Sequence[Node]) -> tuple[Node, ...]:
                 body.insert(0, line)
         return replace(loop, body=tuple(body))
 
-    return tuple(kept(node) if isinstance(node, For) and is_ordered(node) else node for node in nodes)
+    return tuple(kept(node) if isinstance(node, For) else node for node in nodes)

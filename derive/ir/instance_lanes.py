@@ -41,6 +41,7 @@ from derive.ir.loop_nests import (
     reindexed,
 )
 from derive.ir.ordering import with_few_waiting
+from derive.ir.parallel_sums import with_parallel_sums
 from derive.ir.statements import Let, Require
 
 IN_LANE = variable(LANE)
@@ -55,7 +56,7 @@ CIRCULAR = (Operator.SIN, Operator.COS)
 def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     """A loop over instances in blocks of four, if there are several and vectors have its operations."""
     if any(ends_of(loop)):
-        return (replace(loop, body=with_late_loads(loop.body), kind=LoopKind.ENDS, overlaps=False),)
+        return (replace(loop, body=with_parallel_sums(with_late_loads(loop.body)), kind=LoopKind.ENDS, overlaps=False),)
     made = _Block(loop)
     if not made.fits:
         return (replace(loop, kind=LoopKind.ORDERED),)

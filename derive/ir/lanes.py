@@ -31,6 +31,7 @@ from derive.ir.loop_nests import (
     expressions_of,
     reindexed,
 )
+from derive.ir.parallel_sums import with_parallel_sums
 from derive.ir.sines_of_bodies import with_sines_of_bodies
 from derive.ir.statements import Statement
 
@@ -73,7 +74,7 @@ def in_lanes(nodes: Iterable[Node]) -> tuple[Node, ...]:
             else:
                 result += _rows(node)
         elif isinstance(node, For) and node.kind is LoopKind.ORDERED:
-            result.append(replace(node, body=with_late_loads(node.body)))
+            result.append(replace(node, body=with_parallel_sums(with_late_loads(node.body))))
         else:
             result.append(node)
     return tuple(result)

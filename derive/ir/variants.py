@@ -202,7 +202,7 @@ class _Placing:
 
     def __init__(self, merging: _Merging, loop: For, bodies: Sequence[BodyValues], scope: Scope) -> None:
         self.merging, self.loop, self.bodies, self.scope = merging, loop, bodies, scope
-        self._moves: dict[Hashable, tuple[IndexTerm, ...]] = {}
+        self._moves: dict[Hashable, ElementIndex] = {}
         self._steps: dict[tuple[int, ...], str] = {}
         self._new: list[Node] = []
 
@@ -213,16 +213,17 @@ class _Placing:
         if len({body.place(index) for body, index in zip(self.bodies, indices, strict=True)}) == 1:
             return (first,)
         self._new = []
-        moved = [index.plus(-indices[0].offset) for index in indices]
+        offset = indices[0].offset
+        moved = [index.plus(-offset) for index in indices]
         key = tuple(body.place(index) for body, index in zip(self.bodies, moved, strict=True))
         if key not in self._moves:
-            self._moves[key] = self._moved(moved)
+            self._moves[key] = self._moved(moved, offset)
         assert isinstance(first.target, Element)
-        index = ElementIndex(indices[0].offset, self._moves[key])
+        index = self._moves[key].plus(offset)
         return (*self._new, replace(first, target=replace(first.target, index=index)))
 
-    def _moved(self, indices: list[ElementIndex]) -> tuple[IndexTerm, ...]:
-        """The terms of an index that is one of these indices."""
+    def _moved(self, indices: list[ElementIndex], first: int) -> ElementIndex:
+        """The index that is one of these indices; a table has it from `first` on, since offsets there are no text."""
         variable = self.loop.variable
         own: tuple[IndexTerm, ...] = indices[0].terms
         distances = [index.offset for index in indices]
@@ -232,12 +233,17 @@ class _Placing:
             distances = [of[0] - values[0][0] for of in values]
             moved = [[value + distance for value in values[0]] for distance in distances]
             if values != moved:
-                return (self._integer("place", *self.merging.array(values, variable, self.loop.start.offset)),)
+                values = [[first + value for value in of] for of in values]
+                at = self._integer("place", *self.merging.array(values, variable, self.loop.start.offset))
+                return ElementIndex(-first, (at,))
         elif len(set(strides)) > 1:
             if strides not in self._steps:
                 self._steps[strides] = self._integer("step", *self.merging.row(strides), times=variable).variable
             own = (IndexTerm(1, self._steps[strides]),)
-        return (*own, *([self._integer("place", *self.merging.row(distances))] if any(distances) else []))
+        if not any(distances):
+            return ElementIndex(0, own)
+        place = self._integer("place", *self.merging.row([first + distance for distance in distances]))
+        return ElementIndex(-first, (*own, place))
 
     def _integer(self, name: str, array: str, index: ElementIndex, times: str = "") -> IndexTerm:
         """The term of an integer that is named before the assignment."""

@@ -125,12 +125,16 @@ def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
     return symmetric_part(mass_products(mass, elastic, elastic))
 
 
-@lru_cache(2)
 def prepare(body: NodalBody) -> Prepared:
     """The modes that `reduce` integrates: given or computed, in the body frame, orthonormalised, and symmetrised.
 
     Raises SpecError with a list of all faults of the data.
     """
+    return _prepared(replace(body, name=""))
+
+
+@lru_cache(2)
+def _prepared(body: NodalBody) -> Prepared:
     body = _with_its_modes(body)
     check_body(body)
     mass = canonical_csr(body.data.mass)

@@ -48,7 +48,7 @@ def not_explicit(name: str) -> CompilerError:
     """The error of a call of a function that a model for explicit integration does not have."""
     return CompilerError(
         f"there is no {name} in this library, whose model is for explicit integration alone: `derive.lower` and "
-        "`build` make complete ones"
+        '`build` make complete ones, of long trees in relative coordinates with lowering = "flat"'
     )
 
 

@@ -40,7 +40,6 @@ from derive.spec.model.documentation import key_entries, with_entries
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier
 from derive.spec.model.keys import declared_keys
-from derive.spec.tables.sections import OF_SCENE
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
@@ -59,6 +58,7 @@ from derive.spec.model.spatial_forces import (
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.specification import Specification, check_specification
 from derive.spec.parsing.names import element_name_problem
+from derive.spec.tables.sections import OF_SCENE
 
 Number = int | float | Fraction | str
 Constant = Number | Mapping[str, object] | Parameter

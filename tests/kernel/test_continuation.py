@@ -16,7 +16,7 @@ from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRe
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
-from derive.ir.loop_nests import For
+from derive.ir.loop_nests import Assign, For, every
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
 from kernel.test_instance_lanes import looped
 
@@ -118,8 +118,22 @@ def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
     assert (copied.start.offset, copied.stop.offset) == (0, len(model.coordinates)) == (0, 50)
 
 
-def test_first_and_last_body_of_a_batch_have_one_text() -> None:
-    """The bodies between them are computed in the steps of the elimination."""
+def test_the_last_body_of_a_batch_computes_nothing_for_a_joint_that_it_does_not_have() -> None:
+    """In vectors it is one of those between the ends; these are computed in the steps of the elimination."""
     nodes = batch(looped("chain_10").kernel("accel")).nodes
-    counts = [node.count for node in nodes if isinstance(node, For) and node.variable == "instance"]
-    assert counts == [2, 1]  # before the elimination, and behind it for the joint on the ground
+    own = [node for node in nodes if isinstance(node, For) and node.variable == "instance"]
+    assert [node.count for node in own] == [1, 1, 1]  # before the elimination, and behind it
+    first, last = (
+        {line.target.array for line in every([loop]) if isinstance(line, Assign) and isinstance(line.target, Element)}
+        for loop in own[:2]
+    )
+    assert {"second_diagonal", "second_right"} <= last == first - {"first_diagonal", "first_right", "coupling"}
+
+
+def test_the_joint_that_is_left_is_one_more_step_of_a_batch() -> None:
+    """Nine joints are four from both ends and one; ten have one more on the side of the first end."""
+    steps = {}
+    for count in (9, 10):
+        nodes = batch(looped(f"chain_{count}").kernel("accel")).nodes
+        steps[count] = [node.count for node in nodes if isinstance(node, For) and node.variable == "step"]
+    assert steps == {9: [4, 1, 3, 1, 4, 4], 10: [4, 1, 4, 1, 5, 4]}  # one step of the first end computes no body

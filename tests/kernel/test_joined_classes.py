@@ -71,6 +71,11 @@ def test_classes_join_where_vectors_then_take_less() -> None:
     assert members(chain(("revolute", "weld"))) == [["b0"], ["b1"]]
 
 
+def test_a_class_less_is_worth_a_vector_more_among_many() -> None:
+    long = chain(("revolute", *["weld"] * 304))
+    assert [len(names) for names in members(long)] == [305]
+
+
 def test_other_bodies_stay_apart() -> None:
     """A rod whose markers or whose joint are others computes something else."""
     assert members(chain(PINNED, [OTHERS])) == [["b0"], ["b1", "b2", "b3"]]

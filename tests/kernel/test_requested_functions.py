@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,8 @@ from numpy.typing import ArrayLike
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
+from derive.backends.model_files import explicit_files
+from derive.cli.main import main
 from derive.function_names import OF_MODELS, ON_REQUEST
 from derive.ir.interpreter import interpret
 from derive.notes.requested_notes import requested_notes
@@ -161,7 +165,7 @@ between = ["free.tip", "hanging.root"]
 """
 LEAN = ("lean",)
 """The specifications that are lowered without derivatives, where trees of bodies with quaternions have recursions."""
-SPECS = {
+SPECS: dict[str, Callable[[], Any]] = {
     "tree": lambda: parse(TREE.replace("JOINT", "prismatic")),
     "balls": lambda: parse(BALLS),
     "lean": lambda: parse(BALLS.replace("balls", "lean")),
@@ -178,10 +182,11 @@ EVERY = [pytest.param(name, marks=pytest.mark.long) if name == "balls" else name
 def made(name: str) -> tuple[derive.Model, Any, Any]:
     """The model of a specification with all functions, its C, and the names of its Python."""
     spec = SPECS[name]()
-    model = derive.lower(derive.derive(spec), sensitivities=name not in LEAN, functions="all")
-    files = derive.model_files(model, spec)
+    lean = name in LEAN
+    model = derive.lower(derive.derive(spec), sensitivities=not lean, explicit=lean, functions="all")
+    files = explicit_files(model, spec) if lean else derive.model_files(model, spec)
     load = derive.load_scene if model.is_scene else derive.load
-    return model, load(files, QUICK), run_module(files)
+    return model, load(files, QUICK), {} if lean else run_module(files)
 
 
 class State:
@@ -366,3 +371,15 @@ def test_a_line_says_which_functions_a_model_cannot_have() -> None:
     notes = list(requested_notes(derive.lower(derive.derive(driven), functions="all")))
     reason = "there are no bodies with coordinates that no drive moves"
     assert notes[:2] == [f"no centre_of_mass: {reason}", f"no centroidal_momentum: {reason}"]
+
+
+def test_the_command_builds_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = str(ROOT / "scenes" / "free_beam_mean.toml")
+    assert main(["build", spec, "--functions", "centre_of_mass,marker_rotations", "--out", str(tmp_path)]) == 0
+    assert "no marker_rotations: markers of a body alone are points" in capsys.readouterr().out
+    header = (tmp_path / "free_beam_mean" / "free_beam_mean.h").read_text()
+    assert "int free_beam_mean_centre_of_mass(" in header and "int free_beam_mean_inverse_dynamics(" not in header
+    with pytest.raises(SystemExit) as stopped:
+        main(["build", spec, "--functions", "inverse"])
+    assert stopped.value.code == 2
+    assert "unknown: 'inverse'; did you mean inverse_dynamics?" in capsys.readouterr().err

@@ -164,6 +164,19 @@ def test_places_of_the_iterations_come_from_tables_where_distances_differ() -> N
     assert {strides[table.name] for table in others} == {3}  # the rods that have one loop
 
 
+def test_tables_have_the_places_and_the_text_the_distances_from_them() -> None:
+    """Numbers that grow with the number of bodies are no text."""
+    of = shared(kernels(loops(0, False), KINDS[1]))
+    targets = [node.target for node in every(of.nodes) if isinstance(node, Assign) and isinstance(node.target, Element)]
+    names = [node.name for node in every(of.nodes) if isinstance(node, Integer) and node.name.startswith("place")]
+    firsts = {
+        name: min(e.index.offset for e in targets if e.index and e.index.has(name) and not e.index.stride("instance"))
+        for name in names
+        if any(e.index and e.index.has(name) and not e.index.stride("instance") for e in targets)
+    }
+    assert firsts and set(firsts.values()) == {0}
+
+
 def test_an_integer_may_be_multiplied_by_the_variable_of_a_loop() -> None:
     """Steps that differ from kernel to kernel are elements of a table, in the interpreter and in C."""
     at = Integer("at", "steps", constant(1), "i")

@@ -12,8 +12,8 @@ from derive.spec.model.simulation import SpatialStart
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.ladder_run import LadderRun
-from derive.study.accuracy.measurement import compiled, measured, motion
-from derive.study.accuracy.reference import Reference, bare_plots, curves_of, reference_plots
+from derive.study.accuracy.measurement import compiled, curves_of, measured, motion
+from derive.study.accuracy.reference import Reference, bare_plots, reference_plots
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.spin_notes import spin_notes
 from derive.study.stability.model_path import model_path

@@ -349,8 +349,12 @@ def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch
     assert len(kept.plots) == 1 and kept.error is not None and kept.error < 0.01
     assert lines[-1] == "reference: lost_dissipated vanishes all the time; it is not compared"
     nothing = replace(several, quantity=ColumnCurves(("lost_dissipated",)))
+    more = (LadderModel(Shapes.RIGID), *coarse)
+    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda scene: more)
+    lines.clear()
     with pytest.raises(SpecError, match="vanishes all the time"):
-        reference(undamped, nothing, None, True, lambda _: None)
+        reference(undamped, nothing, None, True, lambda _: None, lines.append)
+    assert len(lines) == 1  # two models show it, of which the second has no line
     file = reference(crank_slider, crank_slider.plots[0], 1e-3, False, lambda _: None)
     assert (file.source, file.error) == ("crank_slider_A.csv", 1e-3)
 

@@ -21,9 +21,9 @@ from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
-from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, compiled, motion
+from derive.study.accuracy.measurement import CompiledLadderModel, Curves, Line, Point, compiled, motion
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Curves, rms_difference
+from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import trials, trusted_reference
 from derive.study.choice.beam_shares import BeamShare, BeamShares
 from derive.study.choice.body_candidates import candidates, cannot_do, suits

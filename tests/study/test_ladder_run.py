@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import derive
 from conftest import ROOT
 from derive.cli.main import main
+from derive.simulation.observables.plots import PlotCurve
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
@@ -26,7 +30,7 @@ from derive.study.accuracy.measurement import (
     opened,
     retimed,
 )
-from derive.study.accuracy.reference import Reference
+from derive.study.accuracy.reference import Reference, undeformed_note
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
 FIRST, TRUNCATED = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
@@ -72,6 +76,25 @@ def test_a_model_cannot_matter_whose_kind_no_longer_improves_where_a_cheaper_one
     improves = polynomials(4, FIRST, 0.05, 4 * 10**6)
     assert ladder_run_of(scene, *stays[:2], improves, better).dispensable(more) == ""
     assert ladder_run_of(scene, *stays, better).dispensable(LadderModel(Shapes.POLYNOMIALS, 6, TRUNCATED)) == ""
+
+
+def test_second_order_is_left_out_where_it_has_changed_two_models_by_less_than_is_known(scene: Scene) -> None:
+    """The reference is right to 0.1 %; a model without its sibling of first order is run."""
+
+    def pair(count: int, change: float) -> tuple[Line, Line]:
+        x = np.linspace(0.0, 1.0, 11)
+        curves = [(PlotCurve("", x, y, None),) for y in (np.ones(11), np.full(11, 1 + change))]
+        first, second = (polynomials(count, order, 0.1, 10**6) for order in (FIRST, TRUNCATED))
+        return replace(first, curves=curves[0]), replace(second, curves=curves[1])
+
+    first = replace(polynomials(6, FIRST, 0.01, 10**6), curves=pair(6, 0.0)[0].curves)
+    ladder = ladder_run_of(scene, *pair(2, 1e-4), *pair(3, 9e-4), first)
+    models = "1 beam, P2, P3, truncated; 1 beam, P2 to P4, truncated: by less than the error of the reference"
+    finer = LadderModel(Shapes.POLYNOMIALS, 6, TRUNCATED)
+    assert ladder.dispensable(finer) == f"second order changed the plot by at most 0.09 % in {models}"
+    assert ladder.dispensable(LadderModel(Shapes.POLYNOMIALS, 7, TRUNCATED)) == ""
+    assert ladder_run_of(scene, *pair(2, 1e-4), *pair(3, 2e-3), first).dispensable(finer) == ""
+    assert ladder_run_of(scene, *pair(3, 1e-4), first).dispensable(finer) == ""
 
 
 def test_a_run_that_is_timed_once_runs_alone(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,3 +169,24 @@ def test_what_there_is_is_written_meanwhile(tmp_path: Path, monkeypatch: pytest.
     assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 0
     assert seen[0] == ["rigid", "unfinished: more models are being run"]
     assert "unfinished" not in (tmp_path / "accuracy.json").read_text()
+
+
+def test_a_plot_that_shows_no_deformation_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The place of a ball that flies beside a beam: all models have the same curve."""
+    few = tuple(LadderModel(Shapes.POLYNOMIALS, n, TRUNCATED) for n in (2, 3))
+    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda scene: few)
+    scene = derive.scene(
+        "beside",
+        bodies={
+            "rod": {"mass": 1, "length": 1, "bending_stiffness": 20},
+            "ball": {"mass": 1, "inertia": 1, "start": {"velocity": [1, 0]}},
+        },
+        plots={"path": {"y": "ball_c1"}},
+        simulation={"duration": 0.1, "output": 0.01},
+    )
+    study = derive.study_accuracy(
+        scene, orders=["first"], shapes=[2], pieces=[], sines=[], tolerances=[1e-3], runs=1, progress=False
+    )
+    note = "path has the same curve in all models of the reference: no deformation shows; see --plot"
+    assert study.notes[0] == note == undeformed_note(["path"], study.reference.error)[0]
+    assert not undeformed_note(["path"], 1e-9) and not undeformed_note(["path"], None)

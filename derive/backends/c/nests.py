@@ -333,7 +333,7 @@ class CNests:
             name = next(self._finite)
             lines += plain(*statement("    ", f"const double {name} = ", self.text(last.expr), ";"))
             lines += plain(f"    double code = {name} - {name}; /* {last.text} */")
-            if first:  # gcc would compute it behind a branch where a choice drops it, and no loop with a branch is vectors
+            if first:  # gcc would compute it behind a branch where a choice drops it; such loops are no vectors
                 lines += plain("    failures |= tisserand_code_bits(code);")
         else:
             lines += plain("    double code = 0.0;", *self._checked(last))
@@ -388,8 +388,6 @@ class CNests:
             case LoopKind.STATES:
                 body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
-                if node.count == 0:
-                    return []
                 short = self._vectors is None or node.variable == ROW  # rows of vectors written out run no faster
                 body, head = self._body(node.body), loop_head(node, self.counter, short)
                 last = last_block(node)

@@ -85,10 +85,10 @@ def lower_instances(
         frame_doc=mechanism.frame_doc(by_table=True),
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
-        equations=_rows(mechanism),
+        equations=rows_for_people(mechanism),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
         constants=constants,
-        kernels=(setup, *(_with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
+        kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
         markers=(),
         zeros=zeros_of_kinds(context.classes),
         vanished=vanished_of_kinds(context.classes),
@@ -112,7 +112,7 @@ def lower_instances(
     )
 
 
-def _rows(mechanism: AnyMechanism) -> tuple[Variable, ...]:
+def rows_for_people(mechanism: AnyMechanism) -> tuple[Variable, ...]:
     """The equations of motion, with names for people: those of coordinates, or of the virtual rotations of bodies."""
     shown = {str(c.q): symbol_variable(c.q, "", "").shown for c in mechanism.coordinates}
     for of in (replace(identity(row.v), family=Family.VIRTUAL_ROTATION) for row in mechanism.rows):
@@ -164,7 +164,7 @@ def _names(expr: Expr) -> set[str]:
     return {part.name for part in walk(expr) if isinstance(part, ScalarRef)}
 
 
-def _with_constants(kernel: Kernel, constants: tuple[Variable, ...], arrays: Mapping[str, ConstantArray]) -> Kernel:
+def with_constants(kernel: Kernel, constants: tuple[Variable, ...], arrays: Mapping[str, ConstantArray]) -> Kernel:
     """A kernel with the constant arrays that it reads, and with the names of the constants in its argument k."""
     used, names = kernel.used, tuple(c.name for c in constants)
     arguments = tuple(replace(a, elements=names) if a.name == "k" else a for a in kernel.arguments)

@@ -15,9 +15,9 @@ from derive.mechanics.symbols import Family, owned, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 if TYPE_CHECKING:
-    from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion
     from derive.mechanics.motion.body_motion import Motion
     from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
+    from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion
     from derive.mechanics.typed_symbol import Symbol
 
 

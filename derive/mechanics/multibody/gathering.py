@@ -154,7 +154,7 @@ class Gathered:
     """The contributions to the equations of a mechanism besides those of its instances.
 
     doc, frame_doc: the description for users of the code; terms, potentials: those of the forces; definitions: those of
-    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs; trees: the bodies in trees.
+    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs; trees: their bodies.
     """
 
     doc: str

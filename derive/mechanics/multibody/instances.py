@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from derive.algebra import sp
 from derive.mechanics.motion.material_points import marker
+from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
-from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, frame_motion
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, TreeDefinitions, carried_frame
 from derive.mechanics.quantity import rounded

@@ -36,7 +36,7 @@ class JointColumn:
 def joint_coordinate(
     scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, native: NativeScene
 ) -> JointColumn | None:
-    """The coordinate that is a motion of a joint; None of a joint that is a constraint, or whose motion is prescribed."""
+    """The coordinate that is a motion of a joint; None of a constraint, or of a prescribed motion."""
     if is_constraint(joint, native):
         return None
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE

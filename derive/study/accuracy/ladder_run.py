@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import islice
 
 from derive.durations import duration_text
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.remaining_time import remaining_seconds
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.measurement import (
@@ -24,7 +26,7 @@ from derive.study.accuracy.measurement import (
 )
 from derive.study.accuracy.models import start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Reference
+from derive.study.accuracy.reference import Reference, rms_difference
 from derive.study.spin_notes import spin_notes
 
 DEARER = 2.0
@@ -33,6 +35,8 @@ STAGNANT = 0.05
 """Errors of models of a kind, of which the finer is two sizes larger, that differ by less, relatively, stagnate."""
 BETTER = 0.5
 """Stagnant models are left out if a cheaper model has an error below this part of theirs."""
+PAIRS = 2
+"""The number of models of both orders whose plots have to agree before second order is left out."""
 PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
 """First estimates: seconds to derive and compile a model, per coordinate of its bodies, and seconds of an operation."""
 
@@ -114,13 +118,21 @@ class LadderRun:
         return preparation + PER_OPERATION * operations
 
     def dispensable(self, model: LadderModel) -> str:
-        """The reason why a model cannot matter, as a cheaper one has a smaller error; empty if it may matter."""
+        """The reason why a model cannot matter, as a cheaper one is as good; empty if it may matter."""
+        return self._beyond_reference(model) or self._stagnant(model) or self._idle_order(model)
+
+    def _beyond_reference(self, model: LadderModel) -> str:
+        """The reason why a model cannot matter, as a cheaper one has a smaller error than the reference."""
         predicted = self.cost.operations(model)
         for line in self.lines:
             if not line.valid or self._known.error is None or line.best > self._known.error:
                 continue
             if predicted > DEARER * min(p.operations for p in line.points if p.rms <= self._known.error):
                 return f"dearer than {line.label}, whose error of {percent(line.best)} is within that of the reference"
+        return ""
+
+    def _stagnant(self, model: LadderModel) -> str:
+        """The reason why a model cannot matter, as more shapes of its kind do not help, and a cheaper one is better."""
         fewer = [line for line in self.lines if line.points and line.model.kind == model.kind]
         fewer = sorted((line for line in fewer if line.model.count < model.count), key=lambda line: line.model.count)
         if len(fewer) < 3 or abs(fewer[-1].best - fewer[-3].best) > STAGNANT * fewer[-1].best:
@@ -133,6 +145,21 @@ class LadderRun:
                     f"{percent(fewer[-1].best)}"
                 )
         return ""
+
+    def _idle_order(self, model: LadderModel) -> str:
+        """The reason why a model of second order cannot matter: with few shapes it changes less than is known.
+
+        The changes of the plot are compared with the error of the reference, below which nothing is claimed.
+        """
+        ran = {line.model: line for line in self.lines if line.curves}
+        if self._known.error is None or _of_first_order(model) == model or _of_first_order(model) not in ran:
+            return ""
+        pairs = ((line, ran.get(_of_first_order(of))) for of, line in ran.items() if _of_first_order(of) != of)
+        changes = {line.label: rms_difference(line.curves, first.curves) or 0.0 for line, first in pairs if first}
+        if len(changes) < PAIRS or max(changes.values()) > self._known.error:
+            return ""
+        alike = f"second order changed the plot by at most {percent(max(changes.values()))} in {'; '.join(changes)}"
+        return f"{alike}: by less than the error of the reference"
 
     def _line(self, model: LadderModel) -> Line:
         try:
@@ -150,3 +177,8 @@ class LadderRun:
         """Prepare the first of these models ahead: as many as keep the processes at work, as others may be left out."""
         likely = (model for model in models if not self.dispensable(model))
         self._ahead.expect(map(self._variant, islice(likely, 1 + 2 * self._ahead.workers)))
+
+
+def _of_first_order(model: LadderModel) -> LadderModel:
+    """A model with displacements of first order."""
+    return replace(model, order=DisplacementOrder.FIRST_ORDER)

@@ -29,7 +29,7 @@ from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.observables.plots import plot_curves
+from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
@@ -47,6 +47,8 @@ from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.models import model_scene
 from derive.study.computed_ahead import ComputedAhead
 from derive.study.timing import interleaved
+
+Curves = tuple[PlotCurve, ...]
 
 CALLED = {
     "accelerations": ("accel",),
@@ -230,7 +232,8 @@ class Line:
 
     warning: the monitor with the largest implied error, of those that are beyond their limits in the finest run, if
     there is one. failure: why a run failed, or why there is none; empty if there is nothing. integrator: the method of
-    its runs. spins: the notes on finite-element bodies that spin fast, by their names.
+    its runs. spins: the notes on finite-element bodies that spin fast, by their names. curves: those of the
+    plots in the finest run.
     """
 
     model: LadderModel
@@ -240,6 +243,7 @@ class Line:
     failure: str = ""
     integrator: str = "adaptive"
     spins: Mapping[str, str] = field(default_factory=dict, hash=False)
+    curves: Curves = field(default=(), repr=False, compare=False)
 
     @property
     def label(self) -> str:
@@ -282,7 +286,7 @@ def measured(
     nothing else runs beside it.
     """
     points: list[Point] = []
-    warning, failure, spins = None, "", dict[str, str]()
+    warning, failure, spins, curves = None, "", dict[str, str](), Curves()
     for tolerance in tolerances:
         try:
             moved = motion(of, tolerance, monitored=True)
@@ -293,14 +297,14 @@ def measured(
         except TisserandError as error:
             warning, failure = None, f"tolerance {tolerance:g}: {first_line(error)}"
             break
-        q, v = moved.solution.q, moved.solution.v
+        q, v, curves = moved.solution.q, moved.solution.v, curves_of(plots, moved)
         spins = fast_spin_notes(of.scene, of.native, of.k, q, v, beams=False)
         cost = run.counts["accelerations"], of.operations(run.counts)
         points.append(Point(tolerance, rms, worst, (run.seconds,) * 3, *cost))
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
         if len(points) > 1 and abs(points[-2].rms - rms) <= SAME * rms:
             break
-    return Line(of.model, of.coordinates, tuple(points), warning, failure, spins=spins)
+    return Line(of.model, of.coordinates, tuple(points), warning, failure, spins=spins, curves=curves)
 
 
 def retimed(
@@ -332,11 +336,16 @@ def plot_errors(plots: Sequence[Plot], moved: Trajectory) -> tuple[float, float]
     """The largest errors of the curves of plots. Raises TisserandError where there is no part in common."""
     known = []
     for plot in plots:
-        for curve in plot_curves(plot, moved, ""):
+        for curve in curves_of([plot], moved):
             if curve.error is None:
                 raise NothingInCommon(f"{plot.name}: the motion has no part in common with the reference")
             known.append(curve.error)
     return max(e[0] for e in known), max(e[1] for e in known)
+
+
+def curves_of(plots: Sequence[Plot], moved: Trajectory) -> Curves:
+    """The curves of plots in a motion."""
+    return tuple(curve for plot in plots for curve in plot_curves(plot, moved, ""))
 
 
 class NothingInCommon(TisserandError):

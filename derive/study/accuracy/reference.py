@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
 from derive.percentages import percent
 from derive.runtime.compiler import QUICK_FLAGS
 from derive.simulation.observables.beams import fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
-from derive.simulation.observables.plots import PlotCurve, plot_curves
-from derive.simulation.trajectory import Trajectory
+from derive.simulation.observables.plots import PlotCurve
 from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
@@ -24,12 +24,18 @@ from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.faults import did_you_mean
-from derive.study.accuracy.ladder_model import LadderModel
-from derive.study.accuracy.measurement import ModelVariant, Preparation, Progress, motion, opened, preparation
+from derive.study.accuracy.measurement import (
+    Curves,
+    ModelVariant,
+    Preparation,
+    Progress,
+    curves_of,
+    motion,
+    opened,
+    preparation,
+)
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
 from derive.study.accuracy.models import refinements
-
-Curves = tuple[PlotCurve, ...]
 
 TOLERANCE = 1e-10
 """The tolerance of the runs that make a reference, so small that the error of the reference is that of the models."""
@@ -39,6 +45,9 @@ LEAST = 3
 """The least number of models that make a reference, unless two agree so well that a third one would change nothing."""
 CLEARLY = 0.25
 """The part of the error that is good enough, within which two models are a reference."""
+
+ALIKE = 1e-12
+"""The error of a reference from models, relative to the peak, below which its models differ by rounding alone."""
 
 
 @dataclass(frozen=True)
@@ -80,23 +89,27 @@ def reference(
     report: Progress = lambda _: None,
     ahead: Preparation | None = None,
     enough: float = 0.0,
+    ladder: Collection[ModelVariant] = (),
 ) -> Reference:
     """The reference of a plot: its file, whose error may be given, or with `own` or without a file a finer model.
 
     progress: takes a line on each task; report: takes a line on each model. ahead: prepares the models of the scene
-    with this plot alone. enough: the error with which a reference from models is fine enough.
+    with this plot alone. enough: the error with which a reference from models is fine enough. ladder: the models that
+    run afterwards, so that those of the reference among them are compiled once.
 
     Raises SpecError, SimulationError, CompilerError.
     """
     if plot.reference is not None and not own:
         return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
     models = preparation(replace(scene, plots=(plot,))) if ahead is None else ahead
-    return _own(models, refinements(scene), plot, enough, progress, report)
+    shared = {variant.model: variant for variant in ladder}
+    variants = [shared.get(of, ModelVariant(of, monitored=False, flags=QUICK_FLAGS)) for of in refinements(scene)]
+    return _own(models, variants, plot, enough, progress, report)
 
 
 def _own(
     models: Preparation,
-    finer: Sequence[LadderModel],
+    variants: Sequence[ModelVariant],
     plot: Plot,
     enough: float,
     progress: Progress,
@@ -110,7 +123,6 @@ def _own(
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
     difference: float | None = None
-    variants = [ModelVariant(model, monitored=False, flags=QUICK_FLAGS) for model in finer]
     models.expect(variants[:LEAST])
     for n, variant in enumerate(variants, 1):
         if difference is not None and difference <= (enough if n > LEAST else CLEARLY * enough):
@@ -120,6 +132,8 @@ def _own(
         moved = motion(opened(models.result(variant)), TOLERANCE)
         before, finest = finest, curves_of(bare, moved)
         difference = rms_difference(finest, before) if before else None
+        if before and difference is None:  # finer models would hardly tell more
+            break
         change = "" if difference is None else f", {percent(difference)} from the one before"
         report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms{change}")
     if difference is None:
@@ -128,17 +142,20 @@ def _own(
     return Reference(reference_plots(bare, label, finest, report), f"own run, {label}", difference)
 
 
+def undeformed_note(plots: Sequence[str], error: float | None) -> tuple[str, ...]:
+    """A line on plots whose curves all models of a reference share, if they do: any model is accurate then."""
+    if error is None or error > ALIKE:
+        return ()
+    shared = "has the same curve" if len(plots) == 1 else "have the same curves"
+    return (f"{enumeration(plots)} {shared} in all models of the reference: no deformation shows; see --plot",)
+
+
 def bare_plots(plot: Plot) -> tuple[Plot, ...]:
     """A plot for each curve of a plot, without reference and without other numbers of pieces."""
     quantity, bare = plot.quantity, replace(plot, cut=None, pieces=(), reference=None)
     if not isinstance(quantity, ColumnCurves):
         return (bare,)
     return tuple(replace(bare, quantity=replace(quantity, y=(name,))) for name in quantity.y)
-
-
-def curves_of(bare: Sequence[Plot], moved: Trajectory) -> Curves:
-    """The curves of plots of one curve each."""
-    return tuple(curve for plot in bare for curve in plot_curves(plot, moved, ""))
 
 
 def reference_plots(bare: Sequence[Plot], label: str, curves: Curves, report: Progress) -> tuple[Plot, ...]:

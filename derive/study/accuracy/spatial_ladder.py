@@ -25,7 +25,14 @@ from derive.study.accuracy.ladder_model import (
     Shapes,
     mixed,
 )
-from derive.study.accuracy.spatial_models import can_have, coordinates, flexible_bodies, modelled_in_space, most_modes
+from derive.study.accuracy.spatial_models import (
+    can_have,
+    coordinates,
+    flexible_bodies,
+    modelled_in_space,
+    most_modes,
+    twists,
+)
 from derive.study.study_options import LadderRange
 
 OF_PIECES = (2, 4)
@@ -105,8 +112,10 @@ def linear_reference(scene: AnyScene) -> tuple[str, ...]:
 
 
 def _pieces(body: SpatialBeam) -> tuple[LadderModel, ...]:
-    order, twists = DisplacementOrder.TRUNCATED, TWISTS if body.torsion else None
-    return tuple(LadderModel(Shapes.POLYNOMIALS, n, order, "mean", pieces, torsion=twists) for pieces, n in PIECES)
+    """The models of a beam, with its own shapes of torsion if these are the ones of a reference."""
+    own = body.torsion is None or body.torsion.ansatz == twists(TWISTS)
+    order, torsion = DisplacementOrder.TRUNCATED, None if own else TWISTS
+    return tuple(LadderModel(Shapes.POLYNOMIALS, n, order, "mean", pieces, torsion=torsion) for pieces, n in PIECES)
 
 
 def _more_modes(scene: SpatialScene, body: FlexibleBody) -> tuple[LadderModel, ...]:

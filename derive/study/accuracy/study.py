@@ -13,9 +13,9 @@ from derive.study.accuracy.beside import beside, ladders
 from derive.study.accuracy.fixed_steps import fixed_step_lines
 from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.ladder_run import LadderRun
-from derive.study.accuracy.measurement import LADDER_FLAGS, Line, preparation, retimed
+from derive.study.accuracy.measurement import LADDER_FLAGS, Line, ModelVariant, preparation, retimed
 from derive.study.accuracy.peers import read_peers
-from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
+from derive.study.accuracy.reference import compared_plot, plotted_beams, reference, undeformed_note
 from derive.study.accuracy.spatial_ladder import linear_reference
 from derive.study.computed_ahead import available_workers
 from derive.study.studied_scene import COMPARED, flexible_scene
@@ -136,12 +136,14 @@ def study_accuracy(
     foreign = read_peers(Path(peers)) if peers else ()
     sorted_tolerances = sorted(fractions, reverse=True)
     with reports_of(progress, given.name) as (task, result), preparation(compared, available_workers()) as ahead:
+        variants = [ModelVariant(model, explicit=not integrators) for model in models[0]]
         known = reference(
-            compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error
+            compared, compared.plots[0], reference_error, own_reference, task, result, ahead, FINER * error, variants
         )
         shown = plotted_beams(compared.plots[0], compared)
         from_models = compared.plots[0].reference is None or own_reference
         notes = linear_reference(compared) if from_models else ()
+        notes += undeformed_note([compared.plots[0].name], known.error) if from_models else ()
         empty = LadderChart(compared.name, (), known, error, _machine(), foreign, shown, notes)
         ladder_runs = [LadderRun(compared, known, sorted_tolerances, not integrators, ahead)]
         finished = _Finished(empty, ladder_runs, record)

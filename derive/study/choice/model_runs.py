@@ -11,10 +11,18 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
-from derive.study.accuracy.measurement import CompiledLadderModel, ModelVariant, motion, opened, preparation
+from derive.study.accuracy.measurement import (
+    CompiledLadderModel,
+    Curves,
+    ModelVariant,
+    curves_of,
+    motion,
+    opened,
+    preparation,
+)
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Curves, bare_plots, curves_of
+from derive.study.accuracy.reference import bare_plots
 from derive.study.choice.reference_models import ReferenceModels
 
 SHORT = 1e9

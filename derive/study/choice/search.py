@@ -22,6 +22,7 @@ from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import model_scene
 from derive.study.accuracy.predicted_cost import PredictedCost
+from derive.study.accuracy.reference import undeformed_note
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.one_beam import try_more_accurate, try_one_beam
@@ -48,8 +49,8 @@ class Choice:
         base: the model of the other bodies while the share of one is measured; None in a scene with one flexible body.
         shares: those of the flexible bodies in the error of a scene with several of them.
         screening: the loads on the flexible bodies relative to their resistance.
-        untried: a line on each kind of models that is left out, and on finite-element bodies of references whose fast
-            spin they know no stiffening of.
+        untried: a line on plots that show no deformation, on each kind of models that is left out, and on
+            finite-element bodies of references whose fast spin they know no stiffening of.
 
     Examples:
         >>> import derive
@@ -167,7 +168,8 @@ def cheapest_model(
     if not trials.good:
         trials.run_until_good(model for model, of in known.errors if usable(model) and of <= trials.budget)
     try_more_accurate(trials)
-    left_out = (*untried(runs.scene, runs.models.modes), *spin_notes(runs.spins.items()))
+    shown = undeformed_note([plot.name for plot in runs.scene.plots], known.error)
+    left_out = (*shown, *untried(runs.scene, runs.models.modes), *spin_notes(runs.spins.items()))
     return Choice(runs.scene, error, known, trials.timed(), base, shares, screened, left_out)
 
 

@@ -24,9 +24,10 @@ from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
+from derive.study.accuracy.measurement import Curves
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Curves, reference_plots, rms_difference
+from derive.study.accuracy.reference import reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.rigid_shares import MATTERS

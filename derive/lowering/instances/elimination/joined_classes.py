@@ -31,6 +31,11 @@ from derive.mechanics.multibody.space.joints import SpatialJointInstance
 
 BODY = 20
 """The work of a body without joints, in entries of the blocks of the joints."""
+WORTH = 1.005
+"""The work for which a class less, whose text compilers need not read, is worth it, divided by the least work.
+
+One vector more is hidden among many: where it was 1.5 to 5 % of the work, chains took .7 to 1.6 % longer.
+"""
 MOST = 4
 """The most classes that may join another one, of which all selections are compared."""
 
@@ -58,22 +63,22 @@ def _needs_class(joint: AnyJoint) -> bool:
 def _with_smaller(
     mechanism: AnyMechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks
 ) -> tuple[BodyClass, ...]:
-    """The classes after some have joined one of them, if this takes less."""
+    """The classes after some have joined one of them, if this takes less, or little more with fewer classes."""
     smaller = [
         (of, members)
         for of in classes
         if of is not larger and (members := _as_members(mechanism, of, larger)) is not None
     ][:MOST]
-    best, least = classes, _work(mechanism, classes)
+    options = [(_work(mechanism, classes), classes)]
     for number in range(1, len(smaller) + 1):
         for chosen in combinations(smaller, number):
             joined = _joined(larger, [members for _, members in chosen])
             gone = [of for of, _ in chosen]
             others = tuple(joined if of is larger else of for of in classes if all(of is not other for other in gone))
-            work = _work(mechanism, others)
-            if work < least and _is_spaced(joined, larger, system):
-                best, least = others, work
-    return best
+            if _is_spaced(joined, larger, system):
+                options.append((_work(mechanism, others), others))
+    most = WORTH * min(work for work, _ in options)
+    return min((o for o in options if o[0] <= most), key=lambda option: (len(option[1]), option[0]))[1]
 
 
 def _work(mechanism: AnyMechanism, classes: Iterable[BodyClass]) -> int:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
+from typing import Protocol
 
 from derive.algebra import sp
 from derive.errors import SpecError
@@ -237,8 +238,16 @@ def whole(name: str, size: int, doc: str) -> Argument:
     return Argument(name, (), doc, arrays=(View(name, 0, size),))
 
 
+class KernelData(Protocol):
+    """What a kernel needs to know of a mechanism: its numbers of coordinates and rows, and what is known."""
+
+    known: KnownMotion
+    coordinates: int
+    rows: tuple[str, ...]
+
+
 def kernel(
-    context: InstanceContext,
+    context: KernelData,
     function: ModelFunction,
     results: Mapping[str, Result],
     *sections: Part,

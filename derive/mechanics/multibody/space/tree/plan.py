@@ -17,7 +17,6 @@ from derive.spec.model.markers import GROUND
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
-
 MOST_BODIES = 60
 """The largest number of bodies in trees that have relative coordinates if the specification leaves the choice."""
 

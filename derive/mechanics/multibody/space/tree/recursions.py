@@ -1,15 +1,15 @@
 """The equations of motion of a tree of rigid bodies, by recursions along it.
 
-d'Alembert's virtual work of a body on a unit virtual displacement of row j is T_j . f + e_j . n with the force f and the
-torque n about its origin O that its motion needs. What the bodies behind a joint need is summed up from the leaves: the
-mass, first moment and inertia of all bodies behind it (composite bodies) for the factors of the accelerations, and the
+d'Alembert's virtual work of a body on a unit virtual displacement of row j is T_j . f + e_j . n, with the force f and
+the torque n about its origin O that its motion needs. What the bodies behind a joint need is summed up from the leaves:
+the mass, first moment and inertia of all bodies behind it (composite bodies) for the factors of the accelerations, and the
 forces and torques without these accelerations (the recursion of Newton and Euler) for the others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -154,7 +154,7 @@ class _Recursions:
     def _behind(
         self, body: TreeBody, own: Inertia, of: Mapping[str, tuple[sp.Matrix, sp.Matrix]]
     ) -> tuple[sp.Matrix, sp.Matrix]:
-        """The force and the torque about O that a body and those behind it need without accelerations of coordinates."""
+        """The force and the torque about O of a body and those behind it without accelerations of coordinates."""
         motion, define = body.motion, TreeDefinitions(body.name, f"{body.name} forces")
         a, alpha, w = motion.acceleration, motion.angular_acceleration, motion.angular_velocity
         spun = [cross(alpha, own.moment), cross(w, _named_cross(define, w, own.moment))]
@@ -223,7 +223,9 @@ def _symmetric(values: sp.Matrix, define: TreeDefinitions, family: Family, doc: 
 
 
 def _shift(r: sp.Matrix, g: sp.Matrix) -> sp.Matrix:
-    """What an inertia gains about a point from which the one before is at r; g: the sum of the first moments about both.
+    """What an inertia gains about a point from which the one before is at r.
+
+    g: the sum of the first moments about both points.
 
     With m r^2 + 2 r . s = r . g and m r r + r s + s r = (r g + g r)/2, where s is the first moment before.
     """

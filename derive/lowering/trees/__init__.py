@@ -1,0 +1,1 @@
+"""Trees of rigid bodies in relative coordinates in loops over their links, whose code does not grow with these."""

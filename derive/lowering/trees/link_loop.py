@@ -1,0 +1,178 @@
+"""A loop over links: what it reads and writes of the arrays of all links, and the numbers in which links differ."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+
+from derive.ir.expressions import Element, Operator, ScalarRef
+from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
+from derive.ir.kernel import ConstantArray
+from derive.ir.statements import (
+    Entry,
+    ForEach,
+    InstanceItem,
+    Let,
+    Require,
+    Requirement,
+    ReturnCode,
+    Store,
+    StoreElement,
+)
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.graph import Graph
+from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step, StepItem, schedule
+from derive.lowering.flat.setup_constants import Constants
+from derive.lowering.instances.elimination.block_system import spaced
+from derive.lowering.instances.places import Place, Places
+from derive.lowering.trees.links import TreeLink
+from derive.mechanics.symbols import local
+
+LINK = "link"
+"""The variable of loops over links."""
+FIRST = LANES
+"""The slot of the first link: that before it is the one of the ground."""
+
+Column = Sequence[Fraction]
+
+
+@dataclass
+class LinkArrays:
+    """The arrays of a model with a slot for each link and one for the ground, and the constant arrays.
+
+    links: those of all trees.
+    """
+
+    links: tuple[TreeLink, ...]
+    places: Places
+    constants: Constants
+
+    @property
+    def spacing(self) -> int:
+        """The distance of the components of a quantity."""
+        return spaced(len(self.links) + FIRST)
+
+    def slot(self, link: int) -> int:
+        """The number of the slot of a link, -1 for the ground."""
+        return FIRST + link
+
+
+class LinkLoop:
+    """The body of a loop over some links, as values are read, computed and written."""
+
+    def __init__(self, arrays: LinkArrays, name: str, links: Sequence[int]) -> None:
+        self.arrays, self.name, self.links = arrays, name, links
+        self.symbols = Symbols(frozenset(), frozenset())
+        self._read: dict[Element, ca.SX] = {}
+        self._names: dict[str, Element] = {}
+        self.entries: list[Entry] = []
+        self._targets: list[tuple[Element, Operator | None]] = []
+        self._items: list[StepItem] = []
+        self._columns: dict[tuple[Fraction, ...], int] = {}
+
+    # ---- places ----
+
+    def place(self, what: str, firsts: Sequence[int], spacing: int = 1) -> Place:
+        """The place of the first of some elements of each link."""
+        place = self.arrays.places.place(f"{what}_{self.name}", LINK, firsts, spacing)
+        if place.entry and place.entry not in self.entries:
+            self.entries.append(place.entry)
+        return place
+
+    def of_links(self) -> Place:
+        """The place of the quantities of each link."""
+        return self.place("slot", [self.arrays.slot(n) for n in self.links], self.arrays.spacing)
+
+    def of_parents(self) -> Place:
+        """The place of the quantities of the link before each link."""
+        slots = [self.arrays.slot(self.arrays.links[n].parent) for n in self.links]
+        return self.place("parent", slots, self.arrays.spacing)
+
+    # ---- values ----
+
+    def element(self, array: str, index: ElementIndex) -> ca.SX:
+        """The value of an element."""
+        element = Element(array, index)
+        if element not in self._read:
+            name = f"{array}_{len(self._read) + 1}_"
+            self.symbols.input(local(name), ScalarRef(name))
+            self._names[name] = element
+            self._read[element] = self.symbols.values[local(name)]
+        return self._read[element]
+
+    def vector(self, array: str, place: Place, count: int = 3, first: int = 0) -> list[ca.SX]:
+        """The values of some components."""
+        return [self.element(array, place.at(first + k)) for k in range(count)]
+
+    def scalar(self, name: str) -> ca.SX:
+        """The value of a scalar of the kernel."""
+        symbol = local(name)
+        if symbol not in self.symbols.values:
+            self.symbols.input(symbol, ScalarRef(name))
+        return self.symbols.values[symbol]
+
+    def number(self, of: Callable[[TreeLink], Fraction]) -> ca.SX:
+        """A number of each link; one that all have is part of the code."""
+        return self.column([of(self.arrays.links[n]) for n in self.links])
+
+    def numbers(self, of: Callable[[TreeLink], Column]) -> list[ca.SX]:
+        """Some numbers of each link, such as the components of a vector."""
+        every = [of(self.arrays.links[n]) for n in self.links]
+        return [self.column(values) for values in zip(*every, strict=True)]
+
+    def matrix(self, of: Callable[[TreeLink], Sequence[Column]]) -> list[list[ca.SX]]:
+        """The rows of a matrix of each link."""
+        every = [of(self.arrays.links[n]) for n in self.links]
+        return [[self.column(values) for values in zip(*rows, strict=True)] for rows in zip(*every, strict=True)]
+
+    def column(self, values: Sequence[Fraction]) -> ca.SX:
+        """A number for each iteration; one that all have is part of the code."""
+        if len(set(values)) == 1:
+            return self.symbols.number(values[0])
+        column = self._columns.setdefault(tuple(values), len(self._columns))
+        return self.element(self._array, ElementIndex(column * len(self.links), (IndexTerm(1, LINK),)))
+
+    @property
+    def _array(self) -> str:
+        return f"numbers_{self.name}"
+
+    # ---- results ----
+
+    def store(self, array: str, index: ElementIndex, value: ca.SX, operator: Operator | None = None) -> None:
+        """Write an element, or change it by an operator."""
+        self._items.append(OutputValue("result", len(self._targets), value))
+        self._targets.append((Element(array, index), operator))
+
+    def store_vector(
+        self, array: str, place: Place, values: Sequence[ca.SX], first: int = 0, operator: Operator | None = None
+    ) -> None:
+        """Write some components."""
+        for k, value in enumerate(values, first):
+            if operator is None or not value.is_zero():
+                self.store(array, place.at(k), value, operator)
+
+    def require(self, kind: Requirement, value: ca.SX, code: ReturnCode, text: str) -> None:
+        """Require a value to be finite or positive."""
+        self._items.append(RequiredValue(kind, value, code, text))
+
+    def made(self, backward: bool = False, independent: bool = False) -> ForEach:
+        """The loop."""
+        step = Step(self.name, "", "", tuple(self._items))
+        sections = schedule(Graph(self.arrays.constants), self.symbols, (), (step,))
+        body: list[InstanceItem] = []
+        for statement in (s for section in sections for s in section.body):
+            if isinstance(statement, Store):
+                target, operator = self._targets[statement.index]
+                body.append(StoreElement(target, statement.expr, operator))
+            else:
+                assert isinstance(statement, Let | Require)
+                body.append(statement)
+        loads = [Let(name, element) for name, element in self._names.items()]
+        if self._columns:
+            values = tuple(value for column in self._columns for value in column)
+            self.arrays.places.numbers(ConstantArray(self._array, values, False, len(self.links)))
+        every = (*self.entries, *loads, *body)
+        return ForEach(LINK, constant(0), constant(len(self.links)), every, backward, independent and not backward)
