@@ -40,6 +40,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.roles import Role
 from derive.runtime.compiler import WITHOUT_BATCHES, compiler
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 ROOT = Path(__file__).parents[1]
@@ -83,6 +84,8 @@ class Comparison:
 
 def comparison(scene: AnyScene, flags: Sequence[str], repeats: int) -> Comparison:
     """The times of a scene. Raises ArithmeticError if the values of both lowerings differ."""
+    if isinstance(scene, SpatialScene):
+        scene = replace(scene, coordinates="absolute")  # in which both lowerings have the same unknowns
     mechanism = derive.derive(scene)
     assert isinstance(mechanism, (Mechanism, SpatialMechanism))
     if isinstance(mechanism, SpatialMechanism) and not is_predicted(mechanism):
@@ -107,14 +110,14 @@ def _times(models: dict[str, Model], flags: str, repeats: int) -> list[float]:
     calls, declared, once = [], [], []
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as directory:
         folder = Path(directory)
-        objects = [_compiled(model, form, flags, folder) for form, model in models.items()]
+        objects = [compiled_accelerations(model, form, flags, folder) for form, model in models.items()]
         for form in models:
             name = f"{flat.name}_{form}"
             arguments = ", ".join({**given, "k": f"k_{form}"}[argument] for argument in used)
             calls.append(TimedCall(form, f"if ({name}_accel({arguments}, out)) exit(7);", nv))
             declared.append(f"int {name}_setup(const double *, double *); int {name}_accel({types}, double *);")
             once.append(f"if ({name}_setup(p, k_{form})) return 5;")
-        q, v = _states(flat)
+        q, v = random_states(flat)
         times, (a, b) = interleaved(
             calls,
             declare="\n".join(declared),
@@ -133,7 +136,7 @@ def _times(models: dict[str, Model], flags: str, repeats: int) -> list[float]:
     return times
 
 
-def _compiled(model: Model, form: str, flags: str, folder: Path) -> Path:
+def compiled_accelerations(model: Model, form: str, flags: str, folder: Path) -> Path:
     """The object of the functions `setup` and `accel` of a model, and of `solve`, which `accel` may call."""
     name = f"{model.name}_{form}"
     kept = ("setup", "accel", "solve")
@@ -145,7 +148,7 @@ def _compiled(model: Model, form: str, flags: str, folder: Path) -> Path:
     return target
 
 
-def _states(model: Model) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def random_states(model: Model) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Random q (STATES, nq) and v (STATES, nv) with small amplitudes of the deformation, and unit quaternions."""
     rng = np.random.default_rng(1)
     scale = np.repeat([0.01 if c.role is Role.AMPLITUDE else 1.0 for c in model.coordinates], _sizes(model.coordinates))

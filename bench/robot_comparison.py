@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from timed_program import Program
 
 from derive.backends.c.source import CBackend
 from derive.derivation import derive, lower
+from derive.ir.model import Model
 
 Array = NDArray[np.float64]
 
@@ -46,6 +47,12 @@ class Figures:
     notes: tuple[str, ...]
 
 
+def without_markers(model: Model) -> Model:
+    """A model without the functions of markers, which are more than half of the code of a chain of 30 bodies."""
+    kernels = tuple(kernel for kernel in model.kernels if not kernel.name.startswith("marker_"))
+    return replace(model, markers=(), kernels=kernels)
+
+
 class Comparison:
     """The makers of one case, in one program: their calls, and their values in the coordinates of Pinocchio."""
 
@@ -56,7 +63,7 @@ class Comparison:
         self.path, self.scene = scene_of(case, folder, coordinates)
         self.robot: Any = pinocchio.buildModelFromUrdf(str(self.path))
         start = time.process_time()
-        self.model = lower(derive(self.scene), explicit=True, functions="inverse_dynamics")
+        self.model = without_markers(lower(derive(self.scene), explicit=True, functions="inverse_dynamics"))
         self.derive_seconds = time.process_time() - start
         self.program = Program(folder, flags)
         elements = [

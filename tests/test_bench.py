@@ -51,6 +51,15 @@ def test_cables_of_exudyn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.long
+def test_coordinates() -> None:
+    """A crank-slider of rigid bodies has four velocities for eight, and less than half the non-zeros."""
+    rows = [line.split(" | ") for line in printed("coordinates.py", "--only", "spatial_crank_slider_rigid")]
+    relative, absolute = (row for row in rows if row[0].startswith("| spatial_crank_slider_rigid"))
+    assert [relative[2:4], absolute[2:4]] == [["4", "3"], ["8", "7"]]
+    assert 2 * int(relative[4]) < int(absolute[4]) and int(relative[5]) < int(absolute[5])
+
+
+@pytest.mark.long
 def test_lowerings() -> None:
     """The values of both lowerings agree, or the script fails; the loops are chosen by prediction, not by times."""
     rows = [line.split(" | ") for line in printed("lowerings.py", str(ROOT / "scenes/four_bar.toml"), "--chains", "6")]

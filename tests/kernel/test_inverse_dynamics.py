@@ -54,6 +54,30 @@ unit = "rad"
 joint = "elbow"
 motion = { input = "turn" }
 """
+CRANK = """
+name = "crank"
+ground.markers = { o = [0, 0] }
+[bodies.crank]
+mass = 1
+inertia = 0.1
+markers = { o = [0, 0], pin = [0.5, 0] }
+[bodies.rod]
+mass = 2
+inertia = 0.3
+markers = { pin = [-0.4, 0] }
+[joints.bearing]
+kind = "revolute"
+between = ["ground.o", "crank.o"]
+[joints.pin]
+kind = "revolute"
+between = ["crank.pin", "rod.pin"]
+[inputs.turn]
+value = "t"
+unit = "rad"
+[drives.motor]
+joint = "bearing"
+motion = { input = "turn" }
+"""
 MORE = """
 [inputs.third]
 value = "0"
@@ -160,3 +184,12 @@ def test_wrong_arguments() -> None:
         derive.inverse_dynamics(scene, 0.0, q, v, vdot, k, inputs=["firs"])
     with pytest.raises(ValueError, match="vdot"):
         derive.inverse_dynamics(scene, 0.0, q, v, vdot[1:], k)
+
+
+def test_an_input_that_is_no_force_is_refused() -> None:
+    """The angle of the crank enters h through sines; by default it is not sought, since it prescribes a motion."""
+    scene = native(CRANK)
+    k = scene.with_inputs(scene.setup(), [0.3, 1.0, 0.0])
+    assert derive.inverse_dynamics(scene, 0.0, [0.5], [1.0], [np.nan], k).inputs == {}
+    with pytest.raises(ValueError, match="crank: the forces are not linear in the input turn; give it a value"):
+        derive.inverse_dynamics(scene, 0.0, [0.5], [1.0], [0.0], k, inputs=["turn"])

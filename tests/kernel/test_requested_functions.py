@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
+from derive.backends.model_files import explicit_files
 from derive.cli.main import main
 from derive.function_names import OF_MODELS, ON_REQUEST
 from derive.ir.interpreter import interpret
@@ -181,10 +182,11 @@ EVERY = [pytest.param(name, marks=pytest.mark.long) if name == "balls" else name
 def made(name: str) -> tuple[derive.Model, Any, Any]:
     """The model of a specification with all functions, its C, and the names of its Python."""
     spec = SPECS[name]()
-    model = derive.lower(derive.derive(spec), sensitivities=name not in LEAN, functions="all")
-    files = derive.model_files(model, spec)
+    lean = name in LEAN
+    model = derive.lower(derive.derive(spec), sensitivities=not lean, explicit=lean, functions="all")
+    files = explicit_files(model, spec) if lean else derive.model_files(model, spec)
     load = derive.load_scene if model.is_scene else derive.load
-    return model, load(files, QUICK), run_module(files)
+    return model, load(files, QUICK), {} if lean else run_module(files)
 
 
 class State:

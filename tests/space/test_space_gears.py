@@ -104,7 +104,7 @@ CASES = {
     "coordinates": (text(), 1),
     "a coordinate and a rotation": (text(keep="pinion"), 6),
     "a rotation and a coordinate": (text(keep="wheel", ratio="1.37"), 6),
-    "a wheel that carries an arm": (text(keep="pinion") + ARM, 11),
+    "a wheel that carries an arm": (text(keep="pinion") + ARM, 6),
     "two rotations": (text(keep="wheel pinion"), 11),
     "rack and pinion": (text(second="prismatic", ratio="0.07", keep="wheel"), 6),
     "pinion and rack": (text(first="prismatic", ratio="-14.5", keep="pinion", start="speed = 1"), 6),
@@ -305,10 +305,13 @@ def test_faults_of_gears(old: str, new: str, message: str) -> None:
         parse(PLANETS.replace(old, new))
 
 
+ABSOLUTE = '[scene]\ncoordinates = "absolute"'
+
+
 def test_two_rotations_that_count_no_turns_need_numbers_of_teeth() -> None:
     for ratio in ('"-100003/10"', '{ symbol = "r", default = -2.1 }'):
         with pytest.raises(SpecError, match=r"gears\.mesh\.ratio.*numbers of teeth"):
-            lower(derive(parse(PLANETS.replace('"-21/10"', ratio))))
+            lower(derive(parse(PLANETS.replace('"-21/10"', ratio).replace("[scene]", ABSOLUTE))))
 
 
 def test_ratios_and_pitches_are_parameters() -> None:

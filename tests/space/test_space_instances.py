@@ -10,6 +10,8 @@ from derive.spec.toml.read import parse
 
 SCENE = """
 name = "counted_links"
+[scene]
+coordinates = "absolute"
 [bodies.link]
 count = 2
 mass = 1

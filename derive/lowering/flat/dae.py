@@ -16,6 +16,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.frame_loads import acceleration_residual, reactions
 from derive.lowering.flat.schedule import Step
+from derive.lowering.flat.trees.tree_dynamics import tree_dynamics
 from derive.lowering.flat.vertex_elimination import by_elimination, fewest_operations
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local, state_rate
@@ -46,7 +47,10 @@ def residual_rows(
     if form == "ggl" and stabilised:
         rows = [row + part for row, part in zip(rows, stabilising_rows(context, symbols), strict=True)]
     loads = reactions(context, symbols, context.forces)
-    rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, loads, strict=True)]
+    tree = tree_dynamics(context, symbols)
+    known = tree.forces(symbols.values_of(row.a for row in eq.rows)) if tree else {}
+    sums = [known[n] if n in known else symbols(eq.sum_of(row.name)) for n, row in enumerate(eq.rows)]
+    rows += [total - f for total, f in zip(sums, loads, strict=True)]
     if form == "ggl":
         rows += [symbols(c.rate) for c in eq.constraints]
     if form in ("", "ggl"):

@@ -108,6 +108,7 @@ def _equations(request: _Request) -> InstanceEquations:
     of_body = component.body.constants if instance.has_inertia else ()
     in_space = kind.motion.rotation.rows == SPACE
     energies = (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
+    changed = change if coordinates.carried is None else change.named  # names of the tree leave nothing to expand
     return InstanceEquations(
         coordinates=coordinates.coordinates,
         rows=coordinates.rows,
@@ -116,16 +117,16 @@ def _equations(request: _Request) -> InstanceEquations:
         terms=tuple(_terms(equations, coordinates, change)),
         vanished=() if repeated else tuple(_vanished(equations, coordinates)),
         mass_zeros=() if repeated else tuple(_mass_zeros(equations, coordinates)),
-        energies=tuple(change(e or sp.S.Zero) for e in energies),
-        linear=tuple(map(change, equations.linear_momentum)),
-        angular=tuple(map(change, equations.angular_momentum)),
+        energies=tuple(changed(e or sp.S.Zero) for e in energies),
+        linear=tuple(map(changed, equations.linear_momentum)),
+        angular=tuple(map(changed, equations.angular_momentum)),
         mass_moments=tuple(map(change, equations.mass_moments)),
         markers=tuple(_markers(instance, kind, change, motions)) if instance.moves else (),
         points={} if in_space else motions,
         frames=motions if in_space else {},
         rates=_rates(coordinates, kind, change),
         origin=tuple(coordinates.values[c.q] for c in kind.motion.coordinates[: kind.motion.rotation.rows]),
-        free_residual=tuple(change(equations.sum_of(row.name)) for row in kind.motion.rigid_rows)
+        free_residual=tuple(changed(equations.sum_of(row.name)) for row in kind.motion.rigid_rows)
         if instance.complete
         else (),
         moved_by=coordinates.rows if coordinates.carried is None else coordinates.carried.rows,

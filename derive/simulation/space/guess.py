@@ -24,7 +24,7 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 MAX_MODES = 200
 TRIALS = 16
-"""The number of rotations that are tried for the coordinate of a joint."""
+"""The number of rotations that are tried for the coordinate of a joint, from half a turn back on."""
 
 
 def guessed_configuration(scene: SpatialScene, native: NativeScene, k: Vector, size: float) -> Vector:
@@ -89,7 +89,7 @@ def _fitted(
 
     for i in single * 2:
         if native.roles[i] is Role.ROTATION:
-            trials = [q[i] + 2 * np.pi * n / TRIALS for n in range(TRIALS)]
+            trials = [q[i] + 2 * np.pi * n / TRIALS for n in range(-TRIALS // 2, TRIALS // 2)]
         else:
             unit = np.eye(native.nq)[i]
             base = distance(q)

@@ -189,17 +189,18 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
     driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
     unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
     relative = _chosen(view, "coordinates") != "absolute"
-    carried: set[str] = set()
+    carried, carriers = set[str](), set[str]()
     for name, joint in view.tables["joints"].items():
         ends = {marker.body for marker in view.pair("joints", name) or ()}
         if name in driven or joint.get("kind") == "fixed":
             prescribed |= ends
         if relative:
-            prescribed |= carried & ends  # one with two joints may carry mass, which the derivation finds out
+            carriers |= carried & ends  # a body with two joints may carry mass, which the derivation finds out
             carried |= ends
     for name, body in view.bodies.items():
         missing = [key for key in ("mass", "inertia") if key not in body]
-        if view.kind(name) == "rigid" and missing and name not in prescribed and not unreadable:
+        without = name in prescribed or (name in carriers and len(missing) == 2)
+        if view.kind(name) == "rigid" and missing and not without and not unreadable:
             examples = {"mass": "mass = 1.0", "inertia": "inertia = [0.01, 0.01, 0.01, 0, 0, 0]"}
             such = " and ".join(examples[key] for key in missing)
             needed = " and ".join(missing)

@@ -121,4 +121,4 @@ def force_values(context: Context, symbols: Symbols) -> list[ca.SX]:
     """The rows of h, by recursions where they are those of trees."""
     tree = tree_dynamics(context, symbols)
     known = tree.forces() if tree else {}
-    return [known[n] if n in known else symbols(h) for n, h in enumerate(context.force_rows)]
+    return [known[n] if n in known else symbols(context.force_rows[n]) for n in range(len(context.rows))]

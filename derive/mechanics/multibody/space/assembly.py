@@ -97,7 +97,7 @@ class _SpatialAssembly(SceneAssembly):
         for link in reversed(links):
             body = self.bodies[link.body]
             missing = self.type_of(body).missing(body)
-            if missing and (link.joint is None or link.body not in heavy):
+            if missing and (link.joint is None or link.body not in heavy or len(missing) == 1):
                 needs = f"it needs {' and '.join(missing)}"
                 if link.joint is None:
                     text = f"{body.name} has coordinates of its own, and {needs}"
