@@ -15,7 +15,8 @@ from derive.ir.model import Model
 from derive.ir.statements import ForEach, inside
 from derive.lowering.model_functions import functions_of
 from derive.lowering.trees.choice import chosen
-from derive.lowering.trees.lower import FUNCTIONS, TreeContext
+from derive.lowering.trees.functions import FUNCTIONS
+from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.runtime.loading import load
 from derive.spec.toml.read import parse

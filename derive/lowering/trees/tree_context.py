@@ -1,0 +1,67 @@
+"""The data that the functions of a tree share: its links, loads, outputs and constant arrays."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from derive.ir.expressions import Number
+from derive.lowering.flat.setup_constants import Constants
+from derive.lowering.instances.classes.known_motion import KnownMotion
+from derive.lowering.instances.loop_code.context import Part, Result
+from derive.lowering.instances.places import Places
+from derive.lowering.trees import joint_outputs, loads, marker_loads
+from derive.lowering.trees.link_loop import LinkArrays
+from derive.lowering.trees.links import Tree, tree_of
+from derive.lowering.trees.motion import TreeMotion
+from derive.lowering.trees.row_loads import row_loads
+from derive.mechanics import quantity
+from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+
+
+class TreeContext:
+    """The data that the functions of a tree share.
+
+    known: the values of loads that depend on the time; motion: the loops over the links; gravity: its components.
+    """
+
+    def __init__(self, mechanism: SpatialMechanism, tree: Tree | None = None) -> None:
+        """tree: that of the mechanism, unless a benchmark has another one."""
+        self.mechanism, self.tree = mechanism, tree or tree_of(mechanism)
+        self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
+        self.at_markers = marker_loads.marker_loads(mechanism, self.tree)
+        inputs = tuple(given.symbol for given in input_symbols(mechanism.scene))
+        given = (*loads.definitions(self.loads, inputs), *self.at_markers.definitions)
+        self.known.definitions = (*self.known.definitions, *given)
+        self.constants = Constants(frozenset())
+        self.constants.coefficients |= self.known.context.constants.coefficients
+        self.known.context.constants = self.constants
+        self.places = Places()
+        self.coordinates = len(mechanism.coordinates)
+        self.rows = tuple(row.name for row in mechanism.rows)
+        self.motion = TreeMotion(self.tree, LinkArrays(self.tree.links, self.places, self.constants))
+        self.outputs = joint_outputs.joint_outputs(mechanism)
+        gravity, _ = quantity.gravity(mechanism.scene.gravity)
+        self.has_gravity = bool(mechanism.scene.gravity)
+        values = [Fraction(int(g.value.p), int(g.value.q)) for g in gravity] or [Fraction(0)] * 3
+        self.gravity = [Number(value) for value in values]
+
+    @property
+    def applied(self) -> list[Part]:
+        """The section of the loads."""
+        return self.applied_at(self.motion)
+
+    def applied_at(self, motion: TreeMotion) -> list[Part]:
+        """The section of the loads for a state in other arrays."""
+        body = loads.applied(motion, self.loads, self.known.context.u.symbols, len(self.rows))
+        acting = marker_loads.acting(motion, self.at_markers)
+        return [("loads", "(10)", "generalised forces of loads and springs", [*body, *acting])]
+
+    @property
+    def applied_array(self) -> str:
+        """The array of the generalised forces, if there are any."""
+        return loads.APPLIED if self.loads.any else ""
+
+    def counted(self, *names: str) -> dict[str, Result]:
+        """Outputs with an element for each row."""
+        return {name: Result(("row by row",), count=len(self.rows)) for name in names}
