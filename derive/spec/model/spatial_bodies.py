@@ -23,6 +23,7 @@ from derive.spec.model.spatial_start import (
     UnitQuaternion,
 )
 from derive.spec.model.time_function import TimeFunction
+from derive.spec.model.visuals import Visual
 
 
 @documented
@@ -115,6 +116,17 @@ class SpatialRigidBody:
             "multipliers are then the constraint reactions.",
         ),
     ] = False
+    visuals: Annotated[
+        tuple[Visual, ...],
+        key(
+            KeyType.VISUALS,
+            "What pictures and the player show in place of the box of equal inertia: boxes, cylinders, spheres and "
+            "meshes; equations do not contain them.",
+            default=(),
+            shown=[],
+            example="[{ box = [0.1, 0.2, 0.3] }]",
+        ),
+    ] = ()
     kind: ClassVar[str] = "rigid"
     __repr__ = record_text
 
