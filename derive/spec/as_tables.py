@@ -30,6 +30,7 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import TimeFunction
+from derive.spec.model.visuals import Mesh
 
 Data = dict[str, Any]
 
@@ -200,6 +201,7 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     Parameter: lambda of: without_none(symbol=of.symbol, unit=of.unit or None, default=of.default),
     TimeFunction: lambda function: {"input": function.name} if function.kind == "input" else function,
     NodeData: lambda data: data,
+    Mesh: lambda mesh: mesh,
     Marker: lambda marker: as_table(marker.at),
     NodeMarker: lambda marker: marker.node,
     PointMarker: lambda marker: [as_table(marker.x), as_table(marker.y)],

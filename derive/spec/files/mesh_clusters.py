@@ -32,7 +32,7 @@ def clustered(points: Points, triangles: Triangles, cell: float) -> tuple[Points
     """A mesh whose points in one cell of a grid are one, their mean; triangles that become lines are left out."""
     if not len(triangles):
         return points, triangles
-    places = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    places = np.rint((points - points.min(axis=0)) / cell).astype(np.int64)
     sizes = places.max(axis=0) + 1
     flat = (places[:, 0] * sizes[1] + places[:, 1]) * sizes[2] + places[:, 2]
     _, cluster, count = np.unique(flat, return_inverse=True, return_counts=True)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 MAX_BYTES = 50_000_000
 KEPT = 20_000
 """The largest number of triangles that a specification has of a file, so that its copies are small."""
+HEAD = 4000
+"""The bytes in which the first triangle of an STL file as text begins."""
 LARGEST = 1e9
 """The largest absolute value of a coordinate, m."""
 
@@ -80,11 +82,11 @@ def _checked(points: Any, triangles: Any, file: str) -> Arrays:
 
 
 def _stl(content: bytes, file: str) -> Arrays:
-    """The triangles of an STL file, binary or as text, which may begin alike."""
+    """The triangles of an STL file, binary or as text, of which both may begin with `solid`."""
     import numpy as np
 
     count = int.from_bytes(content[80:84], "little")
-    if content.lstrip().startswith(b"solid") and len(content) != 84 + 50 * count:
+    if len(content) != 84 + 50 * count and b"facet" in content[:HEAD]:
         return _stl_text(content, file)
     if len(content) < 84 or len(content) < 84 + 50 * count:
         raise WrongValueError(f"{file} is no STL file, or ends before its triangles do")
