@@ -21,9 +21,9 @@ def run(options: argparse.Namespace) -> int:
     target: Path = options.out or Path(f"{scene.name}.toml")
     if os.path.lexists(target):
         raise ForeignFile(f"{target}: this file exists and is left alone; give another file with --out")
-    parse(scene.text, str(target))
     check_folder([File(target.name, "")], target.parent, len(scene.text))
-    target.parent.mkdir(parents=True, exist_ok=True)
+    target.parent.mkdir(parents=True, exist_ok=True)  # paths of meshes lead through it
+    parse(scene.text, str(target))
     with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
         file.write(scene.text)
     if options.json:

@@ -53,7 +53,9 @@ GROUPS = {
         "Build and load code",
         "From kernels to files of C and Python, and from these to functions that NumPy calls. What the functions "
         "compute, and what their return codes mean, is on the page of [the generated code](../generated_code.md).",
-        {"": "model_files write File load load_scene vector_flags Native NativeScene RequestedFunctions Role inverse_dynamics DrivingForces"},
+        {
+            "": "model_files write File load load_scene vector_flags Native NativeScene RequestedFunctions Role inverse_dynamics DrivingForces"
+        },
     ),
     "simulate": Group(
         "Simulate",
