@@ -35,8 +35,8 @@ GROUPS = {
             "BodyFrame Damping Parameter",
             "Scenes in the plane": "Scene RigidBody BeamBody CustomBody PointMarker MarkerRef Joint CustomJoint Drive "
             "Force Torque Spring Bushing DistributedLoad CustomForce InitialValues JointInitialValues",
-            "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame Visual SpatialJoint Gear "
-            "SpatialBeam SectionFrame LateralDeflection TorsionalDeformation "
+            "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame Visual SpatialJoint "
+            "Gear SpatialBeam SectionFrame LateralDeflection TorsionalDeformation "
             "SpatialAttachedMass SpatialDistributedLoad "
             "SpatialForce SpatialTorque SpatialJointForce SpatialJointTorque SpatialSpring SpatialInitialValues "
             "SpatialJointInitialValues SpatialStart",
@@ -53,9 +53,7 @@ GROUPS = {
         "Build and load code",
         "From kernels to files of C and Python, and from these to functions that NumPy calls. What the functions "
         "compute, and what their return codes mean, is on the page of [the generated code](../generated_code.md).",
-        {
-            "": "model_files write File load load_scene vector_flags Native NativeScene RequestedFunctions Role inverse_dynamics DrivingForces"
-        },
+        {"": "model_files write File load load_scene vector_flags Native NativeScene RequestedFunctions Role inverse_dynamics DrivingForces"},
     ),
     "simulate": Group(
         "Simulate",

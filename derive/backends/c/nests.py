@@ -333,9 +333,7 @@ class CNests:
             name = next(self._finite)
             lines += plain(*statement("    ", f"const double {name} = ", self.text(last.expr), ";"))
             lines += plain(f"    double code = {name} - {name}; /* {last.text} */")
-            if (
-                first
-            ):  # gcc would compute it behind a branch where a choice drops it, and no loop with a branch is vectors
+            if first:  # gcc would compute it behind a branch where a choice drops it, and no loop with a branch is vectors
                 lines += plain("    failures |= tisserand_code_bits(code);")
         else:
             lines += plain("    double code = 0.0;", *self._checked(last))
