@@ -1,4 +1,4 @@
-"""What pictures and the player show of a rigid body in space; equations do not contain it."""
+"""Shapes of a rigid body in space for pictures and the player; equations do not contain them."""
 
 from __future__ import annotations
 
