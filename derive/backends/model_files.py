@@ -72,7 +72,7 @@ UNWRITTEN = (
 )
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
-OF_PICTURES = ("visuals",)
+OF_PICTURES = ("visuals", "ground_visuals")
 """The fields on which no model depends."""
 
 KINDS = {

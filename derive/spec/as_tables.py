@@ -49,7 +49,10 @@ CHOSEN = ("lowering", "redundant", "coordinates")
 
 def scene_tables(scene: AnyScene) -> Data:
     """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
-    tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
+    ground: Data = {"markers": named("ground", scene.ground)}
+    if isinstance(scene, SpatialScene) and scene.ground_visuals:
+        ground["visuals"] = as_table(scene.ground_visuals)
+    tables: Data = {"name": scene.name, "ground": ground}
     keys = [of for of in declared_keys(type(scene)) if of.field in CHOSEN]
     chosen = {of.field: value for of in keys if (value := getattr(scene, of.field)) != of.default}
     if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, **chosen):

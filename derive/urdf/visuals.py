@@ -45,10 +45,13 @@ class WrittenVisuals:
                 self.by_collisions += [part.link.name] if shown else []
             yield from shown
 
-    def notes(self, ground: Sequence[RobotBody]) -> Iterator[str]:
-        """Lines on the shapes that are not shown, among them those of the ground, and that stand for others."""
-        for part in (part for body in ground for part in body.parts if part.link.visuals):
-            yield f"not shown: the shapes of {printable(part.link.name)}, which is part of the ground"
+    def lines(self, body: RobotBody) -> list[str]:
+        """The key `visuals` of a body, if it has any."""
+        shapes = list(self.of(body))
+        return ["visuals = [", *(f"    {shape}," for shape in shapes), "]"] if shapes else []
+
+    def notes(self) -> Iterator[str]:
+        """Lines on the shapes that are not shown, and on those that stand for others."""
         for why, number in self.left.items():
             yield f"not shown: {counted(number, 'shape')}, {why}, such as {printable(self.first[why])}"
         if self.by_collisions:

@@ -118,7 +118,7 @@ class _Writer:
         tables = [*self.ground(), *self.body_tables(), *self.joint_tables(), *self.ports()]
         if self.renamed:
             self.notes.append(f"renamed: {', '.join(self.renamed)}")
-        self.notes += self.visuals.notes(self.bodies[: self.held])
+        self.notes += self.visuals.notes()
         self.notes += left_out(self.robot, [body.joint for body in self.bodies if body.joint])
         head = [
             f"# The robot {printable(self.robot.name)}, written by `tisserand import`.",
@@ -182,6 +182,8 @@ class _Writer:
                 f"{_heavy(root)} ({root.mass:g} kg) is fixed to the ground, so that its mass has no effect; "
                 "import with --base free if it moves"
             )
+        if shapes := self.visuals.lines(root):
+            yield from ["[ground]", *shapes, ""]
         yield from ["[ground.markers]", *self.markers(root), ""]
 
     def markers(self, body: RobotBody) -> Iterator[str]:
@@ -208,8 +210,7 @@ class _Writer:
                 yield f"inertia = {list_text((xx, yy, zz, xy, xz, yz))}"
             if body.joint is None or body.joint.kind is JointKind.FLOATING:
                 yield f"start = {self.start(body)}"
-            if shapes := list(self.visuals.of(body)):
-                yield from ["visuals = [", *(f"    {shape}," for shape in shapes), "]"]
+            yield from self.visuals.lines(body)
             markers = list(self.markers(body))
             yield from ["", *([f"[bodies.{name}.markers]", *markers, ""] if markers else [])]
 

@@ -53,20 +53,23 @@ def folder(tmp_path: Path) -> Path:
 def test_shapes_become_visuals_of_the_body_of_their_link(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Meshes by package and by path, also from another folder; the tip's is where the tip is on the arm."""
+    """Meshes by package and by path, from another folder; those of links fixed to others, and those of the ground."""
     origin = '<origin xyz="0 0 1"/>'
     arm = shape(mesh(HAND)) + shape(mesh("../meshes/hand.stl")) + shape('<cylinder radius="0.1" length="2"/>')
-    (folder / "r.urdf").write_text(robot(arm, shape('<sphere radius="0.2"/>', origin=origin), shape("<capsule/>")))
+    (folder / "r.urdf").write_text(
+        robot(arm, shape('<sphere radius="0.2"/>', origin=origin), shape('<box size="1 1 4"/>'))
+    )
     target = tmp_path / "other" / "r.toml"
     assert main(["import", str(folder / "r.urdf"), "--out", str(target)]) == 0
-    assert "not shown: the shapes of base, which is part of the ground" in capsys.readouterr().out
+    assert "not shown" not in capsys.readouterr().out
     text = target.read_text()
     assert text.count('mesh = "../my_robot/meshes/hand.stl", scale = [0.5, 0.5, 0.5]') == 2
     (body,) = derive.read(target).bodies  # type: ignore[union-attr]
     assert isinstance(body, derive.SpatialRigidBody) and isinstance(body.visuals[0].mesh, Mesh)
     assert body.visuals[2].cylinder == (0.1, 2.0) and body.visuals[3].sphere == 0.2
     np.testing.assert_allclose(body.visuals[3].at, (0, -1, 2), atol=1e-15)
-    (drawn,) = drawn_bodies(derive.read(target))  # type: ignore[arg-type]
+    drawn, ground = drawn_bodies(derive.read(target))  # type: ignore[arg-type]
+    assert ground.name == "ground" and ground.x[:, 2].max() == 2
     np.testing.assert_allclose(drawn.x[:3].max(axis=0), (1, 1, 0))
 
 

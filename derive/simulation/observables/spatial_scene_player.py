@@ -55,14 +55,16 @@ PLAYER_TRIANGLES, PICTURE_TRIANGLES = 8000, 2000
 
 
 def drawn_bodies(scene: SpatialScene, triangles: int = PLAYER_TRIANGLES) -> list[DrawnBody]:
-    """The drawings of all bodies of a scene, whose meshes have at most so many triangles together.
+    """The drawings of all bodies of a scene, and behind them of the ground if it has visuals.
 
-    With 0 triangles rigid bodies are the boxes of their inertia, which have edges.
+    All meshes have at most so many triangles together. With 0 triangles there are no visuals: rigid bodies are the
+    boxes of their inertia, which have edges.
     """
     shown = {body.name: body.visuals for body in scene.bodies if triangles and isinstance(body, SpatialRigidBody)}
     of_bodies = [shown.get(body.name, ()) for body in scene.bodies]
-    surfaces = visual_surfaces(of_bodies, triangles)
-    return [_drawn(body, visuals) for body, visuals in zip(scene.bodies, surfaces, strict=True)]
+    *surfaces, fixed = visual_surfaces([*of_bodies, scene.ground_visuals if triangles else ()], triangles)
+    drawn = [_drawn(body, visuals) for body, visuals in zip(scene.bodies, surfaces, strict=True)]
+    return [*drawn, visual_drawing(GROUND, fixed, ())] if fixed.faces else drawn
 
 
 def ground_points(scene: SpatialScene) -> list[tuple[str, Array]]:
@@ -89,11 +91,19 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
     """The motions of the frames of bodies, with their amplitudes."""
     paths = []
     for body in drawn:
+        if body.name == GROUND:
+            paths.append(fixed_path(len(motion.t)))
+            continue
         pose = motion.pose(body.name)
         names = (amplitude_of(body.name, i).shown for i in range(1, len(body.phi) + 1))
         places = [motion.native.coordinates.index(name) for name in names]
         paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
     return paths
+
+
+def fixed_path(instants: int) -> BodyPath:
+    """The path of the ground, which does not move."""
+    return BodyPath(np.zeros((instants, 3)), np.tile([1.0, 0, 0, 0], (instants, 1)), np.zeros((instants, 0)))
 
 
 def _drawn(body: SpatialBody, visuals: VisualSurface) -> DrawnBody:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from derive.errors import quoted
 from derive.spec.files.file_content import file_content
 from derive.spec.model.visuals import Mesh
-from derive.spec.parsing.faults import Faults
+from derive.spec.parsing.faults import Faults, KeyPath
 from derive.spec.parsing.values import WrongValueError
 
 if TYPE_CHECKING:
@@ -35,23 +35,30 @@ def with_meshes(data: Mapping[str, Any], folder: Path) -> tuple[Mapping[str, Any
 
     Files are relative to `folder`, and each is read once.
     """
-    faults, bodies = Faults(), data.get("bodies")
-    known: dict[str, Mesh] = {}
-    changed: dict[str, Any] = {}
-    for name, body in bodies.items() if isinstance(bodies, Mapping) else ():
-        visuals = body.get("visuals") if isinstance(body, Mapping) else None
+    faults, known = Faults(), dict[str, Mesh]()
+
+    def with_read(table: Any, path: KeyPath) -> Any:
+        """A table with the meshes of its visuals."""
+        visuals = table.get("visuals") if isinstance(table, Mapping) else None
         if not isinstance(visuals, (list, tuple)):
-            continue
-        read = []
-        for k, visual in enumerate(visuals):
-            file = visual.get("mesh") if isinstance(visual, Mapping) else None
-            if isinstance(file, str) and file:
-                with faults.at("bodies", str(name), "visuals", k, "mesh"):
-                    known[file] = known.get(file) or mesh_file(file, folder)
-                visual = {**visual, "mesh": known.get(file, file)}  # noqa: PLW2901
-            read.append(visual)
-        changed[name] = {**body, "visuals": read}
-    return ({**data, "bodies": {**bodies, **changed}} if changed and isinstance(bodies, Mapping) else data), faults
+            return table
+        return {**table, "visuals": [read(visual, (*path, "visuals", k)) for k, visual in enumerate(visuals)]}
+
+    def read(visual: Any, path: KeyPath) -> Any:
+        """A visual with its mesh, if it has one that can be read."""
+        file = visual.get("mesh") if isinstance(visual, Mapping) else None
+        if not isinstance(file, str) or not file:
+            return visual
+        with faults.at(*path, "mesh"):
+            known[file] = known.get(file) or mesh_file(file, folder)
+        return {**visual, "mesh": known.get(file, file)}
+
+    changed: dict[str, Any] = {}
+    if "ground" in data:
+        changed["ground"] = with_read(data["ground"], ("ground",))
+    if isinstance(bodies := data.get("bodies"), Mapping):
+        changed["bodies"] = {name: with_read(body, ("bodies", str(name))) for name, body in bodies.items()}
+    return {**data, **changed}, faults
 
 
 def mesh_file(name: str, folder: Path) -> Mesh:

@@ -23,7 +23,7 @@ from derive.spec.model.spatial_start import (
     UnitQuaternion,
 )
 from derive.spec.model.time_function import TimeFunction
-from derive.spec.model.visuals import Visual
+from derive.spec.model.visuals import Visual, visuals_key
 
 
 @documented
@@ -118,13 +118,9 @@ class SpatialRigidBody:
     ] = False
     visuals: Annotated[
         tuple[Visual, ...],
-        key(
-            KeyType.VISUALS,
+        visuals_key(
             "What pictures and the player show in place of the box of equal inertia: boxes, cylinders, spheres and "
-            "meshes; equations do not contain them.",
-            default=(),
-            shown=[],
-            example="[{ box = [0.1, 0.2, 0.3] }]",
+            "meshes; equations do not contain them."
         ),
     ] = ()
     kind: ClassVar[str] = "rigid"

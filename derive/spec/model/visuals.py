@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from derive.short_text import record_text
 from derive.spec.model.documentation import documented
-from derive.spec.model.keys import KeyType, key
+from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.spatial_start import NO_ROTATION, ROTATION_FORMS, UnitQuaternion
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Mesh:
 @documented
 @dataclass(frozen=True)
 class Visual:
-    """A box, a cylinder, a sphere or a mesh that pictures and the player show of a rigid body in space.
+    """A box, a cylinder, a sphere or a mesh that pictures and the player show of a rigid body in space or of the ground.
 
     Examples:
         >>> import derive
@@ -82,3 +82,8 @@ class Visual:
         key(KeyType.TRIPLE, "Factors of a mesh along its axes: [0.001, 0.001, 0.001] of one in mm.", shown=(1, 1, 1)),
     ] = NO_SCALE
     __repr__ = record_text
+
+
+def visuals_key(description: str) -> Key:
+    """The key of the visuals of a body or of the ground."""
+    return key(KeyType.VISUALS, description, "", "visuals", default=(), shown=[], example="[{ box = [0.1, 0.2, 0.3] }]")
