@@ -37,7 +37,7 @@ class Mesh:
 @documented
 @dataclass(frozen=True)
 class Visual:
-    """A box, a cylinder, a sphere or a mesh that pictures and the player show of a rigid body in space or of the ground.
+    """A box, a cylinder, a sphere or a mesh that pictures and the player show of a rigid body or of the ground.
 
     Examples:
         >>> import derive
