@@ -31,7 +31,7 @@ from derive.lowering.flat.trees.spatial_vectors import (
     times,
     transposed,
 )
-from derive.lowering.flat.trees.steps import MovingFrame, Shift, SingleFreedom, Turn
+from derive.lowering.flat.trees.steps import TurnedFrame, Shift, SingleFreedom, Turn
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import Hinge
 from derive.mechanics.multibody.space.tree.recursions import TreeBody
@@ -55,7 +55,7 @@ class TreeFrame:
     name: str
     parent: int
     steps: tuple[Step, ...]
-    base: MovingFrame
+    base: TurnedFrame
     place: Vector
     mass: ca.SX
     moment: Vector
@@ -94,7 +94,7 @@ class TreeFrames:
     def _link(self, body: TreeBody) -> TreeFrame:
         hinge, of = body.motion.hinge, self.symbols
         parent = self.numbers.get(body.motion.parent, -1)
-        base, place = MovingFrame(null(), null(), self.upwards), null()
+        base, place = TurnedFrame(null(), null(), self.upwards), null()
         if hinge is None:
             steps = tuple(self._free(body))
         else:
@@ -114,11 +114,11 @@ class TreeFrames:
     def _matrix(self, matrix: sp.Matrix) -> Matrix:
         return [[self.symbols(matrix[i, j]) for j in range(3)] for i in range(3)]
 
-    def _of_marker(self, hinge: Hinge) -> MovingFrame:
+    def _of_marker(self, hinge: Hinge) -> TurnedFrame:
         """The motion of a marker of a body that moves as prescribed, or of the ground, without gravity."""
         known, of = hinge.known, self.symbols
         linear = plus([of(x) for x in known.acceleration], self.upwards)
-        return MovingFrame([of(x) for x in known.angular_velocity], [of(x) for x in known.angular_acceleration], linear)
+        return TurnedFrame([of(x) for x in known.angular_velocity], [of(x) for x in known.angular_acceleration], linear)
 
     def _free(self, body: TreeBody) -> Iterator[Step]:
         rows = body.motion.own_rows

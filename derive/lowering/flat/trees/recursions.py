@@ -14,14 +14,14 @@ import casadi as ca
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
 from derive.lowering.flat.trees.links import TreeFrame
 from derive.lowering.flat.trees.spatial_vectors import NEXT, ZERO, SpatialInertia, Vector, cross, null, plus, times
-from derive.lowering.flat.trees.steps import NO_WRENCH, MovingFrame, ReleasedFreedom, SingleFreedom, Wrench, eliminate
+from derive.lowering.flat.trees.steps import NO_WRENCH, TurnedFrame, ReleasedFreedom, SingleFreedom, Wrench, eliminate
 
 Wrenches = Sequence[Wrench]
 
 
-def motions(links: Sequence[TreeFrame], accelerations: Mapping[int, ca.SX]) -> list[MovingFrame]:
+def motions(links: Sequence[TreeFrame], accelerations: Mapping[int, ca.SX]) -> list[TurnedFrame]:
     """The motions of all links; accelerations: of the rows that have one."""
-    result: list[MovingFrame] = []
+    result: list[TurnedFrame] = []
     for link in links:
         m = link.base if link.parent < 0 else result[link.parent]
         for step in link.steps:
@@ -30,7 +30,7 @@ def motions(links: Sequence[TreeFrame], accelerations: Mapping[int, ca.SX]) -> l
     return result
 
 
-def needed(link: TreeFrame, m: MovingFrame) -> Wrench:
+def needed(link: TreeFrame, m: TurnedFrame) -> Wrench:
     """The wrench that the motion of a link needs: int (a + S X) and int X x (a + S X) over its mass."""
     S, half = m.of_points, link.half_trace
     second = [[subtracted(half, x) if i == j else -x for j, x in enumerate(row)] for i, row in enumerate(link.tensor)]

@@ -31,7 +31,7 @@ ONE = ca.SX(1)
 
 
 @dataclass(frozen=True)
-class MovingFrame:
+class TurnedFrame:
     """The angular velocity, the angular acceleration and the acceleration of the origin, in the frame that moves."""
 
     spin: Vector
@@ -71,7 +71,7 @@ class Shift:
 
     r: Vector
 
-    def motion(self, m: MovingFrame) -> MovingFrame:
+    def motion(self, m: TurnedFrame) -> TurnedFrame:
         """The motion behind it."""
         return replace(m, linear=plus(m.linear, times(m.of_points, self.r))) if _any(self.r) else m
 
@@ -95,13 +95,13 @@ class Turn:
     rotation: Rotation
     free: bool = False
 
-    def motion(self, m: MovingFrame) -> MovingFrame:
+    def motion(self, m: TurnedFrame) -> TurnedFrame:
         """The motion behind it."""
         on = self.rotation.on
         return (
-            MovingFrame(null(), null(), on(m.linear))
+            TurnedFrame(null(), null(), on(m.linear))
             if self.free
-            else MovingFrame(on(m.spin), on(m.angular), on(m.linear))
+            else TurnedFrame(on(m.spin), on(m.angular), on(m.linear))
         )
 
     def accelerations(self, x: Vector, y: Vector) -> tuple[Vector, Vector]:
@@ -150,7 +150,7 @@ class SingleFreedom:
             return None
         return self.axis + (3 if self.turns else 0)
 
-    def motion(self, m: MovingFrame, acceleration: ca.SX) -> MovingFrame:
+    def motion(self, m: TurnedFrame, acceleration: ca.SX) -> TurnedFrame:
         """The motion behind it."""
         linear, angular = self.direction
         spin, alpha, a = m.spin, m.angular, m.linear
@@ -158,7 +158,7 @@ class SingleFreedom:
             alpha = plus(alpha, cross(m.spin, [multiplied(x, self.rate) for x in angular]))
             twice = added(self.rate, self.rate)
             a = plus(a, cross(m.spin, [multiplied(x, twice) for x in linear]))
-        return MovingFrame(
+        return TurnedFrame(
             plus(spin, [multiplied(x, self.rate) for x in angular]),
             plus(alpha, [multiplied(x, acceleration) for x in angular]),
             plus(a, [multiplied(x, acceleration) for x in linear]),
