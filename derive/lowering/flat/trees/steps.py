@@ -98,11 +98,8 @@ class Turn:
     def motion(self, m: TurnedFrame) -> TurnedFrame:
         """The motion behind it."""
         on = self.rotation.on
-        return (
-            TurnedFrame(null(), null(), on(m.linear))
-            if self.free
-            else TurnedFrame(on(m.spin), on(m.angular), on(m.linear))
-        )
+        spin, angular = (null(), null()) if self.free else (on(m.spin), on(m.angular))
+        return TurnedFrame(spin, angular, on(m.linear))
 
     def accelerations(self, x: Vector, y: Vector) -> tuple[Vector, Vector]:
         """The accelerations behind it, of those without velocities."""
