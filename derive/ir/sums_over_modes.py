@@ -126,6 +126,7 @@ class _LoopForms:
         loop = self.loop
         for item in loop.body:
             self._seen(item)
+        shifted = self._without_offsets()
         groups = {key: rows for key, rows in self.groups.items() if len(rows) >= FEWEST_ROWS}
         if not groups:
             loads = [item.expr for item in loop.body if isinstance(item, Let) and isinstance(item.expr, Element)]
@@ -140,10 +141,28 @@ class _LoopForms:
             chosen, loops = self._in_table(key, rows, sums, tables)
             self.chosen[key] = self.chosen.get(key, {}) | chosen
             before += [Work(sums, len(rows)), *loops]
+        for window, rows in shifted.items():
+            sums_of = self.chosen[window, True]
+            self.chosen[window, False] = {row: Operation(Operator.ADD, (row[0], sums_of[ZERO, row[1]])) for row in rows}
         lines = [self._replaced(item) for item in loop.body]
         first = next(k for k, item in enumerate(lines) if not _is_load(item))
         lines = [*lines[:first], *before, *lines[first:]]
         return replace(loop, body=(*_needed([*_read_in_place(lines, {*self.constants, *arrays})]),))
+
+    def _without_offsets(self) -> dict[Window, list[Row]]:
+        """Move rows with constant terms that are too few for a table of their own to those without, and return them.
+
+        A body has few markers: their places have the factors of their velocities, and with these are enough.
+        """
+        result = dict[Window, list[Row]]()
+        for (window, is_homogeneous), rows in self.groups.items():
+            joined = self.groups.get((window, True), {}).keys() | {(ZERO, row[1]) for row in rows}
+            if not is_homogeneous and len(rows) < FEWEST_ROWS <= len(joined):
+                result[window] = [*rows]
+        for window, few in result.items():
+            del self.groups[window, False]
+            self.groups.setdefault((window, True), {}).update({(ZERO, row[1]): None for row in few})
+        return result
 
     def _in_table(
         self, key: tuple[Window, bool], rows: Iterable[Row], sums: str, tables: FactorTables

@@ -16,13 +16,13 @@ from test_instances_in_space import both, check
 import derive
 from derive.backends.c.source import CBackend
 from derive.ir.analysis import names_read
-from derive.ir.expressions import Element, ScalarRef, walk
+from derive.ir.expressions import Element, Expr, ScalarRef, walk
 from derive.ir.factor_tables import ROW
 from derive.ir.indices import LANE
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import Assign, For, Node, every
+from derive.ir.loop_nests import Assign, For, Node, every, expressions_of
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import with_sums_over_modes
@@ -105,6 +105,10 @@ def is_load(line: Node) -> bool:
     return isinstance(line, Let) and isinstance(line.expr, Element)
 
 
+def is_factor(part: Expr) -> bool:
+    return isinstance(part, Element) and part.array.startswith("factors_of_modes")
+
+
 def loops_over_rows(model: Model, name: str) -> Iterator[For]:
     nodes = every(in_blocks(model.kernel(name))[1])
     return (node for node in nodes if isinstance(node, For) and node.variable == ROW)
@@ -135,6 +139,15 @@ def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
     (text,) = (file.text for file in CBackend().files(looped(3), "") if file.path.endswith(".c"))
     heads = [line.strip() for line in text.splitlines() if f"; {ROW} < 6; {ROW}++" in line]
     assert heads and all(head.startswith("TISSERAND_SHORT for") for head in heads)
+
+
+def test_places_of_markers_have_the_rows_of_their_velocities() -> None:
+    """A joint has too few of either for loops of their own; the constant terms are added behind the loops."""
+    loops = [loop for loop in loops_over_rows(with_sums_over_modes(looped(3)), "accel") if loop.count == 6]
+    read = [[part for node in loop.body for expr in expressions_of(node) for part in walk(expr)] for loop in loops]
+    tables = {frozenset(filter(is_factor, parts)) for parts in read}
+    assert len(loops) == 4  # of the amplitudes of two bodies, and of their rates
+    assert len(tables) == 2
 
 
 def test_behind_rows_numbers_are_read_where_they_are_needed() -> None:

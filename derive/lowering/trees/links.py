@@ -196,7 +196,7 @@ class _Links:
 
     @staticmethod
     def _support(instance: BodyInstance, joint: SpatialEliminatedJoint) -> SpatialSupport:
-        """What a joint supports, without the motion of the marker that it hangs on."""
+        """The support of a body by a joint, without the motion of the marker that it hangs on."""
         return SpatialSupport(
             body=instance.name,
             motion=instance.component.body.motion,

@@ -31,7 +31,7 @@ WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no deriv
 
 
 def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
-    """What the table of functions asks for, and the context of straight-line code for functions without loops.
+    """The functions that the table asks for, and the context of straight-line code for functions without loops.
 
     Raises SpecError for outputs that neither has.
     """

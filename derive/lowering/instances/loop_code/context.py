@@ -239,7 +239,7 @@ def whole(name: str, size: int, doc: str) -> Argument:
 
 
 class KernelData(Protocol):
-    """What a kernel needs to know of a mechanism: its numbers of coordinates and rows, and what is known."""
+    """The facts of a mechanism that a kernel needs: its numbers of coordinates and rows, and what is known."""
 
     known: KnownMotion
     coordinates: int

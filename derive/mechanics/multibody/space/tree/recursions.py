@@ -40,7 +40,7 @@ class CompositeInertia:
         return linear, angular
 
     def carried(self, motion: CarriedMotion) -> CompositeInertia:
-        """What the body before it carries: a mass at the point, if this does not turn with that body."""
+        """The inertia that the body before it carries: a mass at the point, if this does not turn with that body."""
         return self if motion.turns_with_parent else CompositeInertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
 
 
@@ -223,7 +223,7 @@ def _symmetric(values: sp.Matrix, define: TreeDefinitions, family: Family, doc: 
 
 
 def _shift(r: sp.Matrix, g: sp.Matrix) -> sp.Matrix:
-    """What an inertia gains about a point from which the one before is at r.
+    """The part that an inertia gains about a point from which the one before is at r.
 
     g: the sum of the first moments about both points.
 
