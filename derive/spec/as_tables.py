@@ -53,7 +53,8 @@ def scene_tables(scene: AnyScene) -> Data:
     if isinstance(scene, SpatialScene) and scene.ground_visuals:
         ground["visuals"] = as_table(scene.ground_visuals)
     tables: Data = {"name": scene.name, "ground": ground}
-    keys = [of for of in declared_keys(type(scene)) if of.field in CHOSEN]
+    of_type: type = type(scene)
+    keys = [of for of in declared_keys(of_type) if of.field in CHOSEN]
     chosen = {of.field: value for of in keys if (value := getattr(scene, of.field)) != of.default}
     if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, **chosen):
         tables["scene"] = of_scene

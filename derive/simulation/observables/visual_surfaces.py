@@ -48,7 +48,7 @@ def visual_surfaces(bodies: Iterable[Sequence[Visual]], most: int) -> list[Visua
     cells = FINEST
     while (many := sum(len(drawn[mesh][1]) for mesh in uses) > most) and cells >= COARSEST:
         drawn = {mesh: clustered(*drawn[mesh], _size(mesh) / cells) for mesh in drawn}
-        cells /= 2**0.5
+        cells /= 2**0.25
     shown: Mapping[Mesh, tuple[Array, Faces]] = {
         mesh: (box(mesh.points.min(axis=0), mesh.points.max(axis=0)), BOX_FACES)
         if many or not len(triangles)

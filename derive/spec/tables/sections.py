@@ -78,10 +78,12 @@ def _keys(of: type) -> dict[str, Key]:
 def ground_and_scene(of: type[AnyScene], prefix: str, noun: str) -> tuple[type[TomlTable], type[TomlTable]]:
     """The tables of the sections `ground` and `scene` of a type of scene; `prefix` begins their names in the schema."""
     keys = _keys(of)
-    markers = (replace(keys["ground"], name="markers"), *(keys[name] for name in ("ground_visuals",) if name in keys))
+    of_ground = [replace(keys["ground"], name="markers")]
+    if "ground_visuals" in keys:
+        of_ground.append(keys["ground_visuals"])
     doc = f"Gravity, initial state, lowering and redundant joints of {noun}."
     return (
-        keyed_model(f"{prefix}GroundTable", "The inertial frame, which does not move.", markers),
+        keyed_model(f"{prefix}GroundTable", "The inertial frame, which does not move.", tuple(of_ground)),
         keyed_model(f"{prefix}SceneTable", doc, tuple(keys[name] for name in OF_SCENE if name in keys)),
     )
 
