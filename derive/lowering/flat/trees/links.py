@@ -31,7 +31,7 @@ from derive.lowering.flat.trees.spatial_vectors import (
     times,
     transposed,
 )
-from derive.lowering.flat.trees.steps import TurnedFrame, Shift, SingleFreedom, Turn
+from derive.lowering.flat.trees.steps import Shift, SingleFreedom, Turn, TurnedFrame
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import Hinge
 from derive.mechanics.multibody.space.tree.recursions import TreeBody

@@ -14,7 +14,7 @@ import casadi as ca
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
 from derive.lowering.flat.trees.links import TreeFrame
 from derive.lowering.flat.trees.spatial_vectors import NEXT, ZERO, SpatialInertia, Vector, cross, null, plus, times
-from derive.lowering.flat.trees.steps import NO_WRENCH, TurnedFrame, ReleasedFreedom, SingleFreedom, Wrench, eliminate
+from derive.lowering.flat.trees.steps import NO_WRENCH, ReleasedFreedom, SingleFreedom, TurnedFrame, Wrench, eliminate
 
 Wrenches = Sequence[Wrench]
 

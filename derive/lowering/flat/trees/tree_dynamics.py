@@ -16,7 +16,7 @@ from derive.lowering.flat.schedule import RequiredValue
 from derive.lowering.flat.trees.links import TreeFrame, TreeFrames
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies, forces, motions, needed
 from derive.lowering.flat.trees.spatial_vectors import dot
-from derive.lowering.flat.trees.steps import TurnedFrame, SingleFreedom, Turn, Wrench
+from derive.lowering.flat.trees.steps import SingleFreedom, Turn, TurnedFrame, Wrench
 from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL
