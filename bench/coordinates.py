@@ -3,7 +3,7 @@
 python bench/coordinates.py [--only NAME ...] [--flags FLAGS] [--repeats N] [--json]
 
 The accelerations of robots, chains and linkages of rigid bodies in straight-line code: rows and multipliers, non-zeros
-of the lower triangle of M and of G, operations, and ns per evaluation for random states, of which the least counts; both
+of the lower triangle of M and of G, operations, and ns per evaluation for random states (the least counts); both
 forms run alternately in one process. That they have the same values is tested in tests/space/test_trees.py.
 """
 

@@ -18,8 +18,8 @@ The public interface, by stages:
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, JointInitialValues,
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve
-                    in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, SpatialJoint, Gear,
-                    SpatialBeam, SectionFrame, LateralDeflection, TorsionalDeformation,
+                    in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, Visual,
+                    SpatialJoint, Gear, SpatialBeam, SectionFrame, LateralDeflection, TorsionalDeformation,
                     SpatialAttachedMass, SpatialDistributedLoad,
                     SpatialForce, SpatialTorque, SpatialJointForce, SpatialJointTorque,
                     SpatialSpring, SpatialInitialValues, SpatialJointInitialValues

@@ -118,6 +118,7 @@ from derive.spec.model.spatial_bodies import (
     NodeFrame as NodeFrame,
     SpatialRigidBody as SpatialRigidBody,
 )
+from derive.spec.model.visuals import Visual as Visual
 from derive.spec.model.spatial_start import SpatialInitialValues as SpatialInitialValues
 from derive.spec.model.spatial_forces import (
     SpatialForce as SpatialForce,

@@ -72,6 +72,9 @@ UNWRITTEN = (
 )
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
+OF_PICTURES = ("visuals", "ground_visuals")
+"""The fields on which no model depends."""
+
 KINDS = {
     PlanarBeam: "planar_beam",
     NodalBody: "nodal_body",
@@ -138,7 +141,7 @@ def _exact(value: object) -> object:
 
 def _fields(value: Any) -> dict[str, Any]:
     """The fields of a dataclass, without those of UNWRITTEN that have their defaults."""
-    every = ((f, getattr(value, f.name)) for f in dataclasses.fields(value))
+    every = ((f, getattr(value, f.name)) for f in dataclasses.fields(value) if f.name not in OF_PICTURES)
     return {f.name: item for f, item in every if f.name not in UNWRITTEN or item != f.default}
 
 

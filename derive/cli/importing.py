@@ -16,13 +16,14 @@ from derive.urdf.written_scene import written_scene
 
 def run(options: argparse.Namespace) -> int:
     """Write the specification, which must not exist yet, after its text has been checked."""
-    scene = written_scene(read_robot(options.robot), options.base, str(options.robot))
+    folder = options.out.parent if options.out else Path()
+    scene = written_scene(read_robot(options.robot), options.base, str(options.robot), folder)
     target: Path = options.out or Path(f"{scene.name}.toml")
     if os.path.lexists(target):
         raise ForeignFile(f"{target}: this file exists and is left alone; give another file with --out")
-    parse(scene.text, str(target))
     check_folder([File(target.name, "")], target.parent, len(scene.text))
-    target.parent.mkdir(parents=True, exist_ok=True)
+    target.parent.mkdir(parents=True, exist_ok=True)  # paths of meshes lead through it
+    parse(scene.text, str(target))
     with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
         file.write(scene.text)
     if options.json:

@@ -141,10 +141,16 @@ def _initial_state(scene: AnyScene, files: Sequence[File]) -> tuple[InitialState
 
 def _drawing(scene: SpatialScene, native: NativeScene, k: Vector, state: InitialState) -> str:
     from derive.simulation.observables.motion import SceneMotion
-    from derive.simulation.observables.spatial_scene_player import body_paths, drawn_bodies, ground_points, ties
+    from derive.simulation.observables.spatial_scene_player import (
+        PICTURE_TRIANGLES,
+        body_paths,
+        drawn_bodies,
+        ground_points,
+        ties,
+    )
     from derive.visual.spatial_mechanism import spatial_picture
 
-    drawn = drawn_bodies(scene)
+    drawn = drawn_bodies(scene, PICTURE_TRIANGLES)
     motion = SceneMotion(scene, native, k, np.zeros(1), state.q[None], state.v[None])
     return spatial_picture(scene.name, drawn, body_paths(drawn, motion), ground_points(scene), ties(scene))
 

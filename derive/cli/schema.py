@@ -35,6 +35,7 @@ TITLES = {
     "SpatialInitialValuesTable": "Initial values of a body in space",
     "SpatialBeamStartTable": "Initial values of a beam in space",
     "FrameMarkerTable": "Marker frame",
+    "VisualTable": "Visual of a rigid body or of the ground",
     "UnitsTable": "Units of files of nodes",
     "BodyFrameTable": "Frame of a finite-element body",
     "DampingTable": "Damping of a finite-element body",

@@ -30,6 +30,7 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import TimeFunction
+from derive.spec.model.visuals import Mesh
 
 Data = dict[str, Any]
 
@@ -48,7 +49,10 @@ CHOSEN = ("lowering", "redundant", "coordinates")
 
 def scene_tables(scene: AnyScene) -> Data:
     """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
-    tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
+    ground: Data = {"markers": named("ground", scene.ground)}
+    if isinstance(scene, SpatialScene) and scene.ground_visuals:
+        ground["visuals"] = as_table(scene.ground_visuals)
+    tables: Data = {"name": scene.name, "ground": ground}
     keys = [of for of in declared_keys(type(scene)) if of.field in CHOSEN]
     chosen = {of.field: value for of in keys if (value := getattr(scene, of.field)) != of.default}
     if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, **chosen):
@@ -200,6 +204,7 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     Parameter: lambda of: without_none(symbol=of.symbol, unit=of.unit or None, default=of.default),
     TimeFunction: lambda function: {"input": function.name} if function.kind == "input" else function,
     NodeData: lambda data: data,
+    Mesh: lambda mesh: mesh,
     Marker: lambda marker: as_table(marker.at),
     NodeMarker: lambda marker: marker.node,
     PointMarker: lambda marker: [as_table(marker.x), as_table(marker.y)],

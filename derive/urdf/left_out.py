@@ -9,8 +9,8 @@ from derive.errors import printable
 from derive.urdf.rigid_bodies import locked_joints
 from derive.urdf.robot import JointKind, Robot, RobotJoint
 
-GEOMETRY = ("visual", "collision")
-"""The elements that describe shapes."""
+COLLISION = "collision"
+"""The element of a shape for contact."""
 
 
 def left_out(robot: Robot, moving: Sequence[RobotJoint]) -> Iterator[str]:
@@ -26,9 +26,9 @@ def left_out(robot: Robot, moving: Sequence[RobotJoint]) -> Iterator[str]:
     }.items():
         if names := _names(joints):
             yield f"{text}{':' if joints is following else ''} {names}"
-    shapes = [f"{robot.unread[tag]} <{tag}>" for tag in GEOMETRY if tag in robot.unread]
-    others = [f"{number} <{printable(tag)}>" for tag, number in robot.unread.items() if tag not in GEOMETRY]
-    if unread := [*shapes, *others]:
+    if number := robot.unread.get(COLLISION):
+        yield f"left out, since bodies do not touch: {number} <{COLLISION}>"
+    if unread := [f"{number} <{printable(tag)}>" for tag, number in robot.unread.items() if tag != COLLISION]:
         yield f"not read: {', '.join(unread)}"
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import TypeVar
 
 from derive.errors import Problem, SpecError, quoted
-from derive.urdf.robot import Inertia, JointKind, Limits, Link, Mimic, Origin, Robot, RobotJoint
+from derive.urdf.robot import Inertia, JointKind, Limits, Link, LinkShape, Mimic, Origin, Robot, RobotJoint
 from derive.urdf.tree import root_of_tree
 from derive.urdf.xml_tree import XmlElement, read_xml
 
@@ -17,11 +17,15 @@ Named = TypeVar("Named", Link, RobotJoint)
 
 READ = {
     "robot": ("link", "joint"),
-    "link": ("inertial",),
+    "link": ("inertial", "visual"),
+    "visual": ("origin", "geometry"),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
     "inertial": ("origin", "mass", "inertia"),
 }
 """The elements that are read, by the tag around them."""
+
+SHAPES = ("visual", "collision")
+"""The elements that describe the shapes of a link."""
 
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
@@ -114,7 +118,18 @@ class _Reader:
         """A link; without <inertial> it is a frame alone."""
         name = self.text(element, "name", "link")
         inertial = element.first("inertial")
-        return Link(name, self.inertia(inertial, f"link {name}") if inertial else None, element.line)
+        visuals, collisions = (
+            tuple(self.shape(shape, f"link {name}.{tag}") for shape in element.all(tag)) for tag in SHAPES
+        )
+        own = self.inertia(inertial, f"link {name}") if inertial else None
+        return Link(name, own, element.line, visuals, collisions)
+
+    def shape(self, element: XmlElement, path: str) -> LinkShape:
+        """A shape for pictures or for collisions."""
+        geometry = element.first("geometry")
+        form = geometry.children[0] if geometry and geometry.children else None
+        tag, attributes = (form.tag, form.attributes) if form else ("", {})
+        return LinkShape(self.origin(element, path), tag, attributes, element.line)
 
     def inertia(self, element: XmlElement, path: str) -> Inertia | None:
         """Mass, centre and tensor; None where all are zero."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -83,12 +84,24 @@ class Inertia:
 
 
 @dataclass(frozen=True)
+class LinkShape:
+    """A shape of a link: the tag in its <geometry>, with its attributes as text; no tag where there is no geometry."""
+
+    origin: Origin
+    form: str
+    attributes: Mapping[str, str]
+    line: int
+
+
+@dataclass(frozen=True)
 class Link:
-    """A link: a rigid body, or a frame alone where it has no inertia."""
+    """A link: a rigid body, or a frame alone where it has no inertia; its shapes for pictures and for collisions."""
 
     name: str
     inertia: Inertia | None
     line: int
+    visuals: tuple[LinkShape, ...] = ()
+    collisions: tuple[LinkShape, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -21,6 +23,7 @@ from derive.urdf.left_out import left_out
 from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, locked_joints, rigid_bodies
 from derive.urdf.robot import HERE, JointKind, Placement, Robot, RobotJoint
 from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, number_text
+from derive.urdf.visuals import WrittenVisuals
 
 Base = Literal["fixed", "free"]
 BASES: tuple[Base, ...] = ("fixed", "free")
@@ -48,21 +51,25 @@ class WrittenScene:
     notes: tuple[str, ...]
 
 
-def written_scene(robot: Robot, base: Base = "fixed", source: str | None = None) -> WrittenScene:
+def written_scene(
+    robot: Robot, base: Base = "fixed", source: str | None = None, folder: str | os.PathLike[str] = "."
+) -> WrittenScene:
     """The scene of a robot whose root is fixed to the ground or free.
 
     The frame of a body is that of its first link; a body consists of the links that fixed joints connect. The z axis of
     the markers of a joint is its axis. Each joint with a single motion has an input, its torque or force, and an
-    output, its position. `source` is the file that errors show. Raises SpecError where a body moves without mass.
+    output, its position. `source` is the file that errors show, beside which meshes are; `folder` is that of the
+    specification, to which their paths are relative. Raises SpecError where a body moves without mass.
     """
-    return _Writer(robot, base, source).scene()
+    return _Writer(robot, base, source, Path(folder)).scene()
 
 
 class _Writer:
     """Collects the tables of a scene and the notes on them."""
 
-    def __init__(self, robot: Robot, base: Base, source: str | None) -> None:
+    def __init__(self, robot: Robot, base: Base, source: str | None, folder: Path) -> None:
         self.robot, self.base, self.source = robot, base, source
+        self.visuals = WrittenVisuals(Path(source or ".").parent, folder)
         self.bodies = rigid_bodies(robot)
         self.locked = locked_joints(robot)
         self.notes: list[str] = []
@@ -111,6 +118,7 @@ class _Writer:
         tables = [*self.ground(), *self.body_tables(), *self.joint_tables(), *self.ports()]
         if self.renamed:
             self.notes.append(f"renamed: {', '.join(self.renamed)}")
+        self.notes += self.visuals.notes()
         self.notes += left_out(self.robot, [body.joint for body in self.bodies if body.joint])
         head = [
             f"# The robot {printable(self.robot.name)}, written by `tisserand import`.",
@@ -174,6 +182,8 @@ class _Writer:
                 f"{_heavy(root)} ({root.mass:g} kg) is fixed to the ground, so that its mass has no effect; "
                 "import with --base free if it moves"
             )
+        if shapes := self.visuals.lines(root):
+            yield from ["[ground]", *shapes, ""]
         yield from ["[ground.markers]", *self.markers(root), ""]
 
     def markers(self, body: RobotBody) -> Iterator[str]:
@@ -200,6 +210,7 @@ class _Writer:
                 yield f"inertia = {list_text((xx, yy, zz, xy, xz, yz))}"
             if body.joint is None or body.joint.kind is JointKind.FLOATING:
                 yield f"start = {self.start(body)}"
+            yield from self.visuals.lines(body)
             markers = list(self.markers(body))
             yield from ["", *([f"[bodies.{name}.markers]", *markers, ""] if markers else [])]
 

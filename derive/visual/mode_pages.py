@@ -26,7 +26,7 @@ from derive.simulation.observables.spatial_player_data import (
     drawn_body,
     path_of,
 )
-from derive.simulation.observables.spatial_scene_player import drawn_bodies, ground_points, ties
+from derive.simulation.observables.spatial_scene_player import PLAYER_TRIANGLES, drawn_bodies, ground_points, ties
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_scene import SpatialScene
@@ -51,7 +51,7 @@ def is_drawn(modes: Modes, count: int) -> bool:
 def modes_picture(modes: Modes, count: int) -> str:
     """The shapes of the first `count` modes as SVG, those of zero eigenvalues apart."""
     title = f"{modes.spec.name}: modes"
-    if drawn := _spatial(modes):
+    if drawn := _spatial(modes, 0):
         note = f"Grey: {_rest(modes)}; solid: displaced by the mode, at an arbitrary amplitude."
         ground = np.array([at for _, at in _ground(modes)]).reshape(-1, 3)
         return mode_picture(title, note, _body_panels(modes, drawn, count), ground @ _page_axes().T)
@@ -67,11 +67,11 @@ def modes_picture(modes: Modes, count: int) -> str:
     return mode_picture(title, note, panels, ground)
 
 
-def _spatial(modes: Modes) -> list[DrawnBody]:
-    """The drawings of the bodies of a model in space; none of a planar model."""
+def _spatial(modes: Modes, triangles: int) -> list[DrawnBody]:
+    """The drawings of the bodies of a model in space, as of `drawn_bodies`; none of a planar model."""
     if isinstance(modes.spec, NodalBody):
         return [drawn_body(modes.spec)]
-    return drawn_bodies(modes.spec) if isinstance(modes.spec, SpatialScene) else []
+    return drawn_bodies(modes.spec, triangles) if isinstance(modes.spec, SpatialScene) else []
 
 
 def _ground(modes: Modes) -> list[tuple[str, Array]]:
@@ -116,7 +116,7 @@ def modes_page(modes: Modes, count: int) -> str:
     """A page that plays the first `count` modes, those of zero eigenvalues apart; damping is not shown."""
     title, frames, pages = f"{modes.spec.name}: modes", np.arange(PERIODS * FRAMES + 1), []
     phases = 2 * np.pi * frames / FRAMES
-    drawn = _spatial(modes)
+    drawn = _spatial(modes, PLAYER_TRIANGLES)
     for label, mode in drawn_modes(modes, count):
         period = 2 * np.pi / mode.eigenvalue.imag if mode.eigenvalue.imag else NOMINAL_PERIOD
         times = period * frames / FRAMES

@@ -40,6 +40,22 @@ STYLE = """\
     }
   </style>"""
 
+LEVELS = 8
+"""The number of degrees of light in which faces without edges are drawn."""
+
+
+def _smooth_style() -> str:
+    """The rules of faces without edges, which have a class for each degree of light, in light and dark pages."""
+
+    def rules(colour: tuple[int, int, int]) -> str:
+        shades = (tuple(round(c * (0.7 + 0.3 * level / (LEVELS - 1))) for c in colour) for level in range(LEVELS))
+        texts = (f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in shades)
+        return " ".join(f".s{k} {{ fill: {text}; stroke: {text}; stroke-width: 0.6; }}" for k, text in enumerate(texts))
+
+    light, dark = rules((0x8D, 0x9A, 0xA6)), rules((0xA8, 0xB4, 0xBF))
+    return f"  <style>{light} @media (prefers-color-scheme: dark) {{ {dark} }}</style>"
+
+
 SYMBOL = 6.0
 """The radius of the symbol of a joint, in pixels."""
 
@@ -124,7 +140,8 @@ def spatial_picture(
     content = [*axes, *stands, *bodies_drawn, *marks, *labels]
     box = f"0 0 {size[0]:.0f} {size[1]:.0f}"
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{size[0]:.0f}" role="img">'
-    return "\n".join([head, f"  <!-- {MARK} -->", f"  <title>{escape(name)}</title>", STYLE, *content, "</svg>", ""])
+    styles = [STYLE, *([_smooth_style()] if any(body.smooth for body in bodies) else [])]
+    return "\n".join([head, f"  <!-- {MARK} -->", f"  <title>{escape(name)}</title>", *styles, *content, "</svg>", ""])
 
 
 def _axes() -> Array:
@@ -143,6 +160,10 @@ def _shapes(body: DrawnBody, points: Array) -> Iterator[Shape]:
         path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y, _ in corners) + "z"
         normal = np.cross(corners[1] - corners[0], corners[2] - corners[0]) * [1, -1, 1]
         light = abs(float(normal @ LAMP)) / (float(np.linalg.norm(normal)) or 1.0)
+        if body.smooth:
+            shape = f'  <path class="s{round(light * (LEVELS - 1))}" d="{path}"/>'
+            yield float(corners[:, 2].mean()), shape
+            continue
         dark = f'<path class="shade" fill-opacity="{0.3 * (1 - light):.2f}" d="{path}"/>'
         yield float(corners[:, 2].mean()), f'  <path class="face {kind}" d="{path}"/>{dark}'
     for i, j in body.surface.edges if not body.surface.faces else ():

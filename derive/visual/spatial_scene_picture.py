@@ -7,7 +7,7 @@ import numpy as np
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.spatial_player_data import BodyPath
-from derive.simulation.observables.spatial_scene_player import drawn_bodies, ground_points, ties
+from derive.simulation.observables.spatial_scene_player import PICTURE_TRIANGLES, drawn_bodies, ground_points, ties
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.visual.spatial_mechanism import JointMark, JointSymbol, spatial_picture
@@ -20,7 +20,7 @@ DISPLACEMENTS = frozenset("xyz")
 def undeformed_picture(scene: SpatialScene) -> str:
     """The picture of a scene at t = 0 with undeformed bodies, which needs no compiled model."""
     scene = in_pieces(scene)
-    poses, bodies = initial_spatial_poses(scene), drawn_bodies(scene)
+    poses, bodies = initial_spatial_poses(scene), drawn_bodies(scene, PICTURE_TRIANGLES)
     paths = [
         BodyPath(poses[body.name][0][None], quaternion_of(poses[body.name][1])[None], np.zeros((1, len(body.phi))))
         for body in bodies

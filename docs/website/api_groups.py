@@ -35,8 +35,8 @@ GROUPS = {
             "BodyFrame Damping Parameter",
             "Scenes in the plane": "Scene RigidBody BeamBody CustomBody PointMarker MarkerRef Joint CustomJoint Drive "
             "Force Torque Spring Bushing DistributedLoad CustomForce InitialValues JointInitialValues",
-            "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame SpatialJoint Gear "
-            "SpatialBeam SectionFrame LateralDeflection TorsionalDeformation "
+            "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame Visual SpatialJoint "
+            "Gear SpatialBeam SectionFrame LateralDeflection TorsionalDeformation "
             "SpatialAttachedMass SpatialDistributedLoad "
             "SpatialForce SpatialTorque SpatialJointForce SpatialJointTorque SpatialSpring SpatialInitialValues "
             "SpatialJointInitialValues SpatialStart",

@@ -39,6 +39,10 @@ from derive.mechanics.typed_symbol import Symbol
 from plain_symbols import plain
 
 
+def of_tree(family: Family, *components: int, point: str = "", derivative: int = 0) -> Symbol:
+    return Symbol(Identity(family, components=components, owner="arm", point=point, derivative=derivative))
+
+
 def at_point(family: Family, point: str, component: int, *shapes: Any, **more: Any) -> Symbol:
     return Symbol(Identity(family, shapes, (component,), point=point, **more))
 
@@ -114,6 +118,22 @@ NAMES = {
     "hub_scale": Symbol(Identity(F.SECTION_SCALE, point="hub")),
     "hub_nu_1": at_point(F.SECTION_SPIN, "hub", 1),
     "hub_vrel_1": at_point(F.SECTION_VELOCITY, "hub", 1),
+    "arm_arm_phi_T_1": of_tree(F.COLUMN, 1, point="arm_phi"),
+    "arm_rz_axis_2": of_tree(F.JOINT_AXIS, 2, point="rz"),
+    "arm_r_3": of_tree(F.OFFSET, 3),
+    "arm_a_1": of_tree(F.BIAS, 1),
+    "arm_alphabias_1": of_tree(F.ANGULAR_BIAS, 1),
+    "arm_msdot_2": of_tree(F.FIRST_MOMENT, 2, derivative=1),
+    "arm_Jw_12": of_tree(F.TURNED_INERTIA, 1, 2),
+    "arm_m_behind": of_tree(F.COMPOSITE_MASS),
+    "arm_ms_behind_1": of_tree(F.COMPOSITE_MOMENT, 1),
+    "arm_J_behind_33": of_tree(F.COMPOSITE_INERTIA, 3, 3),
+    "arm_arm_phi_p_1": of_tree(F.UNIT_MOMENTUM, 1, point="arm_phi"),
+    "arm_L_1": of_tree(F.UNIT_SPIN, 1),
+    "arm_f_1": of_tree(F.INERTIAL_FORCE, 1),
+    "arm_n_1": of_tree(F.INERTIAL_TORQUE, 1),
+    "arm_f_behind_1": of_tree(F.FORCE_BEHIND, 1),
+    "arm_n_behind_1": of_tree(F.TORQUE_BEHIND, 1),
     "EI": parameter("EI"),
     "spring_length": element("spring", "length"),
     "u_motordot": run_time_input("motor", 1),

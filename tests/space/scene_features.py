@@ -84,6 +84,7 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
     },
     ("scene", "plots"): "shows results",
     ("joint", "limits"): "noted where a run passes them",
+    **{(table, "visuals"): "shows results" for table in ("rigid body", "scene")},
     ("joint", "closes_loop"): "the choice of coordinates: test_trees.py",
     **{
         ("scene", "coordinates", *choice): "both are compared in test_trees.py"

@@ -89,7 +89,7 @@ def test_notes_say_what_is_left_out_and_renamed() -> None:
         'renamed: "arm-2" -> arm_2',
         "friction is left out, of turn",
         "outside of the limits of shoulder",
-        "not read: 1 <visual>, 1 <gazebo>, 1 <material>, 1 <transmission>",
+        "not read: 1 <gazebo>, 1 <material>, 1 <transmission>",
     ):
         assert text in notes
 

@@ -25,7 +25,8 @@ from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.specification import Specification
-from derive.urdf.robot import JointKind, Matrix, Placement, Vector
+from derive.spec.model.visuals import Mesh, Visual
+from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Vector
 from derive.urdf.texts import number_text
 
 UNLIMITED = 1e9
@@ -49,7 +50,9 @@ def urdf_text(scene: Specification) -> str:
     by_name = {branch.body.name: branch for branch in branches}
     of_joints = {end for joint in scene.joints for end in (joint.first, joint.second)}
     robot = ET.Element("robot", name=scene.name)
-    ET.SubElement(robot, "link", name=WORLD)
+    world = ET.SubElement(robot, "link", name=WORLD)
+    for visual in scene.ground_visuals:
+        _visual(world, HERE, visual)
     for marker in scene.ground:
         if MarkerRef(GROUND, marker.name) not in of_joints:
             _frame_link(robot, WORLD, identifier(GROUND, marker.name), _placement(marker))
@@ -77,6 +80,25 @@ def _link(robot: ET.Element, branch: Branch) -> None:
     tensor = centre.rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ centre.rotation.T
     entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
     ET.SubElement(inertial, "inertia", {name: number_text(tensor[at]) for name, at in entries.items()})
+    for visual in body.visuals:
+        _visual(link, placement_in_link(branch, HERE), visual)
+
+
+def _visual(link: ET.Element, body: Placement, visual: Visual) -> None:
+    """A shape for pictures on a body with a frame in its link; meshes have the names of the specification."""
+    own = Placement(np.array(visual.at), rotation_matrix(np.array(visual.rotation)))
+    at, shape = body.of(own), ET.SubElement(link, "visual")
+    ET.SubElement(shape, "origin", xyz=_numbers(at.position), rpy=_numbers(roll_pitch_yaw(at.rotation)))
+    geometry = ET.SubElement(shape, "geometry")
+    if isinstance(visual.mesh, Mesh):
+        ET.SubElement(geometry, "mesh", filename=visual.mesh.file, scale=_numbers(visual.scale))
+    elif visual.box is not None:
+        ET.SubElement(geometry, "box", size=_numbers(visual.box))
+    elif visual.cylinder is not None:
+        radius, length = map(number_text, visual.cylinder)
+        ET.SubElement(geometry, "cylinder", radius=radius, length=length)
+    elif visual.sphere is not None:
+        ET.SubElement(geometry, "sphere", radius=number_text(visual.sphere))
 
 
 def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict[str, Branch]) -> None:
@@ -174,6 +196,9 @@ def _notes(host: HostModel) -> tuple[str, ...]:
     }
     left = [counted(number, what) for what, number in lost.items() if number]
     texts = ["initial values and gravity, which a URDF does not have", *([", ".join(left)] if left else [])]
+    rigid = (body.visuals for body in scene.bodies if isinstance(body, SpatialRigidBody))
+    if any(isinstance(visual.mesh, Mesh) for visuals in (*rigid, scene.ground_visuals) for visual in visuals):
+        texts.append("the files of meshes, which the description names as the specification does: beside the latter")
     if host.parameters:
         names = ", ".join(f"{p.name} = {p.start:g}" for p in host.parameters if p.start is not None)
         return (f"left out: {'; '.join(texts)}", f"parameters have their defaults: {names}")

@@ -17,8 +17,8 @@ from derive.errors import Problem, SpecError
 from derive.lowering.trees.row_loads import refused_actions
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
-from derive.mechanics.multibody.space.coordinates import AXES_OF
 from derive.mechanics.multibody.space.frame_motion import fixed_axes, fixed_frame
+from derive.mechanics.multibody.space.joint_coordinate import AXES_OF
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, joint_coordinates
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism

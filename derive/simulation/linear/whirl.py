@@ -35,7 +35,7 @@ def _whirl(modes: Modes, mode: Mode, first: np.ndarray, second: np.ndarray) -> f
     assert isinstance(modes.spec, SpatialScene) and modes.steady is not None
     if not mode.eigenvalue.imag:
         return None
-    moved = np.concatenate(bodies_displacements(modes, mode, drawn_bodies(modes.spec))[1])
+    moved = np.concatenate(bodies_displacements(modes, mode, drawn_bodies(modes.spec, 0))[1])
     forward, backward = (np.linalg.norm(moved @ first + sense * moved @ second) for sense in (1j, -1j))
     if not min(forward, backward) <= CIRCULAR * max(forward, backward):
         return None

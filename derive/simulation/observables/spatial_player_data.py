@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -25,14 +25,14 @@ from derive.simulation.observables.player_data import (
     rounded,
     speeds,
 )
+from derive.simulation.observables.visual_surfaces import BOX_FACES, VisualSurface, box
 from derive.spec.model.body import NodalBody
 
 MAX_NODES = 1000
 """A body whose surface has more nodes is drawn as the box around it."""
 
-BOX_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
 BOX_EDGES = tuple((i, i | 1 << axis) for i in range(8) for axis in range(3) if not i >> axis & 1)
-"""Faces and edges of a box by its corners, whose three binary digits say which end of each axis they are at."""
+"""The edges of a box by its corners, in the order of BOX_FACES."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,8 @@ class DrawnBody:
     """The drawing of a body: points x (n, 3), m, in its frame, the modes there, phi (N, n, 3), and its surface.
 
     radius: of the body about the origin of its frame, m. markers: the names and the points of markers. links: pairs of
-    points that a thick line connects, such as the markers of a rigid body.
+    points that a thick line connects, such as the markers of a rigid body. smooth: whether faces have no drawn edges.
+    triangles: how many faces are those of meshes, and how many triangles the files of these have.
     """
 
     name: str
@@ -50,6 +51,8 @@ class DrawnBody:
     radius: float
     markers: tuple[tuple[str, int], ...] = ()
     links: tuple[tuple[int, int], ...] = ()
+    smooth: bool = False
+    triangles: tuple[int, int] = (0, 0)
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,7 @@ def drawn_body(body: NodalBody) -> DrawnBody:
     whole = surface(shapes.x)
     marked = [marker.node for marker in body.markers]
     if len(whole.nodes) > MAX_NODES:
-        corners = _box(shapes.x.min(axis=0), shapes.x.max(axis=0))
+        corners = box(shapes.x.min(axis=0), shapes.x.max(axis=0))
         shown = [*cKDTree(shapes.x).query(corners)[1], *marked]
         x, drawn = np.concatenate([corners, shapes.x[marked]]), Surface(BOX_FACES, BOX_EDGES)
     else:
@@ -117,7 +120,7 @@ def rigid_drawing(
     if mass > 0:
         moments, axes = np.linalg.eigh(inertia)
         half = np.sqrt(np.maximum(moments.sum() - 2 * moments, 0) * 1.5 / mass)
-        x = np.concatenate([centre + _box(-half, half) @ axes.T, [centre], points])
+        x = np.concatenate([centre + box(-half, half) @ axes.T, [centre], points])
         drawn, first = Surface(BOX_FACES, BOX_EDGES), 9
         links = tuple((8, first + i) for i in range(len(points)))
     else:
@@ -126,6 +129,15 @@ def rigid_drawing(
     radius = float(np.linalg.norm(x, axis=1).max()) if len(x) else 0.0
     named = tuple((marker, first + i) for i, (marker, _) in enumerate(markers))
     return DrawnBody(name, x, np.zeros((0, len(x), 3)), drawn, radius or 1.0, named, links)
+
+
+def visual_drawing(name: str, visuals: VisualSurface, markers: Sequence[tuple[str, Array]]) -> DrawnBody:
+    """A rigid body as its visuals and its markers (3,)."""
+    x = np.concatenate([visuals.x, np.array([x for _, x in markers]).reshape(-1, 3)])
+    radius = float(np.linalg.norm(x, axis=1).max()) or 1.0
+    named = tuple((marker, len(visuals.x) + i) for i, (marker, _) in enumerate(markers))
+    phi = np.zeros((0, len(x), 3))
+    return DrawnBody(name, x, phi, Surface(visuals.faces, ()), radius, named, smooth=True, triangles=visuals.triangles)
 
 
 def spatial_player_data(body: NodalBody, t: Array, q: Array, curves: Sequence[Column] = ()) -> Plain:
@@ -158,6 +170,7 @@ def bodies_data(
                 "faces": body.surface.faces,
                 "edges": body.surface.edges,
                 "links": body.links,
+                "smooth": body.smooth,
                 "markers": [{"name": name, "node": node} for name, node in body.markers],
             }
             for body in bodies
@@ -165,6 +178,7 @@ def bodies_data(
         "ground": [{"name": name, "at": _rounded(at)} for name, at in ground],
         "ties": [{"spring": tie.spring, "ends": tie.ends} for tie in ties],
         "radius": rounded(max(body.radius for body in bodies)),
+        "triangles": [sum(body.triangles[i] for body in bodies) for i in range(2)],
     }
 
 
@@ -212,8 +226,13 @@ def placed(body: DrawnBody, path: BodyPath) -> Array:
 
 
 def _points(body: DrawnBody, path: BodyPath) -> Array:
-    """The places (places, 3), m, of the points of an undeformed body, and of its origin, in all instants."""
-    return _turned(path, np.concatenate([body.x, np.zeros((1, 3))])).reshape(-1, 3)
+    """The places (places, 3), m, of the points of an undeformed body, and of its origin, in all instants.
+
+    Of a body of many points these are the corners of the box around it.
+    """
+    x = np.concatenate([body.x, np.zeros((1, 3))])
+    x = box(x.min(axis=0), x.max(axis=0)) if len(x) > MAX_NODES else x
+    return _turned(path, x).reshape(-1, 3)
 
 
 def _turned(path: BodyPath, x: Array) -> Array:
@@ -229,13 +248,6 @@ def _largest_displacement(body: DrawnBody, path: BodyPath) -> float:
         return 0.0
     moved = np.tensordot(path.amplitudes, body.phi, axes=1)
     return float(np.linalg.norm(moved, axis=2).max())
-
-
-def _box(low: Array, high: Array) -> Array:
-    """The corners (8, 3) of a box, in the order of BOX_FACES."""
-    bits = np.array([bits[::-1] for bits in product((0, 1), repeat=3)])
-    corners: Array = np.where(bits, high, low)
-    return corners
 
 
 def _rounded(values: Array) -> Any:

@@ -27,7 +27,9 @@ from derive.simulation.observables.spatial_player_data import (
     drawn_body,
     rigid_drawing,
     shown_frames,
+    visual_drawing,
 )
+from derive.simulation.observables.visual_surfaces import VisualSurface, visual_surfaces
 from derive.simulation.space.beam_frames import beam_frames, drawn_points
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Quantity
@@ -48,9 +50,21 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
     return {"name": scene.name, **bodies_data(drawn, ground, ties(scene)), **content, "curves": shown}
 
 
-def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
-    """The drawings of all bodies of a scene."""
-    return [_drawn(body) for body in scene.bodies]
+PLAYER_TRIANGLES, PICTURE_TRIANGLES = 8000, 2000
+"""The largest numbers of triangles of meshes in a page that plays a motion, and in a picture."""
+
+
+def drawn_bodies(scene: SpatialScene, triangles: int = PLAYER_TRIANGLES) -> list[DrawnBody]:
+    """The drawings of all bodies of a scene, and behind them of the ground if it has visuals.
+
+    All meshes have at most so many triangles together. With 0 triangles there are no visuals: rigid bodies are the
+    boxes of their inertia, which have edges.
+    """
+    shown = {body.name: body.visuals for body in scene.bodies if triangles and isinstance(body, SpatialRigidBody)}
+    of_bodies = [shown.get(body.name, ()) for body in scene.bodies]
+    *surfaces, fixed = visual_surfaces([*of_bodies, scene.ground_visuals if triangles else ()], triangles)
+    drawn = [_drawn(body, visuals) for body, visuals in zip(scene.bodies, surfaces, strict=True)]
+    return [*drawn, visual_drawing(GROUND, fixed, ())] if fixed.faces else drawn
 
 
 def ground_points(scene: SpatialScene) -> list[tuple[str, Array]]:
@@ -77,6 +91,9 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
     """The motions of the frames of bodies, with their amplitudes."""
     paths = []
     for body in drawn:
+        if body.name == GROUND:
+            paths.append(fixed_path(len(motion.t)))
+            continue
         pose = motion.pose(body.name)
         names = (amplitude_of(body.name, i).shown for i in range(1, len(body.phi) + 1))
         places = [motion.native.coordinates.index(name) for name in names]
@@ -84,13 +101,20 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
     return paths
 
 
-def _drawn(body: SpatialBody) -> DrawnBody:
+def fixed_path(instants: int) -> BodyPath:
+    """The path of the ground, which does not move."""
+    return BodyPath(np.zeros((instants, 3)), np.tile([1.0, 0, 0, 0], (instants, 1)), np.zeros((instants, 0)))
+
+
+def _drawn(body: SpatialBody, visuals: VisualSurface) -> DrawnBody:
     if isinstance(body, FlexibleBody):
         return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), modal_frames(body))
     if isinstance(body, SpatialBeam):
         return _with_markers(beam_drawing(body.name, *drawn_points(body)), tuple(beam_frames(body).values()))
-    mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
     named = [(m.name, _vector(m.position)) for m in body.markers]
+    if visuals.faces:
+        return visual_drawing(body.name, visuals, named)
+    mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
     return rigid_drawing(body.name, mass, _vector(body.centre), _inertia(body), named)
 
 

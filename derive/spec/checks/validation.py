@@ -21,6 +21,7 @@ from derive.spec.checks.messages import key_faults
 from derive.spec.checks.plotted_columns import column_faults
 from derive.spec.checks.scene_parameters import beam_constants
 from derive.spec.checks.spatial_references import spatial_scene_faults
+from derive.spec.files.meshes import with_meshes
 from derive.spec.files.nodal_forces import with_nodal_forces
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.beam import BEAM_QUANTITIES, PlanarBeam
@@ -74,6 +75,7 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     faults: list[Fault] = []
     in_space = is_in_space(data)
     data, faults_of_loads = with_nodal_forces(data, folder) if in_space else (data, [])
+    data, faults_of_meshes = with_meshes(data, folder) if in_space else (data, [])
     table = spatial_specification_table() if in_space else specification_table()
     try:
         specification = table.model_validate(data, context=names)
@@ -92,7 +94,7 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     of_bodies, faults_of_bodies = flexible_nodes(data, specification, folder) if in_space else ({}, [])
     node_faults = [*node_faults, *faults_of_bodies]
     curves, curve_faults = references(data, folder, known)
-    faults += [*node_faults, *curve_faults, *faults_of_names, *faults_of_loads]
+    faults += [*node_faults, *curve_faults, *faults_of_names, *faults_of_loads, *faults_of_meshes]
     if any(key in data for key in SCENE) and instances.counts_are_known:
         mixed = list(dimension_faults(data))
         faults = mixed or [*faults, *(spatial_scene_faults(data) if in_space else scene_faults(data))]

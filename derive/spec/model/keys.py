@@ -84,6 +84,8 @@ class KeyType(Enum):
     NODE_POINTS = "nodes by their names, with their numbers"
     NODES = "arrays of nodes, or the files with them"
     UNITS = "the names of units"
+    MESH = "the name of a file with a mesh"
+    VISUALS = "what pictures show of a body: boxes, cylinders, spheres and meshes"
 
 
 @dataclass(frozen=True)

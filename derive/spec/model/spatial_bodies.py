@@ -23,6 +23,7 @@ from derive.spec.model.spatial_start import (
     UnitQuaternion,
 )
 from derive.spec.model.time_function import TimeFunction
+from derive.spec.model.visuals import Visual, visuals_key
 
 
 @documented
@@ -115,6 +116,13 @@ class SpatialRigidBody:
             "multipliers are then the constraint reactions.",
         ),
     ] = False
+    visuals: Annotated[
+        tuple[Visual, ...],
+        visuals_key(
+            "What pictures and the player show in place of the box of equal inertia: boxes, cylinders, spheres and "
+            "meshes; equations do not contain them."
+        ),
+    ] = ()
     kind: ClassVar[str] = "rigid"
     __repr__ = record_text
 

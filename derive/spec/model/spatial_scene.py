@@ -40,6 +40,7 @@ from derive.spec.model.spatial_forces import (
     SpatialTorque,
 )
 from derive.spec.model.spec_text import scene_text
+from derive.spec.model.visuals import Visual, visuals_key
 
 
 @documented
@@ -240,6 +241,10 @@ class SpatialScene:
     ] = ()
     simulation: Simulation | None = None
     plots: Annotated[tuple[Plot, ...], _OF_SCENE["plots"]] = ()
+    ground_visuals: Annotated[
+        tuple[Visual, ...],
+        visuals_key("What pictures and the player show of the ground: boxes, cylinders, spheres and meshes."),
+    ] = ()
     start: Annotated[SceneStart | None, _OF_SCENE["start"]] = None
     redundant: Annotated[Redundant, _OF_SCENE["redundant"]] = "auto"
     inputs: Annotated[tuple[SceneInput, ...], _OF_SCENE["inputs"]] = ()

@@ -22,7 +22,7 @@ Data = Mapping[str, object]
 Counts = Mapping[KeyPath, int | None]
 Instances = Mapping[KeyPath, tuple[str, int]]
 
-NAMES = ("kind", "symbol", "unit", "input", "joint", "drive", "spring", "load", "beam")
+NAMES = ("kind", "symbol", "unit", "input", "joint", "drive", "spring", "load", "beam", "mesh")
 """The keys whose values are names and words, which are no formulas."""
 FAULTY = object()
 """The value of a key that has none, which no type of value accepts; the fault that says why is one already."""

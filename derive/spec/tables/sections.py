@@ -78,7 +78,7 @@ def _keys(of: type) -> dict[str, Key]:
 def ground_and_scene(of: type[AnyScene], prefix: str, noun: str) -> tuple[type[TomlTable], type[TomlTable]]:
     """The tables of the sections `ground` and `scene` of a type of scene; `prefix` begins their names in the schema."""
     keys = _keys(of)
-    markers = (replace(keys["ground"], name="markers"),)
+    markers = (replace(keys["ground"], name="markers"), *(keys[name] for name in ("ground_visuals",) if name in keys))
     doc = f"Gravity, initial state, lowering and redundant joints of {noun}."
     return (
         keyed_model(f"{prefix}GroundTable", "The inertial frame, which does not move.", markers),

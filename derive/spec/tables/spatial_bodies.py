@@ -15,13 +15,14 @@ from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody
 from derive.spec.model.spatial_start import OF_BENT_BEAMS, SpatialInitialValues
+from derive.spec.model.visuals import NO_SCALE, Visual
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.spec.tables.shared import ElementName, by_name, one_of
 from derive.spec.tables.spatial_beam import beam_in_space
-from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
+from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type, several_type
 
 _of_body = tuple(key for key in declared_keys(SpatialInitialValues) if key.name not in OF_BENT_BEAMS)
 declare(SpatialInitialValues, "SpatialInitialValuesTable", keys=_of_body)
@@ -121,6 +122,26 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     return FlexibleBody(name, nodal, table.markers, table.start, table.loads)
 
 
+MAX_VISUALS = 256
+FORMS = ("mesh", "box", "cylinder", "sphere")
+"""The keys of a visual of which one is given."""
+
+
+def _check_visual(visual: Visual) -> None:
+    forms = [name for name in FORMS if getattr(visual, name) is not None]
+    if len(forms) != 1:
+        given = f"and not {' and '.join(forms)}" if forms else "such as { box = [0.1, 0.2, 0.3] }"
+        raise WrongValueError(f"a visual is one of {', '.join(FORMS)}, {given}")
+    if not all(size > 0 for size in (*(visual.box or ()), *(visual.cylinder or ()))):
+        raise WrongValueError(f"the sizes of a {forms[0]} are positive")
+    if not all(visual.scale) or (visual.scale != NO_SCALE and visual.mesh is None):
+        raise WrongValueError("`scale` has the factors of a mesh, which are not zero; boxes and the like have sizes")
+
+
+VISUAL = declare(Visual, "VisualTable", check=_check_visual)
+VALUE_TYPES[KeyType.VISUALS] = several_type(
+    VISUAL.value, 0, MAX_VISUALS, "visuals", "tables is needed, such as [{ box = [0.1, 0.2, 0.3] }]"
+)
 SPATIAL_RIGID = declare(
     SpatialRigidBody, "SpatialRigidTable", keys=(*declared_keys(SpatialRigidBody), COUNT), check=_check_inertia
 )

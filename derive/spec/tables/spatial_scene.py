@@ -127,4 +127,5 @@ def spatial_scene(table: Any, references: Mapping[str, Rows], nodes: Mapping[str
         for name, body in table.bodies.items()
     )
     drives = with_speed_units(table.drives, table.joints, SPATIAL_JOINTS)
-    return described_scene(SpatialScene, table, references, bodies=bodies, drives=drives)
+    others = {"ground_visuals": table.ground.visuals if table.ground else ()}
+    return described_scene(SpatialScene, table, references, bodies=bodies, drives=drives, **others)

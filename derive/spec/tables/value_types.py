@@ -16,6 +16,7 @@ from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
+from derive.spec.model.visuals import Mesh
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
 from derive.spec.tables.bushings import BushingMatrix
@@ -50,7 +51,7 @@ def _pair(of: Any, example: tuple[str, str], noun: str) -> Any:
     return Annotated[tuple[of, of], components(example, noun)]
 
 
-def _several(of: Any, least: int, most: int, noun: str, needed: str) -> Any:
+def several_type(of: Any, least: int, most: int, noun: str, needed: str) -> Any:
     """The type of a list with a limited number of elements; `needed` describes it in messages."""
 
     def check(value: object) -> object:
@@ -91,6 +92,11 @@ def _quantities(example: tuple[str, ...], unit: str, noun: str = "components") -
 def _function(value: object, info: ValidationInfo) -> TimeFunction:
     """A function of time; the context of the validation contains the names to which it may refer."""
     return scene_values.function(value, info.context)
+
+
+def _mesh(value: object) -> Mesh | str:
+    """A mesh, which has been read before, or the name of its file where it cannot be read."""
+    return value if isinstance(value, Mesh) else scene_values.text(value)
 
 
 def _columns(value: object) -> object:
@@ -157,7 +163,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.TRIPLE: Triple,
     KeyType.ROTATION: Rotation,
     KeyType.AMPLITUDES: Annotated[
-        _several(_float, 0, values.MAX_MODES, "amplitudes", "numbers is needed, such as [1e-3, 0]"),
+        several_type(_float, 0, values.MAX_MODES, "amplitudes", "numbers is needed, such as [1e-3, 0]"),
         SchemaExtra(maxItems=values.MAX_MODES),
     ],
     KeyType.NUMBER: Number,
@@ -167,7 +173,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.DIRECTION: Annotated[_pair(Number, ("1", "0"), "numbers"), AfterValidator(scene_values.axis)],
     KeyType.COORDINATE_TRIPLE: COORDINATE_TRIPLE,
     KeyType.INERTIA_TENSOR: _quantities(("0.01", "0.02", "0.02", "0", "0", "0"), INERTIA_UNIT, "entries"),
-    KeyType.WEIGHTS: _several(
+    KeyType.WEIGHTS: several_type(
         _read(Fraction, values.positive, number_schema(exclusiveMinimum=0)),
         1,
         MAX_AROUND,
@@ -175,17 +181,17 @@ VALUE_TYPES: dict[KeyType, Any] = {
         "weights is needed, such as [1, 1, 2]",
     ),
     KeyType.LOADED_NODES: Annotated[
-        _several(_count, 0, MAX_LOADED, "nodes", "nodes is needed, such as [3, 4, 5]"),
+        several_type(_count, 0, MAX_LOADED, "nodes", "nodes is needed, such as [3, 4, 5]"),
         SchemaExtra(maxItems=MAX_LOADED),
     ],
-    KeyType.NODAL_FORCES: _several(
+    KeyType.NODAL_FORCES: several_type(
         Annotated[tuple[Number, Number, Number], components(("0", "0", "-5"), "components")],
         0,
         MAX_LOADED,
         "forces",
         "forces is needed, such as [[0, 0, -5], [0, 0, -10]]",
     ),
-    KeyType.RELATIVE_MOTIONS: _several(
+    KeyType.RELATIVE_MOTIONS: several_type(
         _relative_motion, 1, len(RELATIVE_MOTIONS), "relative motions", 'words is needed, such as ["x", "y"]'
     ),
     KeyType.POSITIVE_QUANTITY: PositiveQuantity,
@@ -206,7 +212,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.DEFLECTIONS: _pair(_load, ('"0.01*(1 - xi^2)"', "0"), "polynomials"),
     KeyType.SHAPES: Annotated[
-        _several(
+        several_type(
             _shape,
             1,
             MAX_SHAPES,
@@ -228,12 +234,12 @@ VALUE_TYPES: dict[KeyType, Any] = {
         int, scene_values.instance_count, {"type": "integer", "minimum": 1, "maximum": scene_values.MAX_INSTANCES}
     ),
     KeyType.COUNTS: Annotated[
-        _several(_count, 0, MAX_AROUND, "nodes", "nodes is needed, such as [3, 4, 5]"),
+        several_type(_count, 0, MAX_AROUND, "nodes", "nodes is needed, such as [3, 4, 5]"),
         SchemaExtra(maxItems=MAX_AROUND),
     ],
     KeyType.MODE_COUNT: _read(int, values.mode_count, {**_COUNT, "maximum": values.MAX_MODES}),
     KeyType.PIECE_COUNT: _pieces,
-    KeyType.PIECE_COUNTS: _several(
+    KeyType.PIECE_COUNTS: several_type(
         _pieces, 1, scene_values.MAX_PIECES, "numbers of pieces", "whole numbers is needed, such as [1, 2, 3]"
     ),
     KeyType.MARKER: _marker,
@@ -243,7 +249,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.BEAM_POINTS: markers_type(_position, "places", Marker),
     KeyType.NODE_POINTS: markers_type(_count, "nodes", NodeMarker),
     KeyType.MARKER_NAMES: Annotated[
-        _several(_name_of, 0, MAX_MARKERS, "markers", 'names of markers is needed, such as ["left", "right"]'),
+        several_type(_name_of, 0, MAX_MARKERS, "markers", 'names of markers is needed, such as ["left", "right"]'),
         SchemaExtra(maxItems=MAX_MARKERS, uniqueItems=True),
     ],
     KeyType.NODES: Nodes,
@@ -255,6 +261,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.JOINT_LOAD: _name_of,
     KeyType.BEAM: _name_of,
     KeyType.TEXT: _text,
+    KeyType.MESH: _read(Any, _mesh, _TEXT),
     KeyType.UNIT: Unit,
     KeyType.CONDITION: _read(str, scene_values.until, {"type": "string", "minLength": 3}),
     KeyType.COLUMNS: _columns_of(_text),

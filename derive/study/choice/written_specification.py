@@ -33,7 +33,7 @@ from derive.study.choice.written_bodies import toml_value, write_body
 SCHEMA = "#:schema"
 NODES = "nodes"
 """The key of the files of a finite-element body: one, or one for each array."""
-FILES = ("file", NODES)
+FILES = ("file", "mesh", NODES)
 """The keys whose texts are files."""
 
 

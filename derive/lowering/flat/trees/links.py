@@ -31,21 +31,21 @@ from derive.lowering.flat.trees.spatial_vectors import (
     times,
     transposed,
 )
-from derive.lowering.flat.trees.steps import Freedom, Motion, Shift, Turn
-from derive.mechanics.multibody.space.coordinates import AXES_OF, JointCoordinate
+from derive.lowering.flat.trees.steps import TurnedFrame, Shift, SingleFreedom, Turn
+from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import Hinge
 from derive.mechanics.multibody.space.tree.recursions import TreeBody
 from derive.mechanics.symbols import Family, Identity, identity
 from derive.mechanics.terms import EquationOfMotion
 
-Step = Shift | Turn | Freedom
+Step = Shift | Turn | SingleFreedom
 
 SMALL = 1e-15
 """Entries of rotations below this are rounding errors of numbers that are zero."""
 
 
 @dataclass(frozen=True)
-class Link:
+class TreeFrame:
     """A body of a tree: its inertia about the origin, in its frame, and the steps to it from its parent.
 
     parent: its place among the links, -1 at the root. base: the motion from which the steps of a root start. place: the
@@ -55,7 +55,7 @@ class Link:
     name: str
     parent: int
     steps: tuple[Step, ...]
-    base: Motion
+    base: TurnedFrame
     place: Vector
     mass: ca.SX
     moment: Vector
@@ -75,7 +75,7 @@ class Link:
         return SpatialInertia(A, [[ZERO, z, -y], [-z, ZERO, x], [y, -x, ZERO]], self.tensor)
 
 
-class Links:
+class TreeFrames:
     """The links of trees.
 
     rows: the numbers of rows by name. accelerations: those of the rows, by number. gravity: the acceleration of free
@@ -91,10 +91,10 @@ class Links:
         self.axes = {body.name: _own_axes(body) for body in bodies}
         self.every = tuple(self._link(body) for body in bodies)
 
-    def _link(self, body: TreeBody) -> Link:
+    def _link(self, body: TreeBody) -> TreeFrame:
         hinge, of = body.motion.hinge, self.symbols
         parent = self.numbers.get(body.motion.parent, -1)
-        base, place = Motion(null(), null(), self.upwards), null()
+        base, place = TurnedFrame(null(), null(), self.upwards), null()
         if hinge is None:
             steps = tuple(self._free(body))
         else:
@@ -109,27 +109,27 @@ class Links:
         if self.axes[body.name] != sp.eye(3):
             tensor = FullRotation(transposed(own_axes)).symmetric_back(tensor)
         moment = times(transposed(own_axes), [of(x) for x in body.moment])
-        return Link(body.name, parent, steps, base, place, of(body.mass), moment, tensor)
+        return TreeFrame(body.name, parent, steps, base, place, of(body.mass), moment, tensor)
 
     def _matrix(self, matrix: sp.Matrix) -> Matrix:
         return [[self.symbols(matrix[i, j]) for j in range(3)] for i in range(3)]
 
-    def _of_marker(self, hinge: Hinge) -> Motion:
+    def _of_marker(self, hinge: Hinge) -> TurnedFrame:
         """The motion of a marker of a body that moves as prescribed, or of the ground, without gravity."""
         known, of = hinge.known, self.symbols
         linear = plus([of(x) for x in known.acceleration], self.upwards)
-        return Motion([of(x) for x in known.angular_velocity], [of(x) for x in known.angular_acceleration], linear)
+        return TurnedFrame([of(x) for x in known.angular_velocity], [of(x) for x in known.angular_acceleration], linear)
 
     def _free(self, body: TreeBody) -> Iterator[Step]:
         rows = body.motion.own_rows
         for axis, row in enumerate(rows[:3]):
-            yield Freedom(self.rows[row.name], axis, False, self.symbols(row.v), relative=False)
+            yield SingleFreedom(self.rows[row.name], axis, False, self.symbols(row.v), relative=False)
         yield Turn(FullRotation(self._matrix(body.motion.frame)), free=True)
         yield from self._spins(rows[3:])
 
-    def _spins(self, rows: Sequence[EquationOfMotion]) -> Iterator[Freedom]:
+    def _spins(self, rows: Sequence[EquationOfMotion]) -> Iterator[SingleFreedom]:
         for axis, row in enumerate(rows):
-            yield Freedom(self.rows[row.name], axis, True, self.symbols(row.v), relative=False)
+            yield SingleFreedom(self.rows[row.name], axis, True, self.symbols(row.v), relative=False)
 
     def _carried(self, body: TreeBody, hinge: Hinge, place: Vector) -> Iterator[Step]:
         """The steps to the marker that carries a body, and along its axes; place: of the marker."""
@@ -151,7 +151,7 @@ class Links:
         of = self.symbols
         for c in hinge.motions:
             if c.row and not c.is_rotation:
-                yield Freedom(self.rows[c.row.name], AXES_OF[c.motion], False, of(c.values[1]))
+                yield SingleFreedom(self.rows[c.row.name], AXES_OF[c.motion], False, of(c.values[1]))
         if hinge.ball:
             axes = (
                 hinge.known.axes if hinge.motions else hinge.known.frame * self.axes.get(body.motion.parent, sp.eye(3))
@@ -164,7 +164,7 @@ class Links:
             if c.row and c.is_rotation:
                 axis = AXES_OF[c.motion]
                 yield Turn(PlanarTurn(axis, *self._cosine_and_sine(body.name, c)))
-                yield Freedom(self.rows[c.row.name], axis, True, of(c.values[1]), of(c.along))
+                yield SingleFreedom(self.rows[c.row.name], axis, True, of(c.values[1]), of(c.along))
 
     def _cosine_and_sine(self, body: str, c: JointCoordinate) -> tuple[ca.SX, ca.SX]:
         assert c.coordinate, "no drive prescribes a motion in a tree"

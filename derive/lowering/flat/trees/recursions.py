@@ -12,25 +12,25 @@ from dataclasses import dataclass
 import casadi as ca
 
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
-from derive.lowering.flat.trees.links import Link
+from derive.lowering.flat.trees.links import TreeFrame
 from derive.lowering.flat.trees.spatial_vectors import NEXT, ZERO, SpatialInertia, Vector, cross, null, plus, times
-from derive.lowering.flat.trees.steps import NO_WRENCH, Eliminated, Freedom, Motion, Wrench, eliminate
+from derive.lowering.flat.trees.steps import NO_WRENCH, TurnedFrame, ReleasedFreedom, SingleFreedom, Wrench, eliminate
 
 Wrenches = Sequence[Wrench]
 
 
-def motions(links: Sequence[Link], accelerations: Mapping[int, ca.SX]) -> list[Motion]:
+def motions(links: Sequence[TreeFrame], accelerations: Mapping[int, ca.SX]) -> list[TurnedFrame]:
     """The motions of all links; accelerations: of the rows that have one."""
-    result: list[Motion] = []
+    result: list[TurnedFrame] = []
     for link in links:
         m = link.base if link.parent < 0 else result[link.parent]
         for step in link.steps:
-            m = step.motion(m, accelerations.get(step.row, ZERO)) if isinstance(step, Freedom) else step.motion(m)
+            m = step.motion(m, accelerations.get(step.row, ZERO)) if isinstance(step, SingleFreedom) else step.motion(m)
         result.append(m)
     return result
 
 
-def needed(link: Link, m: Motion) -> Wrench:
+def needed(link: TreeFrame, m: TurnedFrame) -> Wrench:
     """The wrench that the motion of a link needs: int (a + S X) and int X x (a + S X) over its mass."""
     S, half = m.of_points, link.half_trace
     second = [[subtracted(half, x) if i == j else -x for j, x in enumerate(row)] for i, row in enumerate(link.tensor)]
@@ -48,13 +48,13 @@ def needed(link: Link, m: Motion) -> Wrench:
     return Wrench(force, torque)
 
 
-def forces(links: Sequence[Link], wrenches: Wrenches) -> dict[int, ca.SX]:
+def forces(links: Sequence[TreeFrame], wrenches: Wrenches) -> dict[int, ca.SX]:
     """The generalised forces of wrenches on all links, by row."""
     behind, result = [*wrenches], dict[int, ca.SX]()
     for n in reversed(range(len(links))):
         w = behind[n]
         for step in reversed(links[n].steps):
-            if isinstance(step, Freedom):
+            if isinstance(step, SingleFreedom):
                 result[step.row] = step.force(w)
             else:
                 w = step.wrench(w)
@@ -67,8 +67,8 @@ def forces(links: Sequence[Link], wrenches: Wrenches) -> dict[int, ca.SX]:
 class ArticulatedBodies:
     """The factors of M along links: each degree of freedom as eliminated, by row."""
 
-    links: Sequence[Link]
-    eliminated: Mapping[int, Eliminated]
+    links: Sequence[TreeFrame]
+    eliminated: Mapping[int, ReleasedFreedom]
 
     def forward(self, right: Mapping[int, ca.SX], wrenches: Wrenches = ()) -> dict[int, ca.SX]:
         """L^-1 (right - what the wrenches contribute to the rows): the forces that accelerate each row alone."""
@@ -77,7 +77,7 @@ class ArticulatedBodies:
         for n in reversed(range(len(self.links))):
             w = behind[n]
             for step in reversed(self.links[n].steps):
-                if isinstance(step, Freedom):
+                if isinstance(step, SingleFreedom):
                     w = self._released(step, w, right.get(step.row, ZERO), rests)
                 else:
                     w = step.wrench(w)
@@ -86,7 +86,7 @@ class ArticulatedBodies:
                 behind[parent] = behind[parent] + w
         return rests
 
-    def _released(self, step: Freedom, w: Wrench, right: ca.SX, rests: dict[int, ca.SX]) -> Wrench:
+    def _released(self, step: SingleFreedom, w: Wrench, right: ca.SX, rests: dict[int, ca.SX]) -> Wrench:
         """The wrench before a degree of freedom, the force that accelerates which alone enters `rests`."""
         of = self.eliminated[step.row]
         rest = rests[step.row] = subtracted(right, step.force(w))
@@ -102,7 +102,7 @@ class ArticulatedBodies:
         for link in self.links:
             x, y = (null(), null()) if link.parent < 0 else known[link.parent]
             for step in link.steps:
-                if isinstance(step, Freedom):
+                if isinstance(step, SingleFreedom):
                     free = multiplied(rests[step.row], self.eliminated[step.row].inverse)
                     x, y, result[step.row] = self._moved(step, x, y, free)
                 else:
@@ -110,7 +110,7 @@ class ArticulatedBodies:
             known.append((x, y))
         return result
 
-    def _moved(self, step: Freedom, x: Vector, y: Vector, free: ca.SX) -> tuple[Vector, Vector, ca.SX]:
+    def _moved(self, step: SingleFreedom, x: Vector, y: Vector, free: ca.SX) -> tuple[Vector, Vector, ca.SX]:
         """The accelerations behind a degree of freedom, and its own."""
         of, both = self.eliminated[step.row], [*x, *y]
         if (place := step.place) is not None:
@@ -129,14 +129,14 @@ class ArticulatedBodies:
         return moved[:3], moved[3:], own
 
 
-def articulated_bodies(links: Sequence[Link]) -> ArticulatedBodies:
+def articulated_bodies(links: Sequence[TreeFrame]) -> ArticulatedBodies:
     """The factors of M along links."""
     inertias = [link.inertia for link in links]
-    eliminated: dict[int, Eliminated] = {}
+    eliminated: dict[int, ReleasedFreedom] = {}
     for n in reversed(range(len(links))):
         inertia: SpatialInertia = inertias[n]
         for step in reversed(links[n].steps):
-            if isinstance(step, Freedom):
+            if isinstance(step, SingleFreedom):
                 eliminated[step.row], inertia = eliminate(step, inertia)
             else:
                 inertia = step.inertia(inertia)

@@ -31,7 +31,7 @@ ONE = ca.SX(1)
 
 
 @dataclass(frozen=True)
-class Motion:
+class TurnedFrame:
     """The angular velocity, the angular acceleration and the acceleration of the origin, in the frame that moves."""
 
     spin: Vector
@@ -71,7 +71,7 @@ class Shift:
 
     r: Vector
 
-    def motion(self, m: Motion) -> Motion:
+    def motion(self, m: TurnedFrame) -> TurnedFrame:
         """The motion behind it."""
         return replace(m, linear=plus(m.linear, times(m.of_points, self.r))) if _any(self.r) else m
 
@@ -95,10 +95,11 @@ class Turn:
     rotation: Rotation
     free: bool = False
 
-    def motion(self, m: Motion) -> Motion:
+    def motion(self, m: TurnedFrame) -> TurnedFrame:
         """The motion behind it."""
         on = self.rotation.on
-        return Motion(null(), null(), on(m.linear)) if self.free else Motion(on(m.spin), on(m.angular), on(m.linear))
+        spin, angular = (null(), null()) if self.free else (on(m.spin), on(m.angular))
+        return TurnedFrame(spin, angular, on(m.linear))
 
     def accelerations(self, x: Vector, y: Vector) -> tuple[Vector, Vector]:
         """The accelerations behind it, of those without velocities."""
@@ -117,7 +118,7 @@ class Turn:
 
 
 @dataclass(frozen=True)
-class Freedom:
+class SingleFreedom:
     """A coordinate moves the frame along an axis, or turns it about the axis and moves it by `along` times the angle.
 
     row: its number. rate, acceleration: of the coordinate. relative: whether the frame moves against one that turns.
@@ -146,7 +147,7 @@ class Freedom:
             return None
         return self.axis + (3 if self.turns else 0)
 
-    def motion(self, m: Motion, acceleration: ca.SX) -> Motion:
+    def motion(self, m: TurnedFrame, acceleration: ca.SX) -> TurnedFrame:
         """The motion behind it."""
         linear, angular = self.direction
         spin, alpha, a = m.spin, m.angular, m.linear
@@ -154,7 +155,7 @@ class Freedom:
             alpha = plus(alpha, cross(m.spin, [multiplied(x, self.rate) for x in angular]))
             twice = added(self.rate, self.rate)
             a = plus(a, cross(m.spin, [multiplied(x, twice) for x in linear]))
-        return Motion(
+        return TurnedFrame(
             plus(spin, [multiplied(x, self.rate) for x in angular]),
             plus(alpha, [multiplied(x, acceleration) for x in angular]),
             plus(a, [multiplied(x, acceleration) for x in linear]),
@@ -171,7 +172,7 @@ def _any(v: Vector) -> bool:
 
 
 @dataclass(frozen=True)
-class Eliminated:
+class ReleasedFreedom:
     """A degree of freedom that is eliminated: its pivot D with the inverse, and U/D of the inertia U along it."""
 
     pivot: ca.SX
@@ -179,7 +180,7 @@ class Eliminated:
     factors: list[ca.SX]
 
 
-def eliminate(freedom: Freedom, inertia: SpatialInertia) -> tuple[Eliminated, SpatialInertia]:
+def eliminate(freedom: SingleFreedom, inertia: SpatialInertia) -> tuple[ReleasedFreedom, SpatialInertia]:
     """A degree of freedom as eliminated, and the inertia that is left before it, by a step of LDL^T."""
     A, B, C = inertia.A, inertia.B, inertia.C
     Bt = [[B[j][i] for j in range(3)] for i in range(3)]
@@ -203,4 +204,4 @@ def eliminate(freedom: Freedom, inertia: SpatialInertia) -> tuple[Eliminated, Sp
     reduced = SpatialInertia(
         [row[:3] for row in full[:3]], [row[3:] for row in full[:3]], [row[3:] for row in full[3:]]
     )
-    return Eliminated(pivot, inverse, factors), reduced
+    return ReleasedFreedom(pivot, inverse, factors), reduced

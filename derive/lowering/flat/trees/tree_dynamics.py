@@ -13,10 +13,10 @@ from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
-from derive.lowering.flat.trees.links import Link, Links
+from derive.lowering.flat.trees.links import TreeFrame, TreeFrames
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies, forces, motions, needed
 from derive.lowering.flat.trees.spatial_vectors import dot
-from derive.lowering.flat.trees.steps import Freedom, Motion, Turn, Wrench
+from derive.lowering.flat.trees.steps import TurnedFrame, SingleFreedom, Turn, Wrench
 from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL
@@ -29,11 +29,11 @@ class TreeDynamics:
 
     context: Context
     symbols: Symbols
-    links: Sequence[Link]
+    links: Sequence[TreeFrame]
     rows: frozenset[int]
 
     @cached_property
-    def still(self) -> list[Motion]:
+    def still(self) -> list[TurnedFrame]:
         """The motions without accelerations of the coordinates."""
         return motions(self.links, {})
 
@@ -43,7 +43,7 @@ class TreeDynamics:
         return [needed(link, m) for link, m in zip(self.links, self.still, strict=True)]
 
     def applied(self, row: int) -> ca.SX:
-        """What a row of h has besides the inertia and the weight of its tree."""
+        """The terms of a row of h besides the inertia and the weight of its tree."""
         eq = self.context.equations
         name, at_rest = eq.rows[row].name, {of.a: sp.S.Zero for of in eq.rows}
         others = (term.expr for term in eq.terms if term.row == name and term.equation != INERTIAL)
@@ -73,7 +73,7 @@ class TreeDynamics:
     def in_order(self) -> Iterator[int]:
         """The rows in the order of their elimination."""
         for link in reversed(self.links):
-            yield from (step.row for step in reversed(link.steps) if isinstance(step, Freedom))
+            yield from (step.row for step in reversed(link.steps) if isinstance(step, SingleFreedom))
 
     def pivot_checks(self) -> Iterator[RequiredValue]:
         """The checks that each pivot exceeds the rounding errors of the inertia behind it, whose size is a constant."""
@@ -83,7 +83,7 @@ class TreeDynamics:
         for n in reversed(range(len(self.links))):
             link = self.links[n]
             for step in reversed(link.steps):
-                if isinstance(step, Freedom):
+                if isinstance(step, SingleFreedom):
                     size = inertias[n] if step.turns else masses[n]
                     above = subtracted(self.bodies.eliminated[step.row].pivot, multiplied(margin, size))
                     text = f"the pivot of {self.context.rows[step.row]} vanished"
@@ -100,11 +100,13 @@ def tree_dynamics(context: Context, symbols: Symbols) -> TreeDynamics | None:
     if not eq.trees:
         return None
     numbers = {name: n for n, name in enumerate(context.rows)}
-    links = Links(symbols, eq.trees, numbers, _gravity(eq)).every
+    links = TreeFrames(symbols, eq.trees, numbers, _gravity(eq)).every
     steps = [step for link in links for step in link.steps]
     if context.sensitivities and any(isinstance(step, Turn) and step.free for step in steps):
         return None
-    return TreeDynamics(context, symbols, links, frozenset(step.row for step in steps if isinstance(step, Freedom)))
+    return TreeDynamics(
+        context, symbols, links, frozenset(step.row for step in steps if isinstance(step, SingleFreedom))
+    )
 
 
 def _gravity(equations: Equations) -> sp.Matrix:

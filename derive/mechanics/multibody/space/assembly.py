@@ -27,7 +27,7 @@ from derive.mechanics.multibody.space.joint_elimination import (
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.multibody.space.tree.coordinates import behind_moving_marker, root_of_tree
-from derive.mechanics.multibody.space.tree.plan import Link, trees
+from derive.mechanics.multibody.space.tree.plan import PlannedLink, trees
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Eliminated
 from derive.spec.model.beam_pieces import in_pieces
@@ -90,7 +90,7 @@ class _SpatialAssembly(SceneAssembly):
             self._add(component, coordinates)
             frames[body.name] = self._motions(self.instances[body.name])
 
-    def _refuse_massless(self, links: tuple[Link, ...]) -> None:
+    def _refuse_massless(self, links: tuple[PlannedLink, ...]) -> None:
         """Raise SpecError for bodies without mass in trees that carry none with mass, and for roots without mass."""
         heavy: set[str] = set()
         problems = []

@@ -7,12 +7,12 @@ accelerations follow by differentiation, with xdot = v and Adot = w x A of the k
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from derive.algebra import sp, zero
+from derive.algebra import sp
 from derive.mechanics.motion.vectors import cross, skew
 from derive.mechanics.multibody.coordinates import CoordinateMap, new_coordinate
+from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.rows import ROTATIONS
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, Identity, identity, owned
@@ -48,28 +48,6 @@ def _owned_row(name: str, row: EquationOfMotion) -> EquationOfMotion:
         return EquationOfMotion(virtual, v, a, f"{name}: {row.doc}", row.unit, row.force_unit)
     q = Identity(family, known.shapes, known.components, owner=name).symbol.name
     return EquationOfMotion(q, v, a, f"time derivative of {q}", row.unit, row.force_unit)
-
-
-@dataclass(frozen=True)
-class JointCoordinate:
-    """A relative motion of a body behind a known marker: prescribed with its derivatives, or a coordinate.
-
-    along: a displacement that goes with a rotation, by this factor of it, m/rad: that of a screw.
-    """
-
-    motion: str
-    coordinate: Coordinate | None
-    row: EquationOfMotion | None
-    values: Derivatives
-    along: sp.Expr = field(default_factory=zero)
-
-    @property
-    def is_rotation(self) -> bool:
-        """Whether the motion is a rotation."""
-        return self.motion in ROTATIONS
-
-
-AXES_OF = {"x": 0, "y": 1, "z": 2, "rx": 0, "ry": 1, "rz": 2}
 
 
 def joint_coordinate(body: str, motion: str, several: bool, prescribed: Derivatives | None) -> JointCoordinate:

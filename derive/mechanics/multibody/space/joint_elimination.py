@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp, zero
-from derive.mechanics.multibody.space.coordinates import JointCoordinate, behind_marker, joint_coordinate, on_ball
+from derive.mechanics.multibody.space.coordinates import behind_marker, joint_coordinate, on_ball
+from derive.mechanics.multibody.space.joint_coordinate import JointCoordinate
 from derive.mechanics.multibody.space.joints import Freedom, SpatialJointType
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.model.spatial_scene import SpatialJoint

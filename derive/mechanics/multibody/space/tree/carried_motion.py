@@ -24,7 +24,7 @@ from derive.mechanics.terms import EquationOfMotion, Intermediate
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.bodies.body_type import CrossSection
-    from derive.mechanics.multibody.space.coordinates import JointCoordinate
+    from derive.mechanics.multibody.space.joint_coordinate import JointCoordinate
 
 Rows = tuple[EquationOfMotion, ...]
 

@@ -11,12 +11,11 @@ from derive.mechanics.motion.products import product
 from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.space.coordinates import (
-    AXES_OF,
-    JointCoordinate,
     free_spatial_coordinates,
     rotation_about,
 )
 from derive.mechanics.multibody.space.frame_motion import AXES, VirtualMotion, still
+from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Hinge, Rows, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, Identity, owned
 

@@ -22,7 +22,7 @@ MOST_BODIES = 60
 
 
 @dataclass(frozen=True)
-class Link:
+class PlannedLink:
     """A body of a tree; joint: that which gives its coordinates, to the body or the ground `parent`.
 
     A root without joint keeps all coordinates.
@@ -33,7 +33,7 @@ class Link:
     parent: str = ""
 
 
-def trees(scene: SpatialScene) -> tuple[Link, ...]:
+def trees(scene: SpatialScene) -> tuple[PlannedLink, ...]:
     """The bodies of trees in which a body hangs on one that moves, those before others first.
 
     Bodies that hang on the ground or on prescribed motions alone are not among them, nor are any if the coordinates of
@@ -45,7 +45,7 @@ def trees(scene: SpatialScene) -> tuple[Link, ...]:
     return links if scene.coordinates == "relative" or len(links) <= MOST_BODIES else ()
 
 
-def _trees(scene: SpatialScene) -> tuple[Link, ...]:
+def _trees(scene: SpatialScene) -> tuple[PlannedLink, ...]:
     rigid = (body for body in scene.bodies if isinstance(body, SpatialRigidBody))
     bodies = [body.name for body in rigid if body.markers and not body.keep_coordinates]
     ends = {*bodies, GROUND}
@@ -110,7 +110,7 @@ def _groups(bodies: Sequence[str], joints: Sequence[SpatialJoint], prescribed: M
     return result
 
 
-def _links(group: Sequence[str], joints: Sequence[SpatialJoint], prescribed: Mapping[str, bool]) -> list[Link]:
+def _links(group: Sequence[str], joints: Sequence[SpatialJoint], prescribed: Mapping[str, bool]) -> list[PlannedLink]:
     """The links of a group.
 
     The mass matrix would depend on the time where a body hangs on one behind a motion that drives prescribe. The bodies
@@ -127,13 +127,13 @@ def _links(group: Sequence[str], joints: Sequence[SpatialJoint], prescribed: Map
         members = [*driven, *members]
 
 
-def _carried(links: Sequence[Link], prescribed: Mapping[str, bool]) -> list[Link]:
+def _carried(links: Sequence[PlannedLink], prescribed: Mapping[str, bool]) -> list[PlannedLink]:
     """The links but for those that carry nothing and hang on what is prescribed."""
     carriers = {link.parent for link in links}
     return [link for link in links if link.body in carriers or (link.parent and link.parent not in prescribed)]
 
 
-def _spanning_tree(members: Sequence[str], joints: Sequence[SpatialJoint]) -> list[Link]:
+def _spanning_tree(members: Sequence[str], joints: Sequence[SpatialJoint]) -> list[PlannedLink]:
     """The links of bodies, from what is prescribed if a joint connects it, else from the first of them.
 
     Of joints that remove equally many motions those nearer to the root come first, so that trees are not deep.
@@ -141,7 +141,7 @@ def _spanning_tree(members: Sequence[str], joints: Sequence[SpatialJoint]) -> li
     own = [(number, j) for number, j in enumerate(joints) if {*members} & {j.first.body, j.second.body}]
     by_name = {joint.name: joint for _, joint in own}
     roots = sorted({body for _, j in own for body in (j.first.body, j.second.body)} - {*members})
-    links = [] if roots else [Link(members[0])]
+    links = [] if roots else [PlannedLink(members[0])]
     placed = {*(roots or members[:1])}
     frontier: list[tuple[int, int, int, str, str, str]] = []
 
@@ -158,6 +158,6 @@ def _spanning_tree(members: Sequence[str], joints: Sequence[SpatialJoint]) -> li
         _, depth, _, parent, other, name = heappop(frontier)
         if other not in placed:
             placed.add(other)
-            links.append(Link(other, by_name[name], parent))
+            links.append(PlannedLink(other, by_name[name], parent))
             add(other, depth + 1)
     return links

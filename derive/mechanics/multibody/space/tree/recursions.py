@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Inertia:
+class CompositeInertia:
     """The mass, first moment (3, 1) and inertia (3, 3) about a point, of one body or several, in the inertial frame."""
 
     mass: sp.Expr
@@ -39,9 +39,9 @@ class Inertia:
         angular = summed([cross(self.moment, v.translation), product(self.tensor, sp.Matrix(v.rotation))])
         return linear, angular
 
-    def carried(self, motion: CarriedMotion) -> Inertia:
+    def carried(self, motion: CarriedMotion) -> CompositeInertia:
         """What the body before it carries: a mass at the point, if this does not turn with that body."""
-        return self if motion.turns_with_parent else Inertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
+        return self if motion.turns_with_parent else CompositeInertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
 
 
 INERTIAL = "(15)"
@@ -99,7 +99,7 @@ class _Recursions:
     def equations(self) -> TreeEquations:
         """The definitions and the terms."""
         inertias = {body.name: self._inertia(body) for body in self.bodies}
-        composites: dict[str, Inertia] = {}
+        composites: dict[str, CompositeInertia] = {}
         forces: dict[str, tuple[sp.Matrix, sp.Matrix]] = {}
         factors: dict[str, dict[str, sp.Expr]] = {}
         terms: list[Term] = []
@@ -119,15 +119,15 @@ class _Recursions:
                 terms += self._forces(row, v, f, n, composites[body.name])
         return TreeEquations((*self.own, *self.behind), tuple(term for term in terms if term.expr != 0))
 
-    def _inertia(self, body: TreeBody) -> Inertia:
+    def _inertia(self, body: TreeBody) -> CompositeInertia:
         """The inertia of a body about O in the inertial frame."""
         define, Q = TreeDefinitions(body.name, f"{body.name} inertia"), sp.Matrix(body.motion.frame)
         moment = define.vector(Family.FIRST_MOMENT, product(Q, body.moment), "first moment about O")
         tensor = _symmetric(product(product(Q, body.tensor), Q.T), define, Family.TURNED_INERTIA, "inertia about O")
         self.own += define.made
-        return Inertia(body.mass, sp.Matrix(moment), tensor)
+        return CompositeInertia(body.mass, sp.Matrix(moment), tensor)
 
-    def _composite(self, body: TreeBody, own: Inertia, of: Mapping[str, Inertia]) -> Inertia:
+    def _composite(self, body: TreeBody, own: CompositeInertia, of: Mapping[str, CompositeInertia]) -> CompositeInertia:
         """The inertia of a body with all bodies behind it, about its origin."""
         behind = self.children[body.name]
         if not behind:
@@ -149,10 +149,10 @@ class _Recursions:
         total = sp.Matrix(3, 3, lambda i, j: sp.Add(*(tensor[i, j] for tensor in tensors)))
         tensor = _symmetric(total, define, Family.COMPOSITE_INERTIA, "inertia with that behind it")
         self.behind += define.made
-        return Inertia(mass, sp.Matrix(moment), tensor)
+        return CompositeInertia(mass, sp.Matrix(moment), tensor)
 
     def _behind(
-        self, body: TreeBody, own: Inertia, of: Mapping[str, tuple[sp.Matrix, sp.Matrix]]
+        self, body: TreeBody, own: CompositeInertia, of: Mapping[str, tuple[sp.Matrix, sp.Matrix]]
     ) -> tuple[sp.Matrix, sp.Matrix]:
         """The force and the torque about O of a body and those behind it without accelerations of coordinates."""
         motion, define = body.motion, TreeDefinitions(body.name, f"{body.name} forces")
@@ -181,7 +181,7 @@ class _Recursions:
         body: TreeBody,
         row: EquationOfMotion,
         v: VirtualMotion,
-        composite: Inertia,
+        composite: CompositeInertia,
         factors: dict[str, dict[str, sp.Expr]],
     ) -> None:
         """Add the factors of the accelerations in a row of a body, and in the rows of the bodies before it."""
@@ -199,7 +199,7 @@ class _Recursions:
                 break
 
     def _forces(
-        self, row: EquationOfMotion, v: VirtualMotion, f: sp.Matrix, n: sp.Matrix, composite: Inertia
+        self, row: EquationOfMotion, v: VirtualMotion, f: sp.Matrix, n: sp.Matrix, composite: CompositeInertia
     ) -> Iterator[Term]:
         """The terms of a row besides those with accelerations of coordinates."""
         yield Term(row.name, "centrifugal and Coriolis", INERTIAL, sp.Add(dot(v.translation, f), dot(v.rotation, n)))
