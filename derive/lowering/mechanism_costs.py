@@ -23,8 +23,8 @@ stars and closed loops of 2 to 8 bodies with balls, hinges, crosses and welds) t
 faster one. In an open row of finite-element bodies with equal non-zeros of their integrals, a body with N modes and c
 constraints takes some 30 N + 40 c ns in straight-line code, and four in lanes 2.2 of that, one alone 1.4 (9 rows of 1
 to 4 bodies with 2 to 8 modes, whose measured ratios are 0.4 to 0.7 for three or four bodies, and 1.1 to 1.2 for two).
-How much straight-line code leaves the instruction cache depends on its joints: chains of five hinges take twice their time,
-eight welds 1.3 times; this is left out.
+How much straight-line code leaves the instruction cache depends on its joints: chains of five hinges take twice their
+time, eight welds 1.3 times; this is left out.
 The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
 than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
 where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +

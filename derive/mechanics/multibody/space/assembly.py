@@ -128,7 +128,7 @@ class _SpatialAssembly(SceneAssembly):
         return behind_moving_marker(
             body.name,
             support.motion,
-            before.name if carried else "",
+            other.body if carried else "",
             support.known,
             carried.rows if carried else (),
             support.own_axes,

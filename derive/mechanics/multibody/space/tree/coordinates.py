@@ -18,6 +18,7 @@ from derive.mechanics.multibody.space.frame_motion import AXES, VirtualMotion, s
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Hinge, Rows, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, Identity, owned
+from derive.mechanics.terms import Intermediate
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion
@@ -188,9 +189,9 @@ def _attitude(
     rotations: Sequence[JointCoordinate],
     ball: bool,
     define: TreeDefinitions,
-) -> tuple[list, sp.ImmutableMatrix, dict[str, sp.ImmutableMatrix]]:
+) -> tuple[list[Intermediate], sp.ImmutableMatrix, dict[str, sp.ImmutableMatrix]]:
     """The definitions of the rotation tensor of a body, the tensor, and the inertial axes of its rotations."""
-    definitions: list = []
+    definitions: list[Intermediate] = []
     if ball:
         return definitions, _own_frame(name, motion), {}
     axes: dict[str, sp.ImmutableMatrix] = {}

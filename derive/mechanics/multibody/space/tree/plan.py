@@ -61,7 +61,7 @@ def supported_bodies(scene: SpatialScene) -> dict[str, str]:
 
 
 def removed_motions(joint: SpatialJoint) -> int:
-    """The number of relative motions that a joint removes, each of which takes a multiplier; 0 if it eliminates none."""
+    """The number of relative motions that a joint removes, each of which takes a multiplier; 0 if it has to be one."""
     joint_type = SPATIAL_JOINTS[joint.kind]
     free = joint_type.free(joint)
     if free is None or joint.closes_loop or joint.first.body == joint.second.body:

@@ -2,8 +2,8 @@
 
 d'Alembert's virtual work of a body on a unit virtual displacement of row j is T_j . f + e_j . n, with the force f and
 the torque n about its origin O that its motion needs. What the bodies behind a joint need is summed up from the leaves:
-the mass, first moment and inertia of all bodies behind it (composite bodies) for the factors of the accelerations, and the
-forces and torques without these accelerations (the recursion of Newton and Euler) for the others.
+the mass, first moment and inertia of all bodies behind it (composite bodies) for the factors of the accelerations, and
+the forces and torques without these accelerations (the recursion of Newton and Euler) for the others.
 """
 
 from __future__ import annotations
