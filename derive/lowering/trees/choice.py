@@ -1,10 +1,10 @@
 """The choice between straight-line code and loops over links for trees in relative coordinates.
 
-Straight-line code of n links took 30, 44, 49, 56 ns for each of 3, 6, 10, 16 revolute links in a chain with any axes,
-and 36 ns for each of the 13 of a robot, whose axes are along each other or normal; loops took 55, 50, 50, 47 and 53 ns
-(gcc 12, -O3 -march=x86-64-v3, AMD EPYC, family 26). The compiler takes some 0.07 n^2 s for straight-line code, and 2 s
-for loops. Loops have no derivatives, so that models that need these stay in straight-line code while that is compiled
-in reasonable time.
+Straight-line code of n links took 30, 44, 49, 56 ns for each of 3, 6, 10, 16 revolute links in a chain with any axes;
+of robots, whose axes are along each other or normal, 23 ns for each of 6 links, 25 of 18, 28 to 36 of 35, and 41 of 38
+with some others. Loops took 55, 50, 50, 47 and 53 ns for chains, 38 to 45 for robots (gcc 12, -O3 -march=x86-64-v3, AMD
+EPYC, family 26). The compiler took 28 s for the straight-line code of 35 links without derivatives, and 2 s for loops.
+Loops have no derivatives, so that models that need these stay in straight-line code up to many more links.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ from derive.lowering.mechanism_costs import LONG
 from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED, joint_outputs
 from derive.lowering.trees.links import TreeLink, refusals, tree_of
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+
+MOST_SECONDS = 300.0
+"""The time (s) that the compiler may take for straight-line code with derivatives, which loops do not have."""
 
 
 def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[str] = ()) -> tuple[bool, str]:
@@ -30,10 +33,11 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
         return False, f"unrolled, for {enumeration([*functions])}"
     links = tree_of(mechanism).links
     count, along = len(links), sum(map(_is_along, links))
-    flat, looped = (count - 0.3 * along) * (29 + 1.7 * count), 30 + 45 * count
+    flat = (count - along) * (29 + 1.7 * count) + along * (20 + 0.3 * count)
+    looped = 30 + 45 * count
     times = f"predicted evaluation time of the accelerations: {flat:.0f} ns unrolled, {looped:.0f} ns looped over links"
-    seconds = 0.07 * count**2
-    if seconds > LONG:
+    seconds = (0.023 if explicit else 0.1) * count**2
+    if seconds > (LONG if explicit else MOST_SECONDS):
         return (
             True,
             f"looped over links, since straight-line code would take the compiler some {seconds:.0f} s; {times}",
