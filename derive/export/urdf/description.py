@@ -198,7 +198,7 @@ def _notes(host: HostModel) -> tuple[str, ...]:
     texts = ["initial values and gravity, which a URDF does not have", *([", ".join(left)] if left else [])]
     rigid = (body.visuals for body in scene.bodies if isinstance(body, SpatialRigidBody))
     if any(isinstance(visual.mesh, Mesh) for visuals in (*rigid, scene.ground_visuals) for visual in visuals):
-        texts.append("the files of meshes, which the description names as the specification does: beside the latter")
+        texts.append("the files of meshes, whose paths are those of the specification")
     if host.parameters:
         names = ", ".join(f"{p.name} = {p.start:g}" for p in host.parameters if p.start is not None)
         return (f"left out: {'; '.join(texts)}", f"parameters have their defaults: {names}")
