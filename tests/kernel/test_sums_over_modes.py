@@ -33,7 +33,6 @@ from derive.lowering.instances.functions.constant_modes import ConstantModes, co
 from derive.lowering.instances.loop_code.class_code import ClassCode
 from derive.lowering.instances.lower import lower_instances
 from derive.lowering.ldlt import Factorisation
-from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
 from derive.lowering.model_functions import FORMS
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.runtime.loading import load_scene
@@ -180,23 +179,6 @@ def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
 def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
     """Loops and straight-line code agree in states in which no constraint is met and all sections turn."""
     check(both(chain(max(2, len(kinds)), kinds), True))
-
-
-def test_rows_of_like_bodies_are_looped_from_three_on() -> None:
-    """With eight modes, the measured ratios of the times, loops to straight-line code, are 1.08 and 0.66."""
-
-    def chosen(scene: derive.SpatialScene) -> str | None:
-        mechanism = derive.derive(scene)
-        assert isinstance(mechanism, SpatialMechanism)
-        return estimate_mechanism_costs(mechanism).lowering if is_predicted(mechanism) else None
-
-    two, three = (chain(count, ("fixed",)) for count in (2, 3))
-    assert [chosen(two), chosen(three)] == ["flat", "instances"]
-    assert derive.lower(derive.derive(replace(three, lowering="auto")), explicit=True).lowering == "instances"
-    first, *others = three.bodies
-    assert isinstance(first, derive.FlexibleBody)
-    assert chosen(replace(three, bodies=(replace(first, body=replace(first.body, modes=2)), *others))) is None
-    assert chosen(replace(three, joints=(*three.joints, replace(three.joints[0], name="other")))) is None  # a loop
 
 
 @LATER
