@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_07310c1ddeab3341
+#ifndef BLOCK_HASH_5bf4e11f87228a96
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -4346,6 +4346,7 @@ static int block_accel_states(
         vdot[13 * all + b] = -t54;
         const double finite = t46 + t45 + (t44 + (t47 + t48)) + (t50 + t51 - t49 + (t52 - (t53 + t54)));
         double code = finite - finite; /* an acceleration is not finite */
+        failures |= tisserand_code_bits(code);
         code = pivot_pi3
             - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
         code = pivot_pi2

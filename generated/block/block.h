@@ -367,8 +367,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "07310c1ddeab3341"
-#define BLOCK_HASH_07310c1ddeab3341
+#define BLOCK_HASH "5bf4e11f87228a96"
+#define BLOCK_HASH_5bf4e11f87228a96
 
 /* ---- sizes and indices ---- */
 

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_74f39cd3351f807f
+#ifndef DOUBLE_PENDULUM_HASH_4fe9b53cd28ea280
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -771,23 +771,23 @@ int double_pendulum_marker_upper_middle(
     (void) k;
 
     /*
+     * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
+     *     rotation angle
+     */
+    const double upper_phi = q[2];
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
+
+    /*
      * upper middle (1): upper_middle_r_2 = r = X + u at middle, along e2; ...; upper_middle_sdot_2
      *     = Q rdot at middle, along e2
      */
     const double upper_alpha1 = q[3];
     const double t1 = 0.5 * upper_alpha1;
-    const double upper_phi = q[2];
-    const double upper_sin_phi = tisserand_sin(upper_phi);
     const double upper_middle_s_1 = t1 * upper_sin_phi;
     const double upper_alpha1dot = v[3];
     const double t2 = 0.5 * upper_alpha1dot;
     const double upper_middle_sdot_1 = t2 * upper_sin_phi;
-
-    /*
-     * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
-     *     rotation angle
-     */
-    const double upper_cos_phi = tisserand_cos(upper_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double upper_c1 = q[0];
@@ -928,23 +928,23 @@ int double_pendulum_marker_lower_middle(
     (void) k;
 
     /*
+     * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
+     *     rotation angle
+     */
+    const double lower_phi = q[7];
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
+
+    /*
      * lower middle (1): lower_middle_r_2 = r = X + u at middle, along e2; ...; lower_middle_sdot_2
      *     = Q rdot at middle, along e2
      */
     const double lower_alpha1 = q[8];
     const double t1 = 0.5 * lower_alpha1;
-    const double lower_phi = q[7];
-    const double lower_sin_phi = tisserand_sin(lower_phi);
     const double lower_middle_s_1 = t1 * lower_sin_phi;
     const double lower_alpha1dot = v[8];
     const double t2 = 0.5 * lower_alpha1dot;
     const double lower_middle_sdot_1 = t2 * lower_sin_phi;
-
-    /*
-     * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
-     *     rotation angle
-     */
-    const double lower_cos_phi = tisserand_cos(lower_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double lower_c1 = q[5];
@@ -3920,6 +3920,7 @@ static int double_pendulum_accel_states(
         vdot[9 * all + b] = t70;
         const double finite = t61 + t63 + (t64 + (t65 + t66)) + (t60 + t67 + (t68 + (t69 + t70)));
         double code = finite - finite; /* a result is not finite */
+        failures |= tisserand_code_bits(code);
         code = -(pivot_elbow_2
             + 5.684341886080802e-14 * t51) > 0.0 ? code : 1.0; /* the pivot of elbow_2 vanished */
         code = -(pivot_elbow_1

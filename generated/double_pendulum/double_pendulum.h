@@ -324,8 +324,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "74f39cd3351f807f"
-#define DOUBLE_PENDULUM_HASH_74f39cd3351f807f
+#define DOUBLE_PENDULUM_HASH "4fe9b53cd28ea280"
+#define DOUBLE_PENDULUM_HASH_4fe9b53cd28ea280
 
 /* ---- sizes and indices ---- */
 
@@ -561,7 +561,7 @@ int double_pendulum_marker_upper_left(
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
  *
- * From (1), (26).
+ * From (26), (1).
  * 19 operations.
  */
 int double_pendulum_marker_upper_middle(
@@ -627,7 +627,7 @@ int double_pendulum_marker_lower_left(
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
  *
- * From (1), (26).
+ * From (26), (1).
  * 19 operations.
  */
 int double_pendulum_marker_lower_middle(

@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "74f39cd3351f807f"
+HASH = "4fe9b53cd28ea280"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -1053,7 +1053,7 @@ def marker_upper_middle(q, v, k):
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
 
-    From (1), (26).
+    From (26), (1).
     19 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
@@ -1079,17 +1079,17 @@ def _marker_upper_middle(q, v, k, xp=_NUMBERS, batch=_SINGLE):
     upper_phidot = v[2]
     upper_alpha1dot = v[3]
 
-    # upper middle (1): upper_middle_r_2 = r = X + u at middle, along e2; ...; upper_middle_sdot_2 =
-    #     Q rdot at middle, along e2
-    t1 = 0.5 * upper_alpha1
-    upper_sin_phi = xp.sin(upper_phi)
-    upper_middle_s_1 = t1 * upper_sin_phi
-    t2 = 0.5 * upper_alpha1dot
-    upper_middle_sdot_1 = t2 * upper_sin_phi
-
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
     upper_cos_phi = xp.cos(upper_phi)
+    upper_sin_phi = xp.sin(upper_phi)
+
+    # upper middle (1): upper_middle_r_2 = r = X + u at middle, along e2; ...; upper_middle_sdot_2 =
+    #     Q rdot at middle, along e2
+    t1 = 0.5 * upper_alpha1
+    upper_middle_s_1 = t1 * upper_sin_phi
+    t2 = 0.5 * upper_alpha1dot
+    upper_middle_sdot_1 = t2 * upper_sin_phi
 
     # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = upper_c1 + upper_middle_s_1
@@ -1267,7 +1267,7 @@ def marker_lower_middle(q, v, k):
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
 
-    From (1), (26).
+    From (26), (1).
     19 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
@@ -1293,17 +1293,17 @@ def _marker_lower_middle(q, v, k, xp=_NUMBERS, batch=_SINGLE):
     lower_phidot = v[7]
     lower_alpha1dot = v[8]
 
-    # lower middle (1): lower_middle_r_2 = r = X + u at middle, along e2; ...; lower_middle_sdot_2 =
-    #     Q rdot at middle, along e2
-    t1 = 0.5 * lower_alpha1
-    lower_sin_phi = xp.sin(lower_phi)
-    lower_middle_s_1 = t1 * lower_sin_phi
-    t2 = 0.5 * lower_alpha1dot
-    lower_middle_sdot_1 = t2 * lower_sin_phi
-
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
     lower_cos_phi = xp.cos(lower_phi)
+    lower_sin_phi = xp.sin(lower_phi)
+
+    # lower middle (1): lower_middle_r_2 = r = X + u at middle, along e2; ...; lower_middle_sdot_2 =
+    #     Q rdot at middle, along e2
+    t1 = 0.5 * lower_alpha1
+    lower_middle_s_1 = t1 * lower_sin_phi
+    t2 = 0.5 * lower_alpha1dot
+    lower_middle_sdot_1 = t2 * lower_sin_phi
 
     # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = lower_c1 + lower_middle_s_1
