@@ -31,6 +31,7 @@ from derive.mechanics.terms import (
     OutputEquation,
     ParameterSymbol,
     Pose,
+    Reason,
     SpatialPose,
     Term,
 )
@@ -154,7 +155,8 @@ class Gathered:
     """The contributions to the equations of a mechanism besides those of its instances.
 
     doc, frame_doc: the description for users of the code; terms, potentials: those of the forces; definitions: those of
-    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs; trees: their bodies.
+    joints and forces; coefficients: those of dampings; of_outputs: the coefficients of outputs; trees: their bodies;
+    mass_zeros: zeros of M between bodies, with the reasons.
     """
 
     doc: str
@@ -168,6 +170,7 @@ class Gathered:
     coefficients: tuple[ModelConstant, ...] = ()
     of_outputs: tuple[ModelConstant, ...] = ()
     trees: tuple[TreeBody, ...] = ()
+    mass_zeros: tuple[tuple[str, str, Reason], ...] = ()
 
 
 def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of: Gathered) -> Equations:
@@ -212,7 +215,7 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         terms=terms,
         vanished=tuple(v for b in bodies for v in b.vanished),
         mass=mass_matrix(rows, terms),
-        mass_zeros=tuple((number[i], number[j], why) for b in bodies for i, j, why in b.mass_zeros),
+        mass_zeros=tuple(_zeros(chain(*(b.mass_zeros for b in bodies), of.mass_zeros), number)),
         kinetic_energy=kinetic,
         strain_energy=strain + summed(of.potentials),
         weight_energy=weight if scene.gravity else None,
@@ -227,6 +230,13 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
         trees=of.trees,
         eliminated=(*mechanism.eliminated, *carried(instances, moving)),
     )
+
+
+def _zeros(named: Iterable[tuple[str, str, Reason]], number: Mapping[str, int]) -> Iterator[tuple[int, int, Reason]]:
+    """Zeros of the mass matrix by the numbers of their rows, in the lower triangle."""
+    for first, second, why in named:
+        i, j = sorted((number[first], number[second]), reverse=True)
+        yield i, j, why
 
 
 INSTANTS = (sp.S.Zero, sp.Rational(5, 11), sp.Rational(-13, 9), sp.Rational(17, 3))

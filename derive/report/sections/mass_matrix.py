@@ -219,9 +219,11 @@ def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
 
 def mass_blocks(equations: Equations, matrix: MassPattern, notation: Notation) -> tuple[Block, ...]:
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
+    full = len(matrix.entries) == matrix.size**2
+    zeros = "" if full else "The other entries are zero in every state, for the reasons in the table below. "
     words = (
-        f"{matrix.count} entries are structural non-zeros. The other entries are zero in every state, for the reasons "
-        "in the table below. The matrix is symmetric, and the code stores its lower triangle."
+        f"{matrix.count} entries are structural non-zeros. {zeros}The matrix is symmetric, and the code stores "
+        "its lower triangle."
     )
     shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
     expanded = not isinstance(equations, IndexedEquations)

@@ -196,6 +196,7 @@ class SpatialMechanism(InstancesOfKinds):
             coefficients=tuple(constant for damping in self.dampings for constant in damping.constants),
             of_outputs=of_outputs,
             trees=bodies,
+            mass_zeros=tree.mass_zeros,
         )
         return equations_of_mechanism(self, instances, contributions)
 

@@ -18,7 +18,7 @@ from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, identity, owned
 from derive.mechanics.tables import PAIRS
-from derive.mechanics.terms import Intermediate, Term
+from derive.mechanics.terms import Intermediate, Reason, Term
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.space.frame_motion import VirtualMotion
@@ -44,16 +44,18 @@ class CompositeInertia:
         return self if motion.turns_with_parent else CompositeInertia(self.mass, sp.zeros(3, 1), sp.zeros(3, 3))
 
 
+BRANCHES = "they are motions of joints on different branches of a tree"
 INERTIAL = "(15)"
 """The equation of all terms of a tree; those of loads on its bodies have another one."""
 
 
 @dataclass(frozen=True)
 class TreeEquations:
-    """The contribution of a tree to the equations of motion: its definitions, and the terms of all rows."""
+    """The contribution of a tree to the equations of motion: its definitions, the terms of all rows, and zeros of M."""
 
     definitions: tuple[Intermediate, ...]
     terms: tuple[Term, ...]
+    mass_zeros: tuple[tuple[str, str, Reason], ...]
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,17 @@ class _Recursions:
             f, n = forces[body.name]
             for row, v in zip(body.motion.own_rows, body.motion.own_virtual, strict=True):
                 terms += self._forces(row, v, f, n, composites[body.name])
-        return TreeEquations((*self.own, *self.behind), tuple(term for term in terms if term.expr != 0))
+        kept = tuple(term for term in terms if term.expr != 0)
+        return TreeEquations((*self.own, *self.behind), kept, tuple(self._zeros()))
+
+    def _zeros(self) -> Iterator[tuple[str, str, Reason]]:
+        """The pairs of rows that move no body together, with the reason."""
+        every = [(row.name, body) for body in self.bodies for row in body.motion.own_rows]
+        moving = {body.name: {row.name for row in body.motion.rows} for body in self.bodies}
+        for number, (row, body) in enumerate(every):
+            for other, of in every[:number]:
+                if other not in moving[body.name] and row not in moving[of.name]:
+                    yield row, other, Reason(identity=BRANCHES)
 
     def _inertia(self, body: TreeBody) -> CompositeInertia:
         """The inertia of a body about O in the inertial frame."""
