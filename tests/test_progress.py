@@ -61,7 +61,7 @@ def test_progress(
 def test_an_error_replaces_the_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def failing(path: Path, announce: Callable[[str], None], sensitivities: bool) -> None:
+    def failing(path: Path, announce: Callable[[str], None], *options: object) -> None:
         announce("lowering to kernels")
         raise TisserandError("the message")
 

@@ -20,8 +20,8 @@ from derive.spec.toml.read import parse
 ROOT = Path(__file__).parents[1]
 HOSTILE = "<script>alert(1)</script>"
 DEFAULTS = (object.__repr__, dict.__repr__)
-ELSEWHERE = {"Role"}
-"""Public types whose text Python makes: that of an Enum is its name."""
+ELSEWHERE = {"Role", "RequestedFunctions"}
+"""Public types whose text Python makes: that of an Enum is its name, and a base class has no objects of its own."""
 
 
 def own_text(of: type) -> bool:
@@ -35,7 +35,7 @@ def test_every_public_type_has_a_text_of_its_own() -> None:
     types = {name: of for name in derive.__all__ if isinstance(of := getattr(derive, name), type)}
     missing = {name for name, of in types.items() if not issubclass(of, Exception) and not own_text(of)}
     # what has a few short fields of its own is listed by its dataclass
-    assert missing <= {"Parameter", "MarkerRef"} | ELSEWHERE
+    assert missing <= {"Parameter", "MarkerRef", "DrivingForces"} | ELSEWHERE
 
 
 def parts(value: Any) -> Iterator[Any]:

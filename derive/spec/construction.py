@@ -57,6 +57,7 @@ from derive.spec.model.spatial_forces import (
 )
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.specification import Specification, check_specification
+from derive.spec.model.visuals import Visual
 from derive.spec.parsing.names import element_name_problem
 from derive.spec.tables.sections import OF_SCENE
 
@@ -300,11 +301,15 @@ def _scene(of: type[AnyOf], given: Mapping[str, Any]) -> AnyOf:
     if isinstance(given["name"], Mapping):
         data = {key: named(key, table) if key in NAMED else table for key, table in given["name"].items()}
     else:
-        markers = named("ground", given["ground"])
+        visuals = as_table(tuple(given.get("ground_visuals", ())))
+        ground = {
+            **({"markers": markers} if (markers := named("ground", given["ground"])) else {}),
+            **({"visuals": visuals} if visuals else {}),
+        }
         of_scene = without_none(**{key: given[key] for key in OF_SCENE if key in given})
         data = {
             "name": given["name"],
-            **({"ground": {"markers": markers}} if markers else {}),
+            **({"ground": ground} if ground else {}),
             **({"scene": of_scene} if of_scene else {}),
             "bodies": named("bodies", given["bodies"]),
             **{kind: table for kind in NAMED if kind in given and (table := named(kind, given[kind]))},
@@ -320,6 +325,7 @@ def spatial_scene(
     name: str | Table,
     *,
     ground: Named[FrameMarker] | Mapping[str, Sequence[Constant]] = (),
+    ground_visuals: Sequence[Visual | Table] = (),
     gravity: Sequence[Constant] | None = None,
     start: str | None = None,
     lowering: str | None = None,
@@ -347,6 +353,7 @@ def spatial_scene(
     Arguments:
         name: the name of the model; or, alone, the tables of a whole TOML file as one mapping.
         ground: the markers of the inertial frame: three coordinates, m, or tables with the keys `at` and `rotation`.
+        ground_visuals: what pictures show of the ground, such as {"box": [1, 1, 0.1]}.
         gravity: three components, m/s^2.
         start: "equilibrium", "steady", or None for the initial values of bodies and joints.
         lowering: "flat", "instances" or, by default, "auto".

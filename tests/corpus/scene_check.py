@@ -71,10 +71,13 @@ def derived_once() -> Iterator[None]:
             derived[key] = equations(spec)
         return derived[key]
 
-    def lower(of: Any, sensitivities: bool = False, explicit: bool = False) -> Any:
-        key = id(of), sensitivities, explicit
+    def lower(of: Any, sensitivities: bool = False, explicit: bool = False, functions: Any = ()) -> Any:
+        key = id(of), sensitivities, explicit, tuple(functions)
         if key not in lowered:
-            lowered[key] = of, kernels(of, sensitivities, explicit)  # `of` is kept, so that its id is
+            lowered[key] = (
+                of,
+                kernels(of, sensitivities, explicit, functions=functions),
+            )  # keeps id(of)
         return lowered[key][1]
 
     with pytest.MonkeyPatch.context() as patch:

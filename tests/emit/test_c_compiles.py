@@ -126,7 +126,7 @@ def test_a_model_of_many_shapes_compiles(tmp_path: Path) -> None:
     made = beams.made("point", 12)
     (source,) = written(made.files, tmp_path)
     run(tool("gcc"), *C99, "-fsyntax-only", source)
-    assert sum(len(file.text) for file in made.files) < 540_000
+    assert sum(len(file.text) for file in made.files) < 545_000
 
 
 def test_headers_of_different_interfaces_refuse_each_other(tmp_path: Path) -> None:

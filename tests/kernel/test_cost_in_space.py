@@ -82,7 +82,7 @@ def test_markers_have_no_rounding_errors(flexible: Model) -> None:
 
 def test_three_rigid_bodies_take_pairs(tmp_path: Path) -> None:
     """Translations of the rod and of the slider leave the system with the constraints that determine them."""
-    text = EXAMPLE.read_text()
+    text = EXAMPLE.read_text().replace("[scene]", '[scene]\ncoordinates = "absolute"')
     start, end = text.index("[bodies.rod]"), text.index("[bodies.slider]")
     path = tmp_path / "rigid.toml"
     path.write_text(text[:start] + RIGID_ROD + text[end:])

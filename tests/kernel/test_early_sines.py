@@ -105,10 +105,10 @@ def test_batches_of_a_chain_have_the_bits_of_single_states(width: int, monkeypat
 
 
 def test_bodies_of_a_chain_have_early_sines() -> None:
-    """The sines of first bodies come first; the loops of the ends and of both sides compute those of the next body."""
+    """The sines of first bodies come first; the loops of an end and of both sides compute those of the next body."""
     nodes = batch(looped("chain_10").kernel("accel")).nodes
     first = [node for node in nodes if isinstance(node, Sines)]
     ahead = [node for node in every(nodes) if isinstance(node, If)]
-    assert len(ahead) == 3
-    assert len(sines_of(nodes)) == len(first) + 3
+    assert len(ahead) == 2
+    assert len(sines_of(nodes)) == len(first) + 2
     assert all(node.rows for node in sines_of(nodes))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -22,6 +23,7 @@ from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.lowering.instances.lower import lower_instances
 from derive.runtime.compiler import CompilerError
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import parse
 
 BEAM = """
@@ -128,6 +130,8 @@ FUNCTIONS = {f: getattr(mpmath, f) for f in ("sin", "cos", "sqrt", "exp", "log",
 def made(name: str) -> tuple[Model, tuple[derive.File, ...], Any]:
     scene = name.removeprefix("looped ")
     spec, lowered = SCENES[scene](), derive.lower if name == scene else lower_instances
+    if lowered is lower_instances and isinstance(spec, SpatialScene):
+        spec = replace(spec, coordinates="absolute")
     model = lowered(derive.derive(spec), sensitivities=True)
     files = emit(model, spec)
     return model, files, derive.load(files, QUICK)
@@ -154,9 +158,9 @@ def exact(model: Model, pu: np.ndarray, given: dict[str, Any]) -> np.ndarray:
         p, u = pu[: len(model.parameters)], pu[len(model.parameters) :]
         k = interpret(model.kernel("setup"), {"p": p}, **settings)["k"]
         dynamics = value("residual", "F")[nq : nq + nv]
-        if not n:
+        if not model.bodies:
             return np.array(dynamics)
-        bias = value("residual_index1", "F")[-n:]
+        bias = value("residual_index1", "F")[-n:] if n else []
         outputs = value("outputs", "out") if model.outputs else []
         return np.array([*dynamics, *value("constraints", "g"), *value("constraint_rates", "gdot"), *bias, *outputs])
 

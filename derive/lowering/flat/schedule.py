@@ -97,13 +97,14 @@ def schedule(
     located = [(step, [(item, node) for item in step.items if (node := next(nodes)) is not None]) for step in every]
     results = [node for _, items in located for item, node in items if _is_result(item)]
     needed = _uses(graph, results)
+    pairs = [pair for _, items in located for pair in items]
+    used = {"", *(item.name for item, node in pairs if isinstance(item, NamedValue) and needed[node])}
     for _, items in located:
-        unused = {item.name for item, node in items if isinstance(item, NamedValue) and not needed[node]}
         items[:] = [
             (item, node)
             for item, node in items
             if not (
-                isinstance(item, RequiredValue) and (item.needed_by in unused or _moved_to_setup(graph, item, node))
+                isinstance(item, RequiredValue) and (item.needed_by not in used or _moved_to_setup(graph, item, node))
             )
         ]
     writer = _Writer(
