@@ -107,6 +107,12 @@ class Symbols:
             return ca.SX(int(value))
         return self._exact(value)
 
+    def divisor(self, expr: sp.Expr) -> ca.SX:
+        """The CasADi value of an expression that may divide: CasADi would round the quotients of whole numbers."""
+        if expr.is_Rational and expr.q == 1 and abs(expr.p) > 1:
+            return self._exact(Fraction(int(expr.p)))
+        return self(expr)
+
     def _exact(self, value: Fraction) -> ca.SX:
         """A symbol for a number, because CasADi rounds constants, for example in the derivative of x / 10."""
         if value not in self._numbers:

@@ -208,7 +208,9 @@ def kkt_entries(context: Context, symbols: Symbols) -> dict[tuple[int, int], ca.
     """The entries of the lower triangle of the KKT matrix by row and column."""
     n = len(context.rows)
     entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
-    return entries | {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
+    column = {name: j for j, name in enumerate(context.rows)}
+    every = enumerate(context.equations.constraints)
+    return entries | {(n + i, column[row]): -symbols.divisor(factor) for i, c in every for row, factor in c.jacobian}
 
 
 def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
