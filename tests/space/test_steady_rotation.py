@@ -154,7 +154,8 @@ def test_the_flyball_governor() -> None:
     model = flyball_governor()
     rates = (GOVERNOR_SPEED, 0, 0)
     at = fsolve(lambda x: model.accelerations((0, *x), rates)[1:], GOVERNOR_START[1:], xtol=1e-13)
-    result = modes(replace(parse(steady(flyball_governor_scene(keep=False))), coordinates="absolute"))
+    scene = parse(steady(flyball_governor_scene(keep=False)))
+    result, relative = (modes(replace(scene, coordinates=form)) for form in ("absolute", "relative"))
     assert result.linear.q[result.native.coordinates.index("slider_c3")] == pytest.approx(at[1], abs=1e-9)
     step, A = 1e-5, np.zeros((5, 5))  # the states: both coordinates, and all three rates
     A[:2, 3:] = np.eye(2)
@@ -165,11 +166,12 @@ def test_the_flyball_governor() -> None:
         behind[j] -= step
         slopes = [model.accelerations((0, *x[:2]), x[2:]) for x in (ahead, behind)]
         A[2:, j] = (slopes[0] - slopes[1]) / (2 * step)
-    found = np.array([mode.eigenvalue for mode in result.modes])
+    found, other = (np.array([mode.eigenvalue for mode in of.modes]) for of in (result, relative))
     known = [x for x in sorted(eigvals(A), key=abs)[1:] if x.imag >= 0]  # the first one is that of a faster rotation
     assert len(known) == 3  # rods that move against each other are not in the model
     for value in known:
         assert np.abs(found - value).min() < 1e-5 * abs(value)
+        assert np.abs(other - value).min() < 1e-5 * abs(value)
 
 
 # ---- a flexible rod
