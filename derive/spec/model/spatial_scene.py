@@ -258,7 +258,7 @@ class SpatialScene:
             "joints that close loops are constraints), absolute (position and quaternion; all joints are constraints), "
             "or auto (relative, but absolute for loops over instances and for trees of very many bodies).",
             default="auto",
-            choice_of="the coordinates of a scene",
+            choice_of="the choice of coordinates",
         ),
     ] = "auto"
     _repr_html_ = html
