@@ -34,7 +34,7 @@ tests: $(VENV)/installed-test
 	MAKEFLAGS= $(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
 
 test-long: $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m long
+	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m "long and not hosts"
 
 test-hosts: $(VENV)/installed-hosts
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
