@@ -66,9 +66,10 @@ def _selected(body: NodalBody) -> SelectedModes:
     if not body.interface_markers and not len(wanted):
         text = f"the first natural frequency, {full[0]:.5g} Hz, is above up_to; write modes = 0 for a rigid body"
         raise SpecError((Problem("body.modes", text),))
+    statics = _modes(replace(body, modes=static), static).static  # not those orthogonal to modes of vibration
     last, tried = most - static, 0 if body.interface_markers else len(wanted)
     while True:  # twice as many modes of vibration each time; those that suffice are then counted by bisection
-        modes = _modes(replace(body, modes=static + min(tried + 1, last)), static)
+        modes = ComponentModes(statics, _modes(replace(body, modes=static + min(tried + 1, last)), static).vibration)
         errors = _errors(body, modes, tried, wanted)
         if errors.largest <= wish.error:
             break

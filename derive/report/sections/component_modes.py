@@ -17,9 +17,9 @@ from derive.spec.model.specification import AnyScene
 TEXT = (
     "Static modes are deformations by loads or displacements of the interface; vibration modes are natural modes. "
     "Combined and orthonormalised, each mode counts by the larger part of its strain energy. Its frequency is that of "
-    "the free body by these modes; beside it is that by the full mass and stiffness matrices, the limit for many modes. "
-    "Deflections are those at unit forces and moments of the interface, balanced by the inertia forces of a rigid "
-    "acceleration, without the mean displacement and rotation of the body."
+    "the free body by these modes; beside it is that by the full mass and stiffness matrices, the limit for many "
+    "modes. Deflections are those at unit forces and moments of the interface, balanced by the inertia forces of a "
+    "rigid acceleration, without the mean displacement and rotation of the body."
 )
 
 
