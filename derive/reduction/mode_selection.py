@@ -26,6 +26,10 @@ EQUAL = 1e-6
 """The relative difference of two frequencies that count as one: both modes are kept, or neither."""
 
 
+FIRST = 6
+"""The number of frequencies that are compared where no limit is given."""
+
+
 @dataclass(frozen=True, eq=False)
 class SelectedModes:
     """The number of modes that were selected, `static` of which are static modes of the interface.
@@ -115,3 +119,36 @@ def _out_of_reach(body: NodalBody, wish: ModeSelection, most: int, errors: ModeE
     return Problem(
         "body.modes", f"{most} modes still have an error of {errors.largest:.2g}, not {wish.error:g}; {hint}"
     )
+
+
+@dataclass(frozen=True, eq=False)
+class ModeConvergence:
+    """The errors of the first modes of a body, for several numbers of them.
+
+    frequencies: those of the full matrices that are compared (Hz). errors: one for each of `counts`.
+    """
+
+    counts: tuple[int, ...]
+    frequencies: Array
+    errors: tuple[ModeErrors, ...]
+
+
+def mode_convergence(body: NodalBody) -> ModeConvergence:
+    """The errors of the static modes of an interface with more and more modes of vibration, up to all that are used.
+
+    The frequencies that are compared are those up to the limit of a selection, or else the first six.
+    """
+    mass = canonical_csr(body.data.mass)
+    most = max_elastic_modes(mass, RIGID_MOTIONS, body.rigid_sets)
+    if isinstance(body.modes, ModeSelection):
+        full = full_frequencies(body, body.modes.up_to, most)
+        wanted = full[full <= body.modes.up_to]
+    else:
+        wanted = full_frequencies(body, np.inf, min(FIRST, most) - 1)
+    used = with_selected_modes(body)
+    assert isinstance(used.modes, int)
+    static = static_mode_count(body.component_modes or "free", body.interface_markers)
+    statics, vibration = _modes(replace(used, modes=static), static).static, _modes(used, static).vibration
+    modes, steps = ComponentModes(statics, vibration), range(used.modes - static + 1)
+    errors = tuple(_errors(body, modes, count, wanted) for count in steps)
+    return ModeConvergence(tuple(static + count for count in steps), wanted, errors)
