@@ -85,8 +85,6 @@ def spatial_body(draws: Draws, name: str) -> Parts:
         least = {"free": 1, "craig_bampton": 3, "attachment": 9}[kind]
         body |= {"component_modes": kind, "modes": least + draws.whole(0, 1)}
         body |= {} if kind == "free" else {"interface": [*body["markers"]]}
-        if "units" not in body or body["units"] == "SI":
-            _select(body, Draws(f"selected modes {name}"))
     if draws.chance(0.5):
         form = draws.choice(["ratio", "mass", "stiffness"])
         body["damping"] = {form: {"ratio": 0.01, "mass": 2, "stiffness": 1e-6}[form]}
@@ -109,9 +107,3 @@ def spatial_body(draws: Draws, name: str) -> Parts:
     if draws.chance(0.4):
         tables["plots"] = {"spin": {"y": ["omega1", "omega2"]}}
     return tables, files
-
-
-def _select(body: Table, draws: Draws) -> None:
-    """Have the modes of some bodies selected by an error, apart from the other draws so that these stay."""
-    if draws.chance(0.4):
-        body["modes"] = {"error": 0.2, "up_to": 2500}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
@@ -32,7 +33,7 @@ def truss(kind: str, modes: float | int) -> NodalBody:
     return of_scene(body)
 
 
-def of_scene(table: dict[str, object]) -> NodalBody:
+def of_scene(table: Mapping[str, object]) -> NodalBody:
     """The body of nodes that a table in a scene describes."""
     (body,) = derive.spatial_scene("scene", bodies={"truss": table}).bodies
     assert isinstance(body, FlexibleBody)
