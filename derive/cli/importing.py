@@ -44,18 +44,18 @@ def run(options: argparse.Namespace) -> int:
     imported = _part(options) if part else _robot(options)
     target: Path = options.out or Path(f"{imported.name}.toml")
     targets = [target] if imported.nodes is None else [nodes_file(target), target]
-    for file in targets:
-        if os.path.lexists(file):
-            raise ForeignFile(f"{file}: this file exists and is left alone; give another file with --out")
+    for path in targets:
+        if os.path.lexists(path):
+            raise ForeignFile(f"{path}: this file exists and is left alone; give another file with --out")
     size = len(imported.text) + len(imported.nodes or b"")
     check_folder([File(target.name, "")], target.parent, size)
     target.parent.mkdir(parents=True, exist_ok=True)  # paths of meshes lead through it
     if imported.nodes is not None:
-        with nodes_file(target).open("xb") as file:
-            file.write(imported.nodes)
+        with nodes_file(target).open("xb") as nodes:
+            nodes.write(imported.nodes)
     parse(imported.text, str(target))
-    with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
-        file.write(imported.text)
+    with target.open("x", encoding="utf-8") as text:  # another process may have made it meanwhile
+        text.write(imported.text)
     written = [str(file) for file in targets]
     if options.json:
         notes = {"specification": str(target), "files": written, "notes": list(imported.notes)}
