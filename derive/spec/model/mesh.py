@@ -20,6 +20,7 @@ class ElementKind(Enum):
     TET10 = "tet10"
     HEX8 = "hex8"
     HEX20 = "hex20"
+    HEX27 = "hex27"
     WEDGE6 = "wedge6"
     WEDGE15 = "wedge15"
 
