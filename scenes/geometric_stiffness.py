@@ -23,6 +23,7 @@ from skfem import Basis
 
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables
 from derive.solids.element_shapes import element_shape
+from derive.solids.stresses import SolidMesh
 from derive.spec.model.mesh import ElementKind, Elements, Material, Mesh
 
 MARKERS = (0, 127, 247)  # of block.toml
@@ -46,7 +47,9 @@ def stiffened_block() -> dict[str, np.ndarray]:
     unsorted = brick_mesh(basis, block.YOUNG, block.POISSON)
     elements = [replace(e, nodes=np.argsort(order)[e.nodes]) for e in unsorted.elements]
     mesh, respond = replace(unsorted, elements=tuple(elements)), free_response(*made)
-    return arrays | geometric_stiffness_tables(mesh, made.positions, made.mass, arrays["modes"], MARKERS, respond)
+    return arrays | geometric_stiffness_tables(
+        SolidMesh(mesh, made.positions), made.mass, arrays["modes"], MARKERS, respond
+    )
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from derive.reduction.component_modes import inertia_relief
 from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
 from derive.reduction.frames import from_centre_of_mass, rigid_basis
 from derive.solids.stress_work import stress_work
-from derive.spec.model.mesh import Mesh
+from derive.solids.stresses import SolidMesh
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The axes of the products w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3 of K0omega."""
@@ -53,16 +53,16 @@ def free_response(
 
 
 def geometric_stiffness_tables(
-    mesh: Mesh, x: Array, mass: csr_array, phi: Array, nodes: Sequence[int], respond: Response
+    solid: SolidMesh, mass: csr_array, phi: Array, nodes: Sequence[int], respond: Response
 ) -> dict[str, Array]:
     """K0t, K0r (3, N, N), K0omega (6, N, N), K0F (K, 3, N, N) and K0F_nodes (K,) of modes phi (N, nodes, 3).
 
-    x (nodes, 3), m; mass (nodes, nodes). nodes: those of K0F.
+    mass (nodes, nodes). nodes: those of K0F.
     """
-    m, axes = mass_of_displacements(mass), np.eye(3)
+    x, m, axes = solid.x, mass_of_displacements(mass), np.eye(3)
 
     def of_loads(loads: Array) -> Array:
-        return stress_work(mesh, x, respond(loads).reshape(len(loads), *x.shape), phi)
+        return stress_work(solid, respond(loads).reshape(len(loads), *x.shape), phi)
 
     def of_accelerations(fields: list[Array]) -> Array:
         return of_loads(np.array([-(m @ field.ravel()) for field in fields]))

@@ -3,13 +3,12 @@
 The shape functions of a kind are the polynomials with the monomials of its table that are 1 at one node and 0 at the
 others, so that a table of nodes and of exponents is all that a kind needs. Nodes are in the order of VTK.
 
-Stresses at nodes are computed as CalculiX does: a polynomial is fitted to the stresses at the points of integration
-(exactly where there are as many points as coefficients) and evaluated at corners; nodes between corners have the mean
-of these. What several elements have at a node is averaged.
+Stresses at nodes are computed as CalculiX does: a polynomial is fitted to the stresses at the points of integration,
+and evaluated at the nodes. What several elements have at a node is averaged.
 
-**Points.** Bricks of 20 nodes have the eight points of reduced integration, at which their stresses are most accurate,
-whether the program integrated their stiffness there (C3D20R) or at 27 points. The others have those of their stiffness
-in CalculiX, and bricks of 27 nodes 64, which integrate products of a stress and two gradients exactly.
+**Points** are those of the stiffness in CalculiX, with which the stresses of unit loads do the work of the second-order
+displacements to rounding. Bricks of 20 nodes have eight (reduced integration, C3D20R), or 27 (full, C3D20), and those
+of 27 nodes 64, which integrate products of a stress and two gradients exactly.
 """
 
 from __future__ import annotations
@@ -49,8 +48,8 @@ class ElementShape:
     """A kind of element in its own coordinates.
 
     corners: the number of its corners, which are its first nodes. nodes (n, 3). faces: by their corners, with normals
-    that point outwards. points (P, 3), weights (P,): the rule of integration. gradients (P, n, 3): of the shape
-    functions at the points. extrapolation (n, P): the factors of values at the points in those at the nodes.
+    that point outwards. points (P, 3), weights (P,): the rule of integration. values (P, n), gradients (P, n, 3): of
+    the shape functions at the points. extrapolation (n, P): the factors of values at the points in those at the nodes.
     vtk: the number of its cell type.
     """
 
@@ -59,25 +58,25 @@ class ElementShape:
     nodes: Array
     points: Array
     weights: Array
+    values: Array
     gradients: Array
     extrapolation: Array
     vtk: int
 
 
 @cache
-def element_shape(kind: ElementKind) -> ElementShape:
-    """The tables of a kind of element."""
+def element_shape(kind: ElementKind, full: bool = False) -> ElementShape:
+    """The tables of a kind of element. full: whether bricks of 20 nodes have 27 points of integration."""
     corners, edges, faces = _solid(kind)
     nodes = np.array([*corners, *_middles(corners, edges if kind.node_count > len(corners) else ())], dtype=np.float64)
     if kind is ElementKind.HEX27:
         nodes = np.concatenate([nodes, [np.mean([CUBE[i] for i in face], axis=0) for face in CUBE_FACES], [[0, 0, 0]]])
-    exponents, (points, weights), fit, vtk = _tables(kind)
-    coefficients = np.linalg.inv(_monomials(exponents, nodes))
-    gradients = np.stack([_monomials(exponents, points, axis) @ coefficients for axis in range(3)], axis=-1)
-    of_corners = _monomials(fit, nodes[: len(corners)]) @ np.linalg.pinv(_monomials(fit, points))
-    linear, _, _, _ = _tables(_linear(kind))
-    between = _monomials(linear, nodes) @ np.linalg.inv(_monomials(linear, nodes[: len(corners)]))
-    return ElementShape(len(corners), faces, nodes, points, weights, gradients, between @ of_corners, vtk)
+    exponents, (points, weights), fit, vtk = _tables(kind, full)
+    coefficients = np.linalg.inv(monomials(exponents, nodes))
+    values = monomials(exponents, points) @ coefficients
+    gradients = np.stack([monomials(exponents, points, axis) @ coefficients for axis in range(3)], axis=-1)
+    extrapolation = monomials(fit, nodes) @ np.linalg.pinv(monomials(fit, points))
+    return ElementShape(len(corners), faces, nodes, points, weights, values, gradients, extrapolation, vtk)
 
 
 def _solid(kind: ElementKind) -> tuple[tuple[tuple[int, ...], ...], ...]:
@@ -91,18 +90,7 @@ def _solid(kind: ElementKind) -> tuple[tuple[tuple[int, ...], ...], ...]:
             return CUBE, CUBE_EDGES, CUBE_FACES
 
 
-def _linear(kind: ElementKind) -> ElementKind:
-    """The kind that has the corners of another alone."""
-    match kind:
-        case ElementKind.TET4 | ElementKind.TET10:
-            return ElementKind.TET4
-        case ElementKind.WEDGE6 | ElementKind.WEDGE15:
-            return ElementKind.WEDGE6
-        case ElementKind.HEX8 | ElementKind.HEX20 | ElementKind.HEX27:
-            return ElementKind.HEX8
-
-
-def _tables(kind: ElementKind) -> tuple[Exponents, Rule, Exponents, int]:
+def _tables(kind: ElementKind, full: bool) -> tuple[Exponents, Rule, Exponents, int]:
     """The monomials of the shape functions, the points, the monomials that are fitted to stresses, the cell of VTK."""
     match kind:
         case ElementKind.TET4:
@@ -112,7 +100,7 @@ def _tables(kind: ElementKind) -> tuple[Exponents, Rule, Exponents, int]:
         case ElementKind.HEX8:
             return _each(1), _gauss(2), _each(1), 12
         case ElementKind.HEX20:
-            return _serendipity(), _gauss(2), _each(1), 25
+            return _serendipity(), _gauss(3 if full else 2), _serendipity() if full else _each(1), 25
         case ElementKind.HEX27:
             return _each(2), _gauss(4), _each(1), 29
         case ElementKind.WEDGE6:
@@ -145,7 +133,7 @@ def _prism(degree: int, along: int) -> Exponents:
     )
 
 
-def _monomials(exponents: Exponents, x: Array, derived: int | None = None) -> Array:
+def monomials(exponents: Exponents, x: Array, derived: int | None = None) -> Array:
     """The monomials at points x (P, 3), or their derivatives along an axis, (P, monomials)."""
     powers = np.array(exponents)
     factors = np.ones(len(powers))

@@ -5,21 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from derive.solids.element_shapes import Array
-from derive.solids.stresses import COMPONENTS, element_points
-from derive.spec.model.mesh import Mesh
+from derive.solids.stresses import COMPONENTS, SolidMesh, element_points
 
 MAX_PRODUCTS = 4_000_000
 """Products of gradients that are in memory at a time."""
 
 
-def stress_work(mesh: Mesh, x: Array, displacements: Array, phi: Array) -> Array:
+def stress_work(solid: SolidMesh, displacements: Array, phi: Array) -> Array:
     """The matrices K0_ij = int sigma : (grad Phi_i^T grad Phi_j), (L, N, N), of modes phi (N, nodes, 3).
 
-    sigma is the stress of each of the displacements (L, nodes, 3), m, of the mesh with nodes at x (nodes, 3).
+    sigma is the stress of each of the displacements (L, nodes, 3), m.
     """
     count, (first, second) = len(phi), np.triu_indices(len(phi))
     result = np.zeros((len(displacements), len(first)))
-    for part in element_points(mesh, x):
+    for part in element_points(solid):
         stresses = part.stresses(displacements) * part.volumes[..., None]
         gradients = part.displacement_gradients(phi)
         size = max(MAX_PRODUCTS // (6 * len(first) * part.volumes.shape[1]), 1)

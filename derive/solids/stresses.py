@@ -20,6 +20,18 @@ COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Elements that all have a material, with nodes at x (nodes, 3), m.
+
+    full: whether bricks of 20 nodes have 27 points of integration.
+    """
+
+    mesh: Mesh
+    x: Array
+    full: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class ElementPoints:
     """Some elements of a mesh at their points of integration.
 
@@ -53,18 +65,15 @@ def has_material(mesh: Mesh | None) -> bool:
     return mesh is not None and bool(mesh.elements) and all(_lame(mesh, block) for block in mesh.elements)
 
 
-def element_points(mesh: Mesh, x: Array) -> Iterator[ElementPoints]:
-    """Yield the elements of a mesh with nodes at x (nodes, 3), m, some at a time. Raises SpecError for distorted ones.
-
-    All elements have a material.
-    """
-    for block in mesh.elements:
-        shape, lame = element_shape(block.kind), _lame(mesh, block)
-        assert lame is not None, "has_material has found one"
+def element_points(solid: SolidMesh) -> Iterator[ElementPoints]:
+    """Yield the elements of a mesh, some at a time. Raises SpecError for distorted ones."""
+    for block in solid.mesh.elements:
+        shape, lame = element_shape(block.kind, solid.full), _lame(solid.mesh, block)
+        assert lame is not None, "the mesh has a material"
         step = max(CHUNK // len(shape.points), 1)
         for first in range(0, len(block.nodes), step):
             nodes = block.nodes[first : first + step]
-            jacobians = np.einsum("enk,pnj->epkj", x[nodes], shape.gradients, optimize=True)
+            jacobians = np.einsum("enk,pnj->epkj", solid.x[nodes], shape.gradients, optimize=True)
             sizes = np.linalg.det(jacobians)
             sizes *= np.sign(sizes.sum(axis=1))[:, None]
             if not sizes.min() > 0:
@@ -73,17 +82,30 @@ def element_points(mesh: Mesh, x: Array) -> Iterator[ElementPoints]:
             yield ElementPoints(shape, nodes, gradients, sizes * shape.weights, lame)
 
 
-def nodal_stresses(mesh: Mesh, x: Array, u: Array) -> Array:
+def nodal_stresses(solid: SolidMesh, u: Array) -> Array:
     """The stresses (L, nodes, 6), Pa, at nodes, of displacements u (L, nodes, 3), m; zero at nodes without elements.
 
     Those of an element are extrapolated from its points, and a node has the mean of its elements.
     """
-    totals, counts = np.zeros((len(x), len(u), 6)), np.zeros(len(x))
-    for part in element_points(mesh, x):
+    nodes = len(solid.x)
+    totals, counts = np.zeros((nodes, len(u), 6)), np.zeros(nodes)
+    for part in element_points(solid):
         at_nodes = np.einsum("np,lepc->enlc", part.shape.extrapolation, part.stresses(u), optimize=True)
         np.add.at(totals, part.nodes, at_nodes)
         np.add.at(counts, part.nodes, 1.0)
     return np.ascontiguousarray(np.moveaxis(totals / np.maximum(counts, 1)[:, None, None], 1, 0))
+
+
+def strain_energies(solid: SolidMesh, u: Array) -> Array:
+    """The strain energies (L,), J, of displacements u (L, nodes, 3), m, by the elements."""
+    result = np.zeros(len(u))
+    for part in element_points(solid):
+        gradients = part.displacement_gradients(u)
+        strains = np.stack(
+            [(gradients[..., i, j] + gradients[..., j, i]) / 2 * (1 + (i != j)) for i, j in COMPONENTS], -1
+        )
+        result += np.einsum("lepc,lepc,ep->l", part.stresses(u), strains, part.volumes, optimize=True) / 2
+    return result
 
 
 def von_mises(stresses: Array) -> Array:
