@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Set
 from pathlib import Path
 
 from derive.spec.checks.component_modes import asks_for_component_modes, component_mode_faults
+from derive.spec.files.mesh_arrays import set_sizes
 from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
@@ -30,9 +31,10 @@ def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) 
     faults = Faults([*arrays_found.faults, *checked.faults])
     if isinstance(body["nodes"], NodeData) and units != Units():
         faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
+    sets = set_sizes(arrays_found.arrays)
     if arrays_found.complete:
         faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
-        faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays})
+        faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, sets)
         faults += _order_faults(body, arrays_found.arrays.keys())
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)

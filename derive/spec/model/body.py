@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from derive.spec.model.mesh import Mesh
+
 
 class DisplacementOrder(Enum):
     """The order in which displacements due to deformation depend on the amplitudes.
@@ -74,6 +76,7 @@ class NodeData:
         K0omega: (6, N, N), for unit products of angular velocities.
         K0F: (K, 3, N, N), for unit forces at nodes.
         K0F_nodes: (K,), the nodes of K0F.
+        mesh: elements, materials and sets of nodes; None if the files have none.
 
     Examples:
         >>> import derive
@@ -97,6 +100,7 @@ class NodeData:
     K0omega: NDArray[np.float64] | None = None
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
+    mesh: Mesh | None = None
     __repr__ = record_text
 
     @property
@@ -311,8 +315,9 @@ class NodalBody:
         tuple[str, ...],
         key(
             KeyType.MARKER_NAMES,
-            "Markers at which joints hold the body. Each adds static modes to `modes`, of its displacement and, if it "
-            "is a set of nodes, of its rotation; craig_bampton needs six fewer, which are rigid motion.",
+            "Markers, or sets of nodes of the file, at which joints hold the body. Each adds static modes to `modes`, "
+            "of its displacement and, if it is a set of nodes, of its rotation; craig_bampton needs six fewer, which "
+            "are rigid motion.",
             default=(),
             example='["left", "right"]',
         ),

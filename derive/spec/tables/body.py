@@ -80,7 +80,7 @@ SYMBOLIC = declare(SymbolicBody, "SymbolicTable", keys=(_integrals, *declared_ke
 def nodal_body(table: TomlTable, data: NodeData, **others: Any) -> NodalBody:
     """The body of the nodes whose data have been read; `others` are its name, its simulation and its plots."""
     given = {key.field: getattr(table, key.name) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
-    markers = interface_markers(given["interface"], given["markers"])
+    markers = interface_markers(given["interface"], given["markers"], data)
     return NodalBody(data=data, interface_markers=markers, **nodal_keys(given, data, {}), **others)
 
 
@@ -98,10 +98,17 @@ def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, An
     return result
 
 
-def interface_markers(names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame]) -> tuple[InterfaceMarker, ...]:
-    """The markers of the interface, which `component_mode_faults` has checked, with their nodes."""
-    of_name = {marker.name: marker for marker in markers}
-    return tuple(InterfaceMarker(name, of_name[name].nodes, of_name[name].weights) for name in names)
+def interface_markers(
+    names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame], data: NodeData
+) -> tuple[InterfaceMarker, ...]:
+    """The markers of the interface, or sets of the file, with their nodes; `component_mode_faults` has checked them."""
+    of_name = {marker.name: InterfaceMarker(marker.name, marker.nodes, marker.weights) for marker in markers}
+    return tuple(of_name[name] if name in of_name else InterfaceMarker(name, node_set(data, name)) for name in names)
+
+
+def node_set(data: NodeData, name: str) -> tuple[int, ...]:
+    """The nodes of a set of the file."""
+    return tuple(data.mesh.node_sets[name].tolist()) if data.mesh else ()
 
 
 def kind_of_body(value: Any) -> str:
