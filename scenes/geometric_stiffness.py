@@ -46,10 +46,8 @@ def stiffened_block() -> dict[str, np.ndarray]:
     _, basis, order = block.bases()
     unsorted = brick_mesh(basis, block.YOUNG, block.POISSON)
     elements = [replace(e, nodes=np.argsort(order)[e.nodes]) for e in unsorted.elements]
-    mesh, respond = replace(unsorted, elements=tuple(elements)), free_response(*made)
-    return arrays | geometric_stiffness_tables(
-        SolidMesh(mesh, made.positions), made.mass, arrays["modes"], MARKERS, respond
-    )
+    solid = SolidMesh(replace(unsorted, elements=tuple(elements)), made.positions)
+    return arrays | geometric_stiffness_tables(solid, made.mass, arrays["modes"], MARKERS, free_response(*made))
 
 
 if __name__ == "__main__":

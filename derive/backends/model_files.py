@@ -69,7 +69,7 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 
 UNWRITTEN = (
     *("order", "ends", "masses", "axial", "lowering", "redundant"),
-    *("rigid_sets", "component_modes", "interface", "interface_markers"),
+    *("rigid_sets", "component_modes", "interface", "interface_markers", "loaded_nodes"),
 )
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 

@@ -42,7 +42,7 @@ def check_body(body: NodalBody) -> None:
     problems = _array_faults(body)
     if not problems:
         problems = [*_mass_faults(body), *_stiffness_faults(body), *_frame_faults(body), *_marker_faults(body)]
-    if not problems and body.second_order:
+    if not problems and body.second_order and not body.computes_geometric_stiffness:
         problems = stiffening_faults(body)
     if not problems:
         problems = _mode_count_faults(body)

@@ -21,10 +21,12 @@ from scipy.sparse import csr_array, identity
 
 from derive.reduction.arithmetic import Array
 from derive.reduction.component_modes import inertia_relief
-from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
+from derive.reduction.eigen import mass_of_displacements, modal_stiffness, rigid_set_motions, symmetric_matrix
 from derive.reduction.frames import from_centre_of_mass, rigid_basis
 from derive.solids.stress_work import stress_work
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import SolidMesh, strain_energies
+from derive.spec.model.body import NodeData
+from derive.spec.model.mesh import ElementKind
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The axes of the products w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3 of K0omega."""
@@ -50,6 +52,21 @@ def free_response(
     return inertia_relief(
         symmetric_matrix(stiffness), mass_of_displacements(mass), coordinates, basis.reshape(len(basis), -1)
     )
+
+
+def solid_mesh(data: NodeData, x: Array, phi: Array) -> SolidMesh:
+    """The elements of a body whose modes are phi (N, nodes, 3), with the points of integration of its stiffness.
+
+    Those of bricks of 20 nodes are the eight or the 27 with which the modes have a strain energy nearer to that by the
+    stiffness; eight if there is none.
+    """
+    assert data.mesh is not None
+    solids = [SolidMesh(data.mesh, x, full) for full in (False, True)]
+    bricks = any(block.kind is ElementKind.HEX20 for block in data.mesh.elements)
+    if data.stiffness is None or not bricks or not len(phi):
+        return solids[0]
+    energies = np.diag(modal_stiffness(data.stiffness, phi)) / 2
+    return min(solids, key=lambda solid: float(np.abs(strain_energies(solid, phi) - energies).sum()))
 
 
 def geometric_stiffness_tables(

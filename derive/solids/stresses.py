@@ -60,16 +60,10 @@ class ElementPoints:
         return np.stack(parts, axis=-1)
 
 
-def has_material(mesh: Mesh | None) -> bool:
-    """Whether there are elements, and all of them have Young's modulus and Poisson's ratio."""
-    return mesh is not None and bool(mesh.elements) and all(_lame(mesh, block) for block in mesh.elements)
-
-
 def element_points(solid: SolidMesh) -> Iterator[ElementPoints]:
     """Yield the elements of a mesh, some at a time. Raises SpecError for distorted ones."""
     for block in solid.mesh.elements:
-        shape, lame = element_shape(block.kind, solid.full), _lame(solid.mesh, block)
-        assert lame is not None, "the mesh has a material"
+        shape, lame = element_shape(block.kind, solid.full), _lame(solid.mesh.materials[block.material])
         step = max(CHUNK // len(shape.points), 1)
         for first in range(0, len(block.nodes), step):
             nodes = block.nodes[first : first + step]
@@ -101,10 +95,9 @@ def strain_energies(solid: SolidMesh, u: Array) -> Array:
     result = np.zeros(len(u))
     for part in element_points(solid):
         gradients = part.displacement_gradients(u)
-        strains = np.stack(
-            [(gradients[..., i, j] + gradients[..., j, i]) / 2 * (1 + (i != j)) for i, j in COMPONENTS], -1
-        )
-        result += np.einsum("lepc,lepc,ep->l", part.stresses(u), strains, part.volumes, optimize=True) / 2
+        doubled = np.stack([gradients[..., i, j] + gradients[..., j, i] for i, j in COMPONENTS], axis=-1)
+        doubled[..., :3] /= 2  # a strain, and twice a shear strain
+        result += np.einsum("lepc,lepc,ep->l", part.stresses(u), doubled, part.volumes, optimize=True) / 2
     return result
 
 
@@ -115,12 +108,10 @@ def von_mises(stresses: Array) -> Array:
     return np.asarray(np.sqrt(normal / 2 + 3 * (xy**2 + yz**2 + xz**2)))
 
 
-def _lame(mesh: Mesh, block: Elements) -> tuple[float, float] | None:
-    """The parameters lambda and mu of a block of elements; None if its material is not known."""
-    material = mesh.materials.get(block.material, Material(""))
+def _lame(material: Material) -> tuple[float, float]:
+    """The parameters lambda and mu, Pa, of a material with both numbers."""
     young, poisson = material.young, material.poisson
-    if young is None or poisson is None:
-        return None
+    assert young is not None and poisson is not None, "a SolidMesh has materials"
     return young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
 
 

@@ -9,7 +9,7 @@ from derive.solids.stresses import COMPONENTS, SolidMesh, element_points
 
 
 def assembled(solid: SolidMesh) -> tuple[csr_array, csr_array]:
-    """The consistent mass (nodes, nodes) and the stiffness (3 nodes, 3 nodes), integrated at the points of the elements.
+    """The consistent mass (nodes, nodes) and the stiffness (3 nodes, 3 nodes), with the points of elements.
 
     All elements have one density.
     """

@@ -66,3 +66,9 @@ class Mesh:
     node_sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     node_numbers: NDArray[np.int64] | None = None
     __repr__ = record_text
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether there are elements, and all of them have Young's modulus and Poisson's ratio."""
+        known = (self.materials.get(block.material, Material("")) for block in self.elements)
+        return bool(self.elements) and all(None not in (own.young, own.poisson) for own in known)
