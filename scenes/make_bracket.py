@@ -63,7 +63,7 @@ def bracket(along: int = 8, across: int = 2, through: int = 1) -> str:
     text += ["*MATERIAL, NAME=steel", "*ELASTIC", f"{YOUNG:g}, {POISSON:g}", "*DENSITY", f"{DENSITY:g}"]
     text += ["*SOLID SECTION, ELSET=bracket, MATERIAL=steel"]
     text += ["*STEP", "*FREQUENCY", f"{MODES}", "*NODE FILE", "U", "*END STEP"]
-    text += ["*STEP", "*FREQUENCY, SOLVER=MATRIXSTORAGE", f"{MODES}", "*END STEP", ""]
+    text += ["*STEP", "*FREQUENCY, SOLVER=MATRIXSTORAGE", "*END STEP", ""]
     return "\n".join(text)
 
 

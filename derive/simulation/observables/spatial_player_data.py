@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from derive.reduction.body import prepare
 from derive.simulation.observables.body_surface import Surface, surface
 from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.mesh_surface import mesh_surface
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.player_data import (
     RESOLUTION,
@@ -81,11 +82,12 @@ def path_of(q: Array) -> BodyPath:
 
 
 def drawn_body(body: NodalBody) -> DrawnBody:
-    """The surface of a body of nodes with its markers; if it has more than MAX_NODES, the box around it, whose corners
-    move as the nearest nodes."""
+    """The surface of a body of nodes with its markers: that of its elements if the files have them, and otherwise a
+    guess. If it has more than MAX_NODES, the box around it, whose corners move as the nearest nodes, is drawn instead.
+    """
     shapes = prepare(body).shapes
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
-    whole = surface(shapes.x)
+    whole = _surface(body, shapes.x)
     marked = [marker.node for marker in body.markers]
     if len(whole.nodes) > MAX_NODES:
         corners = box(shapes.x.min(axis=0), shapes.x.max(axis=0))
@@ -99,6 +101,15 @@ def drawn_body(body: NodalBody) -> DrawnBody:
     first = len(shown) - len(marked)
     markers = tuple((marker.name, first + i) for i, marker in enumerate(body.markers))
     return DrawnBody(body.name, x, shapes.phi[:, shown], drawn, radius, markers)
+
+
+def _surface(body: NodalBody, x: Array) -> Surface:
+    """The surface of the elements of a body, by their corners alone where there are many; without elements a guess."""
+    mesh = body.data.mesh
+    if mesh is None or not mesh.elements:
+        return surface(x)
+    whole = mesh_surface(mesh.elements)
+    return whole if len(whole.nodes) <= MAX_NODES else mesh_surface(mesh.elements, middles=False)
 
 
 def beam_drawing(name: str, x: Array, phi: Array) -> DrawnBody:

@@ -1,0 +1,73 @@
+"""The surface of a mesh of solid elements: the faces that belong to one element alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.simulation.observables.body_surface import Edge, Face, Surface
+from derive.spec.model.mesh import ElementKind, Elements
+
+TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+HEXAHEDRON = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+WEDGE = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
+
+TETRAHEDRON_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+HEXAHEDRON_EDGES = (
+    *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6)),
+    *((6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+)
+WEDGE_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
+
+FACES = {
+    ElementKind.TET4: (TETRAHEDRON, ()),
+    ElementKind.TET10: (TETRAHEDRON, TETRAHEDRON_EDGES),
+    ElementKind.HEX8: (HEXAHEDRON, ()),
+    ElementKind.HEX20: (HEXAHEDRON, HEXAHEDRON_EDGES),
+    ElementKind.WEDGE6: (WEDGE, ()),
+    ElementKind.WEDGE15: (WEDGE, WEDGE_EDGES),
+}
+"""The corners of the faces of an element, with normals outwards, and the edges whose middles are its further nodes."""
+
+
+def mesh_surface(elements: tuple[Elements, ...], middles: bool = True) -> Surface:
+    """The surface of a mesh, whose faces have the nodes in the middles of edges between their corners, if wanted."""
+    faces: list[Face] = []
+    edges: set[Edge] = set()
+    for corners, between in boundary_faces(elements):
+        for face, own in zip(corners.tolist(), between.tolist(), strict=True):
+            pairs = zip(face, own, strict=True)
+            ring = [node for pair in pairs for node in pair] if middles and own[0] >= 0 else face
+            faces.append(tuple(ring))
+            edges.update((min(side), max(side)) for side in zip(ring, [*ring[1:], ring[0]], strict=True))
+    return Surface(tuple(faces), tuple(sorted(edges)))
+
+
+def boundary_faces(elements: tuple[Elements, ...]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """The faces of one element alone: their corners (faces, 3 or 4), and the nodes in the middles of the edges after
+    each corner, -1 where there are none."""
+    result = []
+    for count in (3, 4):
+        parts = [part for block in elements for part in _faces(block, count)]
+        if not parts:
+            continue
+        corners, middles = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        _, first, counts = np.unique(np.sort(corners, axis=1), axis=0, return_index=True, return_counts=True)
+        alone = np.sort(first[counts == 1])
+        result.append((corners[alone], middles[alone]))
+    return result
+
+
+def _faces(block: Elements, count: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """All faces of a block with so many corners."""
+    faces, edges = FACES[block.kind]
+    corner_count = max(node for face in faces for node in face) + 1
+    middle = {frozenset(edge): corner_count + i for i, edge in enumerate(edges)}
+    result = []
+    for face in faces:
+        if len(face) != count:
+            continue
+        own = [middle.get(frozenset((face[i], face[(i + 1) % count])), -1) for i in range(count)]
+        between = block.nodes[:, own] if edges else np.full((len(block.nodes), count), -1)
+        result.append((block.nodes[:, list(face)], between))
+    return result
