@@ -73,7 +73,7 @@ UNWRITTEN = (
 )
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
-OF_PICTURES = ("visuals", "ground_visuals")
+OF_PICTURES = ("visuals", "ground_visuals", "stress")
 """The fields on which no model depends."""
 
 KINDS = {

@@ -233,7 +233,7 @@ def _path_data(path: BodyPath, step: float) -> Plain:
 
 def placed(body: DrawnBody, path: BodyPath) -> Array:
     """The places (n, points, 3), m, of the points of a deformed body in all instants."""
-    return _turned(path, body.x + np.tensordot(path.amplitudes, body.phi, axes=1))
+    return turned(path, body.x + np.tensordot(path.amplitudes, body.phi, axes=1))
 
 
 def _points(body: DrawnBody, path: BodyPath) -> Array:
@@ -243,10 +243,10 @@ def _points(body: DrawnBody, path: BodyPath) -> Array:
     """
     x = np.concatenate([body.x, np.zeros((1, 3))])
     x = box(x.min(axis=0), x.max(axis=0)) if len(x) > MAX_NODES else x
-    return _turned(path, x).reshape(-1, 3)
+    return turned(path, x).reshape(-1, 3)
 
 
-def _turned(path: BodyPath, x: Array) -> Array:
+def turned(path: BodyPath, x: Array) -> Array:
     """The places (n, points, 3), m, of points x (points, 3) or (n, points, 3), m, of a body frame."""
     e0, e = path.quaternion[:, None, :1], path.quaternion[:, None, 1:]
     turned: Array = path.position[:, None] + x + 2 * np.cross(e, np.cross(e, x) + e0 * x)

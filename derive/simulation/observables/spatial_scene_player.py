@@ -11,7 +11,6 @@ import numpy as np
 from derive.mechanics.bodies.modal_body import ModalFrame
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import spring_type
-from derive.mechanics.symbols import amplitude_of
 from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.csv_writer import Column
@@ -29,6 +28,7 @@ from derive.simulation.observables.spatial_player_data import (
     shown_frames,
     visual_drawing,
 )
+from derive.simulation.observables.stresses import amplitude_places
 from derive.simulation.observables.visual_surfaces import VisualSurface, visual_surfaces
 from derive.simulation.space.beam_frames import beam_frames, drawn_points
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -94,11 +94,15 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
         if body.name == GROUND:
             paths.append(fixed_path(len(motion.t)))
             continue
-        pose = motion.pose(body.name)
-        names = (amplitude_of(body.name, i).shown for i in range(1, len(body.phi) + 1))
-        places = [motion.native.coordinates.index(name) for name in names]
-        paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
+        paths.append(body_path(body.name, len(body.phi), motion))
     return paths
+
+
+def body_path(name: str, modes: int, motion: SceneMotion) -> BodyPath:
+    """The motion of the frame of a body with so many modes."""
+    pose = motion.pose(name)
+    amplitudes = motion.q[:, amplitude_places(motion.native, name, modes)]
+    return BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), amplitudes)
 
 
 def fixed_path(instants: int) -> BodyPath:

@@ -36,6 +36,7 @@ def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) 
         faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
         faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, sets)
         faults += _order_faults(body, arrays_found.arrays.keys(), checked.data)
+    faults += _stress_faults(body, checked.data)
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
     return checked.data, faults
@@ -83,6 +84,13 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
             ("body", "modes"),
             f"there are {count} modes in the files, and {MAX_MODES} are allowed; keep fewer: modes = 8",
         )
+
+
+def _stress_faults(body: Mapping[str, object], data: NodeData | None) -> Iterator[Fault]:
+    """Faults of a largest stress of a body without elements or materials."""
+    if body.get("stress") is True and data is not None and not data.has_stresses:
+        text = "stresses are computed from elements with Young's modulus and Poisson's ratio, which the files lack"
+        yield Fault(("body", "stress"), f"{text}; add elements_tet10 or others and materials, or leave this out")
 
 
 def _order_faults(body: Mapping[str, object], arrays: Set[str], data: NodeData | None) -> Iterator[Fault]:

@@ -334,6 +334,14 @@ class NodalBody:
             example='["left", "right"]',
         ),
     ] = ()
+    stress: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether simulations record the largest stress of von Mises in the body, Pa, as the column `stress` of a "
+            "body alone, and NAME_stress of a body of a scene; the files then have elements with materials.",
+        ),
+    ] = False
     rigid_sets: tuple[tuple[int, ...], ...] = ()
     interface_markers: tuple[InterfaceMarker, ...] = ()
     loaded_nodes: tuple[int, ...] = ()
