@@ -27,6 +27,7 @@ from derive.simulation.observables.spatial_player_data import (
     rigid_drawing,
     shown_frames,
     visual_drawing,
+    with_stresses,
 )
 from derive.simulation.observables.stresses import amplitude_places
 from derive.simulation.observables.visual_surfaces import VisualSurface, visual_surfaces
@@ -43,7 +44,9 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
 
     curves: columns with a value for each instant, which the page draws over time below the scene.
     """
-    drawn, ground = drawn_bodies(scene), ground_points(scene)
+    flexible = {body.name: body.body for body in scene.bodies if isinstance(body, FlexibleBody)}
+    every, ground = drawn_bodies(scene), ground_points(scene)
+    drawn = [with_stresses(body, flexible[body.name]) if body.name in flexible else body for body in every]
     paths = body_paths(drawn, motion)
     content = bodies_motion_data(drawn, motion.t, paths)
     shown = curves_data(curves, shown_frames(motion.t, paths))
