@@ -48,13 +48,14 @@ class ElementShape:
     """A kind of element in its own coordinates.
 
     corners: the number of its corners, which are its first nodes. nodes (n, 3). faces: by their corners, with normals
-    that point outwards. points (P, 3), weights (P,): the rule of integration. values (P, n), gradients (P, n, 3): of
+    that point outwards. edges: those with a node in their middle, which follow the corners. points (P, 3), weights (P,): the rule. values (P, n), gradients (P, n, 3): of
     the shape functions at the points. extrapolation (n, P): the factors of values at the points in those at the nodes.
     vtk: the number of its cell type.
     """
 
     corners: int
     faces: tuple[tuple[int, ...], ...]
+    edges: tuple[tuple[int, ...], ...]
     nodes: Array
     points: Array
     weights: Array
@@ -67,8 +68,9 @@ class ElementShape:
 @cache
 def element_shape(kind: ElementKind, full: bool = False) -> ElementShape:
     """The tables of a kind of element. full: whether bricks of 20 nodes have 27 points of integration."""
-    corners, edges, faces = _solid(kind)
-    nodes = np.array([*corners, *_middles(corners, edges if kind.node_count > len(corners) else ())], dtype=np.float64)
+    corners, every_edge, faces = _solid(kind)
+    edges = every_edge if kind.node_count > len(corners) else ()
+    nodes = np.array([*corners, *_middles(corners, edges)], dtype=np.float64)
     if kind is ElementKind.HEX27:
         nodes = np.concatenate([nodes, [np.mean([CUBE[i] for i in face], axis=0) for face in CUBE_FACES], [[0, 0, 0]]])
     exponents, (points, weights), fit, vtk = _tables(kind, full)
@@ -76,7 +78,7 @@ def element_shape(kind: ElementKind, full: bool = False) -> ElementShape:
     values = monomials(exponents, points) @ coefficients
     gradients = np.stack([monomials(exponents, points, axis) @ coefficients for axis in range(3)], axis=-1)
     extrapolation = monomials(fit, nodes) @ np.linalg.pinv(monomials(fit, points))
-    return ElementShape(len(corners), faces, nodes, points, weights, values, gradients, extrapolation, vtk)
+    return ElementShape(len(corners), faces, edges, nodes, points, weights, values, gradients, extrapolation, vtk)
 
 
 def _solid(kind: ElementKind) -> tuple[tuple[tuple[int, ...], ...], ...]:

@@ -13,14 +13,17 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array, identity, kron
 from scipy.sparse.linalg import eigsh
 
+import derive
 from clamped_response import clamped_response
 from conftest import ROOT
 from derive.reduction.mesh_stiffening import geometric_stiffness_tables
-from derive.solids.stresses import SolidMesh, nodal_stresses
+from derive.simulation.observables.fields import field_bodies, field_instants
+from derive.solids.stresses import SolidMesh, nodal_stresses, von_mises
 from derive.spec.model.mesh import ElementKind
 
 sys.path.append(str(ROOT / "tests/solids"))
 from assembled import assembled
+from cantilever_run import FORCE, cantilever, scene_file
 from grid_meshes import STEEL, box_mesh
 
 pytestmark = pytest.mark.hosts
@@ -118,3 +121,24 @@ def test_preloads_stiffen_as_in_calculix(tmp_path: Path, element: str, kind: Ele
         expected = np.array([float(row[1]) for row in rows[:5]])
         found = eigh(np.diag(squares) + stiffening, eigvals_only=True)[:5]
         assert np.abs(found / expected - 1).max() < 2e-3, (name, found / expected - 1)
+
+
+def test_the_stress_of_a_run_is_that_of_calculix(tmp_path: Path) -> None:
+    """A cantilever in static equilibrium: static modes of its ends contain the response to the force.
+
+    The root moves as a rigid body in the scene and does not move at all in CalculiX. Stresses agree to 2e-4 of the
+    largest.
+    """
+    beam = cantilever(0.3)
+    path = scene_file(beam, tmp_path)
+    trajectory = derive.simulate(derive.read(path))
+    (body,) = field_bodies(trajectory.spec, ["beam"])
+    (fields,) = field_instants(body, trajectory, np.array([0]))
+    forces = [f"{node + 1}, 3, {FORCE / len(beam.tip)}" for node in beam.tip]
+    run(
+        tmp_path, job(beam.solid, "C3D20R", ["*CLOAD", *forces]).replace(f"{STEEL.young}, {STEEL.poisson}", "70e9, 0.3")
+    )
+    expected = nodal_values(tmp_path, "STRESS", 6)
+    assert fields.stresses is not None
+    assert np.abs(fields.stresses - expected).max() < 1e-3 * np.abs(expected).max()
+    assert trajectory["beam_stress"][0] == pytest.approx(von_mises(expected).max(), rel=1e-3)
