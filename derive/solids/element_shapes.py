@@ -47,10 +47,10 @@ Rule = tuple[Array, Array]
 class ElementShape:
     """A kind of element in its own coordinates.
 
-    corners: the number of its corners, which are its first nodes. nodes (n, 3). faces: by their corners, with normals
-    that point outwards. edges: those with a node in their middle, which follow the corners. points (P, 3), weights (P,): the rule. values (P, n), gradients (P, n, 3): of
-    the shape functions at the points. extrapolation (n, P): the factors of values at the points in those at the nodes.
-    vtk: the number of its cell type.
+    corners: the number of its corners, which are its first nodes. faces: by their corners, with normals that point
+    outwards. edges: those with a node in the middle, which follow the corners. nodes (n, 3). points (P, 3), weights
+    (P,): the rule of integration. values (P, n), gradients (P, n, 3): of the shape functions at the points.
+    extrapolation (n, P): the factors of values at the points in those at the nodes. vtk: the number of its cell type.
     """
 
     corners: int

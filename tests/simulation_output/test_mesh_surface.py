@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from derive.simulation.observables.body_surface import Surface
-from derive.simulation.observables.mesh_surface import FACES, mesh_surface
+from derive.simulation.observables.mesh_surface import mesh_surface
+from derive.solids.element_shapes import element_shape
 from derive.spec.model.mesh import ElementKind, Elements
 
 TETRAHEDRON = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -21,7 +22,9 @@ def element(kind: ElementKind) -> tuple[np.ndarray, Elements, float]:
     """The nodes of an element of a kind, the element, and its volume."""
     corners, volume = CORNERS[kind.value[:3]]
     x = np.array(corners, dtype=float)
-    x = np.concatenate([x, [(x[i] + x[j]) / 2 for i, j in FACES[kind][1]]]) if FACES[kind][1] else x
+    shape = element_shape(kind)
+    x = np.array([*x, *((x[i] + x[j]) / 2 for i, j in shape.edges)])
+    x = np.concatenate([x, (1 + shape.nodes[len(x) :]) / 2])  # in faces and inside
     return x, Elements(kind, np.arange(len(x))[None]), volume
 
 
