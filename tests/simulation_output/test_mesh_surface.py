@@ -43,7 +43,7 @@ def test_the_surface_of_one_element_encloses_its_volume(kind: ElementKind) -> No
     assert one.nodes.shape[1] == kind.node_count
     shown = mesh_surface((one,))
     assert enclosed(x, shown) == pytest.approx(volume)
-    assert shown.nodes == list(range(len(x)))
+    assert shown.nodes == list(range(min(len(x), 20)))  # without those within faces
     assert enclosed(x, mesh_surface((one,), middles=False)) == pytest.approx(volume)
     assert len(shown.nodes) - len(shown.edges) + len(shown.faces) == 2
 
