@@ -69,11 +69,11 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 
 UNWRITTEN = (
     *("order", "ends", "masses", "axial", "lowering", "redundant"),
-    *("rigid_sets", "component_modes", "interface", "interface_markers"),
+    *("rigid_sets", "component_modes", "interface", "interface_markers", "loaded_nodes"),
 )
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
-OF_PICTURES = ("visuals", "ground_visuals")
+OF_PICTURES = ("visuals", "ground_visuals", "stress")
 """The fields on which no model depends."""
 
 KINDS = {

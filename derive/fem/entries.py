@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from derive.errors import Problem, printable
+from derive.errors import Problem
 from derive.fem.keyword_file import read_text
 from derive.fem.model import Array, Indices
 from derive.spec.files.file_content import why_unreadable
@@ -29,18 +29,29 @@ def read_rows(path: Path, columns: int, problems: list[Problem], content: str | 
         return None
     try:
         rows = np.loadtxt(io.StringIO(text), dtype=np.float64, comments=None, ndmin=2)
-    except ValueError as error:  # its text has the line
-        problems.append(Problem(path.name, f"lines of {columns} numbers are needed: {printable(str(error))[:200]}"))
-        return None
+    except ValueError:
+        rows = np.zeros((0, 0))
     if rows.shape[1] != columns:
-        text = f"lines of {columns} numbers are needed, and these have {rows.shape[1]}"
-        problems.append(Problem(path.name, text))
+        problems.append(Problem(path.name, f"line {_other_line(text, columns)} does not hold {columns} numbers"))
         return None
     if not np.isfinite(rows).all():
         line = int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]) + 1
         problems.append(Problem(path.name, f"line {line} holds a number that is NaN or infinite"))
         return None
     return rows
+
+
+def _other_line(text: str, columns: int) -> int:
+    """The first line, from 1, that does not hold so many numbers."""
+    for number, line in enumerate(text.splitlines(), 1):
+        parts = line.split()
+        try:
+            count = len([float(part) for part in parts])
+        except ValueError:
+            return number
+        if parts and count != columns:
+            return number
+    return 1
 
 
 def indices_of(rows: Array, path: Path, size: int, problems: list[Problem]) -> tuple[Indices, Indices] | None:

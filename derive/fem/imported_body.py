@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from derive.errors import Problem, SpecError, quoted
 from derive.fem.mechanisms import hinge, loose_parts
@@ -15,6 +16,7 @@ from derive.fem.plausibility import unit_notes
 from derive.fem.written_body import SI, BodyTable, FileUnits, body_text, scene_text
 from derive.progress_line import show_progress
 from derive.reduction.body import ZERO_STIFFNESS, prepare
+from derive.reduction.checks import indefinite
 from derive.reduction.component_modes import static_mode_count
 from derive.short_text import counted
 from derive.spec.construction import nodal_body
@@ -74,8 +76,8 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     static = static_mode_count(kind, markers) if interface else 0
     modes = options.modes if options.modes is not None else static + VIBRATION_MODES
     arrays = node_arrays(model)
-    if model.stiffness is not None and (fault := loose_parts(model.stiffness, model.node_numbers)):
-        raise SpecError((fault,), source)
+    if faults := tuple(_faults_of_matrices(model)):
+        raise SpecError(faults, source)
     name = free_name(model.name, ())
     try:
         body = nodal_body(
@@ -96,6 +98,25 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     text = scene_text(table) if options.scene else body_text(table)
     notes = (*_notes(model, body, frequencies), *model.notes)
     return ImportedBody(name, _doc(body), text, archive_bytes(arrays), notes)
+
+
+def _faults_of_matrices(model: FiniteElementModel) -> Iterator[Problem]:
+    """Faults of the matrices in which nodes have their numbers in the program."""
+    size = 3 * len(model.positions)
+    for name, matrix in (("stiffness", model.stiffness), ("mass", model.mass)):
+        if matrix is None:
+            yield Problem("", f"the {name} matrix is missing, which the program has to write")
+        elif matrix.shape != (size, size):
+            text = f"the {name} matrix has the shape {matrix.shape}, and {len(model.positions)} nodes have {size}"
+            yield Problem("", f"{text} displacements")
+            return
+    if model.stiffness is None or model.mass is None:
+        return
+    if fault := loose_parts(model.stiffness, model.node_numbers):
+        yield fault
+    along_x = csr_array(model.mass[::3][:, ::3])
+    if reason := indefinite(along_x, lambda node: model.node_numbers[node]):
+        yield Problem("", reason)
 
 
 def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> tuple[str, ...]:

@@ -21,17 +21,20 @@ MAX_INCLUDES = 20
 class Card:
     """A keyword in capital letters, its parameters by their names in capital letters, and its lines of data.
 
-    line: the line of the keyword in `source`, from 1. data_line: that of its first line of data.
+    line: the line of the keyword in `source`, from 1.
     """
 
     keyword: str
     parameters: dict[str, str]
     line: int
     source: str
+    included: bool = False
     lines: list[str] = field(default_factory=list)
 
     def fault(self, message: str) -> Problem:
-        """A fault of this card."""
+        """A fault of this card; one of an included file names this file."""
+        if self.included:
+            return Problem(f"{self.source}:{self.line}: *{self.keyword}", message)
         return Problem(f"*{self.keyword}", message, self.line)
 
 
@@ -45,15 +48,16 @@ def read_text(path: Path, folder: Path = Path()) -> str:
 
 def read_cards(path: Path, problems: list[Problem]) -> list[Card]:
     """The cards of a file and of those that it includes; files that cannot be read are faults."""
-    return list(_cards(path, path.parent, problems, 0))
-
-
-def _cards(path: Path, folder: Path, problems: list[Problem], depth: int) -> Iterator[Card]:
     try:
-        lines = read_text(path).splitlines()
+        text = read_text(path)
     except (OSError, ValueError) as error:
-        problems.append(Problem("", f"the file {quoted(str(path))} cannot be read: {why_unreadable(error)}"))
-        return
+        problems.append(Problem("", f"the file cannot be read: {why_unreadable(error)}"))
+        return []
+    return list(_cards(text, path.name, path.parent, problems, 0))
+
+
+def _cards(text: str, name: str, folder: Path, problems: list[Problem], depth: int) -> Iterator[Card]:
+    lines = text.splitlines()
     card: Card | None = None
     number = 0
     while number < len(lines):
@@ -71,7 +75,7 @@ def _cards(path: Path, folder: Path, problems: list[Problem], depth: int) -> Ite
         while line.endswith(",") and number < len(lines):  # parameters go on in the next line
             line += lines[number].strip()
             number += 1
-        card = _card(line, first, str(path))
+        card = _card(line, first, name, depth > 0)
         if card.keyword == "INCLUDE":
             yield from _included(card, folder, problems, depth)
             card = None
@@ -79,11 +83,11 @@ def _cards(path: Path, folder: Path, problems: list[Problem], depth: int) -> Ite
         yield card
 
 
-def _card(line: str, number: int, source: str) -> Card:
+def _card(line: str, number: int, source: str, included: bool) -> Card:
     keyword, *parameters = (part.strip() for part in line[1:].split(","))
     pairs = (parameter.partition("=") for parameter in parameters if parameter)
     given = {name.strip().upper(): value.strip().strip('"') for name, _, value in pairs}
-    return Card(" ".join(keyword.upper().split()), given, number, source)
+    return Card(" ".join(keyword.upper().split()), given, number, source, included)
 
 
 def _included(card: Card, folder: Path, problems: list[Problem], depth: int) -> Iterator[Card]:
@@ -93,7 +97,12 @@ def _included(card: Card, folder: Path, problems: list[Problem], depth: int) -> 
     elif depth == MAX_INCLUDES:
         problems.append(card.fault(f"files include each other more than {MAX_INCLUDES} times; end the circle"))
     else:
-        yield from _cards(folder / name, folder, problems, depth + 1)
+        try:
+            text = read_text(folder / name)
+        except (OSError, ValueError) as error:
+            problems.append(card.fault(f"the file {quoted(name)} cannot be read: {why_unreadable(error)}"))
+            return
+        yield from _cards(text, name, folder, problems, depth + 1)
 
 
 def numbers_of(card: Card, problems: list[Problem]) -> NDArray[np.float64] | None:

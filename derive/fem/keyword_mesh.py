@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -179,7 +179,7 @@ class _Reader:
     def members(self, card: Card, sets: dict[str, Indices]) -> Indices:
         """The numbers in a set: listed, generated, or those of other sets."""
         if "GENERATE" in card.parameters:
-            values = [numbers_of(Card(card.keyword, {}, card.line, card.source, [line]), []) for line in card.lines]
+            values = [numbers_of(replace(card, lines=[line]), []) for line in card.lines]
             if any(row is None or not 2 <= row.size <= 3 or (row.size == 3 and row[2] < 1) for row in values):
                 self.problems.append(card.fault("GENERATE needs lines with first, last and step: 1, 100, 1"))
                 return np.zeros(0, np.int64)

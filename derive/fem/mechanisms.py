@@ -30,12 +30,8 @@ def loose_parts(stiffness: csr_array, numbers: Indices) -> Problem | None:
     smaller = np.argsort(-sizes, kind="stable")[1:]
     parts = [f"{counted(int(sizes[i]), 'node')} ({node_list(numbers[part == i])})" for i in smaller[:3].tolist()]
     more = f" and {count - 4} more" if count > 4 else ""
-    text = f"the stiffness does not connect all nodes: {', '.join(parts)}{more} {_moves(count - 1)} against the others"
+    text = f"the stiffness does not connect all nodes: {', '.join(parts)}{more} move against the others"
     return Problem("", f"{text}; merge the nodes of parts that touch, or leave loose ones out")
-
-
-def _moves(count: int) -> str:
-    return "moves" if count == 1 else "move"
 
 
 def hinge(motions: Array, data: NodeData, numbers: Indices) -> Problem:

@@ -58,6 +58,9 @@ def alike_bodies(scene: SpatialScene) -> dict[NodalBody, list[str]]:
 def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
     """Yield which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
     data = spec.data
+    if spec.computes_geometric_stiffness:
+        yield "displacements of second order in the amplitudes, from geometric stiffness by stresses of the elements"
+        return
     if not (data.has_geometric_stiffness and spec.uses_given_modes):
         return
     arrays = {"K0t": data.K0t, "K0r": data.K0r, "K0omega": data.K0omega, "K0F": data.K0F}

@@ -14,7 +14,7 @@ import scipy.linalg
 from scipy.sparse import csr_array, identity
 
 from derive.reduction.arithmetic import Array, symmetric_part
-from derive.reduction.component_modes import balanced_responses
+from derive.reduction.component_modes import inertia_relief
 from derive.reduction.eigen import (
     elastic_modes,
     mass_of_displacements,
@@ -79,7 +79,7 @@ def _unit_loads(body: NodalBody) -> UnitLoads:
     rows = np.concatenate([marker_motions(x, marker, 1.0) for marker in body.interface_markers])
     coordinates = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else csr_array(identity(x.size))
     k, basis = symmetric_matrix(body.data.stiffness), rigid_basis(mass, x)
-    responses = balanced_responses(k, mass_of_displacements(mass), coordinates, basis.reshape(len(basis), -1), rows)
+    responses = inertia_relief(k, mass_of_displacements(mass), coordinates, basis.reshape(len(basis), -1))(rows)
     names = tuple(
         f"{kind} e{axis} at {marker.name}"
         for marker in body.interface_markers

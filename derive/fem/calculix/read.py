@@ -31,7 +31,7 @@ def read_calculix(path: Path) -> FiniteElementModel:
     problems: list[Problem] = []
     matrices = read_matrices(path, problems)
     if matrices is not None:
-        problems += _faults_of_displacements(mesh, matrices)
+        problems += _faults_of_displacements(mesh, matrices, path.stem)
     if problems or matrices is None:
         raise SpecError(tuple(problems), str(path))
     kept = np.isin(mesh.numbers, matrices.node)
@@ -55,7 +55,7 @@ def read_calculix(path: Path) -> FiniteElementModel:
     )
 
 
-def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes) -> Iterator[Problem]:
+def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: str) -> Iterator[Problem]:
     """Faults of nodes that are not in the mesh, that are held, or that follow others in some directions alone."""
     unknown = np.setdiff1d(matrices.node, mesh.numbers)
     if unknown.size:
@@ -63,10 +63,8 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes) -> It
         yield Problem("", f"{text} expands to solids, cannot be read; mesh the part with solid elements")
         return
     if "RIGID BODY" in mesh.cards:
-        text = (
-            "*RIGID BODY has rotations, which the body cannot have; leave it out, and make the set of nodes rigid here"
-        )
-        yield Problem("*RIGID BODY", f'{text}, in a scene: motion = "rigid"', mesh.cards["RIGID BODY"][0])
+        text = "nodes of a body have no rotations; leave it out, and make the set of nodes rigid in the scene"
+        yield Problem("*RIGID BODY", f'{text}: motion = "rigid"', mesh.cards["RIGID BODY"][0])
         return
     numbers, counts = np.unique(matrices.node, return_counts=True)
     absent = np.setdiff1d(_nodes_of_elements(mesh), numbers)
@@ -81,13 +79,13 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes) -> It
         text = f"displacements of the nodes {node_list(partly)} are missing in some directions"
         yield Problem("", f"{text}{_ties(mesh)}; tie nodes in all three directions, or leave the ties out")
     elif not any(card in mesh.cards for card in TIES):
-        yield Problem("", f"displacements of the nodes {node_list(absent)} are missing in JOB.dof; run ccx again")
+        yield Problem("", f"displacements of the nodes {node_list(absent)} are missing in {job}.dof; run ccx again")
 
 
 def _ties(mesh: KeywordMesh) -> str:
     """The keywords that may be the cause, with their lines."""
     given = [f"*{card} in line {mesh.cards[card][0]}" for card in TIES if card in mesh.cards]
-    return f", because of {', '.join(given)}" if given else ""
+    return f" ({', '.join(given)})" if given else ""
 
 
 def _nodes_of_elements(mesh: KeywordMesh) -> Indices:

@@ -93,7 +93,10 @@ def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, An
     if result["interface"] and result["component_modes"] is None:
         result["component_modes"] = "craig_bampton"
     given_modes = data.modes is not None and result["component_modes"] is None
-    second_order = given_modes and data.has_geometric_stiffness and result["order"] != 1
+    if given_modes and data.has_geometric_stiffness:
+        second_order = result["order"] != 1
+    else:
+        second_order = result["order"] == 2 and data.gives_geometric_stiffness
     if result["orthonormal"] is None:
         result["orthonormal"] = result["frame"].kind == "mean" or not given_modes
     result["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
