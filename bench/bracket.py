@@ -4,9 +4,10 @@ python bench/bracket.py [--speed RAD_PER_S] [--steps N ...] [--models KIND:ORDER
 
 CalculiX (`ccx`) integrates the bracket of scenes/make_bracket.py with large displacements (`*DYNAMIC, NLGEOM`), in the
 numbers of equal steps that `--steps` lists; the last run is the reference, and the difference of the last two is its
-error. Tisserand imports the matrices of the same mesh and integrates it with modes of several kinds, numbers and orders.
-The error is the largest difference of the displacement of the free end in the frame of the table, relative to its largest
-displacement. CPU seconds are those of the integration; those of the import, the reduction and the compilation are apart.
+error. Tisserand imports the matrices of the same mesh and integrates it with modes of several kinds, numbers and
+orders. The error is the largest difference of the displacement of the free end in the frame of the table, relative to
+its largest displacement. CPU seconds are those of the integration; before it come the reduction, the derivation and the
+compilation.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class Row:
 def specification(kind: str, order: int, modes: int, speed: float) -> dict[str, Any]:
     """The tables of the scene: a table that a motor turns, and the bracket that is fixed to it at its end face."""
     return {
-        "ground": {"markers": {"axis": [0, 0, 0]}},
+        "ground": {"axis": [0, 0, 0]},
         "bodies": {
             "table": {"markers": {"centre": [0, 0, 0], "seat": SEAT}},
             "bracket": {

@@ -29,9 +29,7 @@ def angle(t: Array, speed: float) -> Array:
     return speed * (t**2 / (2 * END) + END / (4 * np.pi**2) * (np.cos(2 * np.pi * t / END) - 1))
 
 
-def bracket_run(
-    mesh: str, steps: int, speed: float, folder: Path, timed: Callable[[Callable[[], Any]], float]
-) -> float:
+def bracket_run(mesh: str, steps: int, speed: float, folder: Path) -> None:
     """Run `ccx` in a folder that it makes, with the results in run.dat.
 
     mesh: the input up to its first step. Each node of the set `left` has the displacement of the table, by a table.
