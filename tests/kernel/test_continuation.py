@@ -18,6 +18,7 @@ from derive.ir.interpreter import interpret
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, every
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
+from derive.lowering.instances.loop_code.class_code import INSTANCE
 from kernel.test_instance_lanes import looped
 
 SIZE = 24
@@ -121,8 +122,8 @@ def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
 def test_the_last_body_of_a_batch_computes_nothing_for_a_joint_that_it_does_not_have() -> None:
     """In vectors it is one of those between the ends; these are computed in the steps of the elimination."""
     nodes = batch(looped("chain_10").kernel("accel")).nodes
-    own = [node for node in nodes if isinstance(node, For) and node.variable == "instance"]
-    assert [node.count for node in own] == [1, 1]  # before the elimination, and behind it
+    own = [node for node in nodes if isinstance(node, For) and node.variable == INSTANCE and node.count == 1]
+    assert len(own) == 2  # before the elimination, and behind it
     lines = (line for line in every(own[:1]) if isinstance(line, Assign) and isinstance(line.target, Element))
     written = {line.target.array.removesuffix("_in_turn") for line in lines}
     assert {"second_diagonal", "second_right"} <= written

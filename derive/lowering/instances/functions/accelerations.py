@@ -273,8 +273,8 @@ def _written(system: Blocks, classes: Sequence[ClassCode]) -> Iterator[tuple[str
                 cells = (packed(size, i, j) for i in own for j in own)
                 yield from ((DIAGONAL[side], cell * spacing + place) for cell in cells)
                 yield from ((array[side], i * spacing + place) for array in (RIGHT, FLOOR) for i in own)
-            for a, b in combinations(range(len(places)), 2):
-                a, b = sorted((a, b), key=places.__getitem__)
+            for pair in combinations(range(len(places)), 2):
+                a, b = sorted(pair, key=places.__getitem__)
                 block = system.block(places[a], places[b])
                 cells = (size * i + j for i in rows[a] for j in rows[b])
                 yield from ((COUPLING, cell * system.coupling_spacing + block) for cell in cells)
