@@ -228,7 +228,7 @@ def declared(
     """The arrays of the system with all elements that no body writes.
 
     has_known: whether something of the right-hand side is known; has_floor: whether there are least weights; written:
-    elements of rows that joints do not have which bodies write nevertheless.
+    elements that bodies write also where joints do not have the row.
     """
     left = of.left()
     sizes: dict[str, tuple[int, int]] = {}

@@ -26,7 +26,15 @@ from derive.lowering.instances.classes.body_classes import (
 )
 from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
 from derive.lowering.instances.classes.varying_joints import varies
-from derive.lowering.instances.elimination.block_system import FEW, Blocks
+from derive.lowering.instances.elimination.block_system import (
+    COUPLING,
+    DIAGONAL,
+    FEW,
+    FLOOR,
+    RIGHT,
+    Blocks,
+    packed,
+)
 from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.mechanics.multibody.space.joints import SpatialJointInstance
 
@@ -54,6 +62,25 @@ def joined_classes(
         if any(of is larger for of in result):
             result = _with_smaller(mechanism, result, larger, system)
     return result
+
+
+def written_too_much(of: BodyClass, handles: Sequence[Sequence[int]], system: Blocks) -> Iterator[tuple[str, int]]:
+    """The elements of the system that a joined class writes, by array and index, also of rows that joints do not have.
+
+    handles: the rows of the class by its handles.
+    """
+    size, spacing = system.size, system.spacing
+    rows = [range(len(own)) for own in handles]
+    for member in of.members if of.is_joined else ():
+        places = [system.place(handle.joint) for handle in member.handles]
+        for place, own, handle in zip(places, rows, member.handles, strict=True):
+            side = 0 if handle.is_first else 1
+            yield from ((DIAGONAL[side], packed(size, i, j) * spacing + place) for i in own for j in own)
+            yield from ((array[side], i * spacing + place) for array in (RIGHT, FLOOR) for i in own)
+        for pair in combinations(range(len(places)), 2):
+            a, b = sorted(pair, key=places.__getitem__)
+            block, between = system.block(places[a], places[b]), system.coupling_spacing
+            yield from ((COUPLING, (size * i + j) * between + block) for i in rows[a] for j in rows[b])
 
 
 def _needs_class(joint: AnyJoint) -> bool:

@@ -30,6 +30,7 @@ from derive.lowering.instances.elimination.block_system import (
     spare_reactions,
 )
 from derive.lowering.instances.elimination.graph_elimination import in_graph
+from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
@@ -233,7 +234,8 @@ def solved(
     ]
     if context.blocks:
         varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
-        arrays = declared(context.blocks, has_known, context.proximal, set(_written(context.blocks, classes)))
+        written = {element for of in classes for element in written_too_much(of.of, of.system_rows, context.blocks)}
+        arrays = declared(context.blocks, has_known, context.proximal, written)
         before = [s for s in arrays if isinstance(s, Work) or not are_joined]
         steps[:0] = [
             ("system", Source.FACTORISATION, "the blocks of the joints", before),
@@ -259,25 +261,6 @@ def solved(
     if "lam" in results and context.blocks:
         steps.append(("lambda", "", "the reactions", list(_reactions(context, context.blocks))))
     return kernel(context, function, results, *steps, inputs=inputs)
-
-
-def _written(system: Blocks, classes: Sequence[ClassCode]) -> Iterator[tuple[str, int]]:
-    """The elements that bodies write which have joined those with more rows, by array and index."""
-    size, spacing = system.size, system.spacing
-    for of in classes:
-        rows = [range(len(own)) for own in of.system_rows]
-        for member in of.of.members if of.of.is_joined else ():
-            places = [system.place(handle.joint) for handle in member.handles]
-            for place, own, handle in zip(places, rows, member.handles, strict=True):
-                side = 0 if handle.is_first else 1
-                cells = (packed(size, i, j) for i in own for j in own)
-                yield from ((DIAGONAL[side], cell * spacing + place) for cell in cells)
-                yield from ((array[side], i * spacing + place) for array in (RIGHT, FLOOR) for i in own)
-            for pair in combinations(range(len(places)), 2):
-                a, b = sorted(pair, key=places.__getitem__)
-                block = system.block(places[a], places[b])
-                cells = (size * i + j for i in rows[a] for j in rows[b])
-                yield from ((COUPLING, cell * system.coupling_spacing + block) for cell in cells)
 
 
 def _eliminated(context: InstanceContext, of: Blocks, has_known: bool) -> tuple[Statement, ...]:
