@@ -224,7 +224,7 @@ class ConstrainedFrame:
 
     A unit multiplier exerts `force` at the point and `torque` on the frame; `work` is the virtual work of any such
     `load_symbols` by the names of the rows, and equal for all constraints on the frame. `acceleration` and
-    `angular_acceleration` are those of the frame.
+    `angular_acceleration` are those of the frame. `carrier` is its body if that is one of a tree.
     """
 
     rotation: FreeRotation | None
@@ -235,6 +235,7 @@ class ConstrainedFrame:
     work: tuple[tuple[str, sp.Expr], ...]
     acceleration: sp.ImmutableMatrix
     angular_acceleration: sp.ImmutableMatrix
+    carrier: str = ""
 
 
 @dataclass(frozen=True)

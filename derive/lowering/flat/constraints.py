@@ -100,6 +100,7 @@ def accelerations(context: Context, function: ModelFunction) -> Kernel:
     return _solved(context, function, {"vdot": OutputElements(context.accelerations)})
 
 
+ONLY, TREES, KKT = None, 1, 2
 COMPARED = 20
 """The largest number of rows and multipliers of trees for which both ways to accelerations are lowered and compared.
 
@@ -112,10 +113,11 @@ def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, Out
     symbols = context.symbols(context.t, context.q, context.v)
     tree = tree_dynamics(context, symbols)
     candidates = []
-    if tree and by_articulated_bodies(context, tree):
+    if tree and by_articulated_bodies(context, tree) and ONLY != KKT:
         with suppress(LoweringError):  # where constraints are redundant in every state
             gamma = _bias(context, symbols)
             candidates.append(articulated_accelerations(context, function, outputs, symbols, tree, gamma))
+            if ONLY == TREES: return candidates[0]
             if len(context.rows) + len(gamma) > COMPARED:
                 return candidates[0]
     right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]

@@ -89,7 +89,13 @@ class TreeFrames:
         self.upwards = [-symbols(g) for g in gravity]
         self.numbers = {body.name: n for n, body in enumerate(bodies)}
         self.axes = {body.name: _own_axes(body) for body in bodies}
+        self.turns = {body.name: body.motion.frame for body in bodies}
         self.every = tuple(self._link(body) for body in bodies)
+
+    def rotation(self, body: str) -> Matrix:
+        """The axes of the frame of a link in the inertial frame, as columns."""
+        turn, own = self._matrix(self.turns[body]), self.axes[body]
+        return turn if own == sp.eye(3) else multiply(turn, self._matrix(own))
 
     def _link(self, body: TreeBody) -> TreeFrame:
         hinge, of = body.motion.hinge, self.symbols

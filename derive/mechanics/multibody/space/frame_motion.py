@@ -69,7 +69,7 @@ class FrameMotion:
     `displacement` that of the marker by deformation, u, in the frame of the body, and `tangent` turns the rate of the
     rotation vector of a flexible body at the marker into an angular velocity.
     `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
-    `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body.
+    `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body `carrier`.
     """
 
     definitions: tuple[Intermediate, ...]
@@ -85,6 +85,7 @@ class FrameMotion:
     displacement: sp.ImmutableMatrix = field(default_factory=still)
     virtual: tuple[VirtualMotion, ...] = ()
     in_body: tuple[sp.ImmutableMatrix, sp.ImmutableMatrix] | None = None
+    carrier: str = ""
 
     @property
     def is_still(self) -> bool:
@@ -119,6 +120,7 @@ class FrameMotion:
             self.any_work,
             self.acceleration,
             self.angular_acceleration,
+            self.carrier,
         )
 
     @cached_property

@@ -1,0 +1,82 @@
+"""Bodies that hang on one body of a tree, as an inertia and a force that they add to it.
+
+With the factors R of the acceleration of that body in the constraints of the leaf, and the compliance S = G M^-1 G^T of
+the leaf in them, the multipliers are S^-1 (gamma' - R a), where gamma' is what the leaf without them would lack. The
+body feels R^T S^-1 R as inertia, and the force R^T S^-1 gamma'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from derive.lowering.flat.casadi_symbols import Symbols, multiplied, subtracted
+from derive.lowering.flat.context import Context
+from derive.lowering.flat.trees.compliance import Compliance
+from derive.lowering.flat.trees.links import TreeFrames
+from derive.lowering.flat.trees.other_bodies import Leaf
+from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, Vector, dot, times, transposed
+from derive.lowering.flat.trees.steps import Wrench
+from derive.lowering.ldlt import backward, forward
+
+
+@dataclass(frozen=True)
+class HungBodies:
+    """A leaf on the body of a tree with the number `link`: see above.
+
+    reactions: L^-1 R by columns, six vectors, with the factors L D L^T of S. lacking: L^-1 gamma'.
+    """
+
+    leaf: Leaf
+    link: int
+    compliance: Compliance
+    reactions: Sequence[Sequence[ca.SX]]
+    lacking: Sequence[ca.SX]
+
+    @property
+    def _scaled(self) -> list[list[ca.SX]]:
+        factors = self.compliance.factors
+        inverses = dict(zip(factors.order, factors.inverses, strict=True))
+        return [[multiplied(x, inverses[k]) for k, x in enumerate(column)] for column in self.reactions]
+
+    @property
+    def inertia(self) -> SpatialInertia:
+        """What the body feels as inertia."""
+        scaled = self._scaled
+        known = {(i, j): dot(scaled[i], self.reactions[j]) for i in range(6) for j in range(i, 6)}
+        full = [[known[min(i, j), max(i, j)] for j in range(6)] for i in range(6)]
+        upper, lower = full[:3], full[3:]
+        return SpatialInertia([row[:3] for row in upper], [row[3:] for row in upper], [row[3:] for row in lower])
+
+    @property
+    def needed(self) -> Wrench:
+        """What the leaf needs from the body, which stays without acceleration."""
+        total = [-dot(column, self.lacking) for column in self._scaled]
+        return Wrench(total[:3], total[3:])
+
+    def multipliers(self, acceleration: tuple[Vector, Vector]) -> dict[int, ca.SX]:
+        """The multipliers by constraint; acceleration: of the body."""
+        both = [*acceleration[0], *acceleration[1]]
+        left = [
+            subtracted(lack, dot(both, [column[k] for column in self.reactions])) for k, lack in enumerate(self.lacking)
+        ]
+        return dict(zip(self.leaf.constraints, backward(self.compliance.factors, left), strict=True))
+
+
+def hung_bodies(
+    context: Context, symbols: Symbols, frames: TreeFrames, leaf: Leaf, compliance: Compliance, lacking: Sequence[ca.SX]
+) -> HungBodies:
+    """A leaf; lacking: gamma'."""
+    turn = transposed(frames.rotation(leaf.carrier))
+    rows = []
+    for n in leaf.constraints:
+        pair = context.equations.constraints[n].frames
+        assert pair is not None
+        frame = next((f for f in (pair.first, pair.second) if f.carrier), None)
+        parts = (frame.force, frame.moment) if frame else ()
+        rows.append([x for part in parts for x in times(turn, [symbols(of) for of in part])] or [ca.SX(0)] * 6)
+    factors = compliance.factors
+    columns = [forward(factors, list(column)) for column in zip(*rows, strict=True)]
+    return HungBodies(leaf, frames.numbers[leaf.carrier], compliance, columns, forward(factors, list(lacking)))
