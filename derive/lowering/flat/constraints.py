@@ -116,7 +116,7 @@ def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, Out
     if tree and by_articulated_bodies(context, tree) and ONLY != KKT:
         with suppress(LoweringError):  # where constraints are redundant in every state
             gamma = _bias(context, symbols)
-            candidates.append(articulated_accelerations(context, function, outputs, symbols, tree, gamma))
+            candidates.append(articulated_accelerations(context, function, outputs, symbols, tree))
             if ONLY == TREES: return candidates[0]
             if len(context.rows) + len(gamma) > COMPARED:
                 return candidates[0]

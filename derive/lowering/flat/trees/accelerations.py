@@ -23,8 +23,10 @@ from derive.lowering.flat.context import Context, stores
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.flat.trees.compliance import Compliance, with_reactions
 from derive.lowering.flat.trees.hung_bodies import HungBodies, hung_bodies
+from derive.lowering.flat.trees.joint_rows import JointRow, JointRows
 from derive.lowering.flat.trees.other_bodies import Column, OtherBodies, leaves, other_bodies
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies
+from derive.lowering.flat.trees.steps import NO_WRENCH, Wrench
 from derive.lowering.flat.trees.tree_dynamics import TreeDynamics
 from derive.lowering.ldlt import Factorisation, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
@@ -39,6 +41,8 @@ def by_articulated_bodies(context: Context, tree: TreeDynamics) -> bool:
     common with other bodies.
     """
     safe = context.elimination is EliminationRule.SAFE and not context.proximal
+    if context.sensitivities and len(tree.rows) < len(context.rows):
+        return False  # what follows takes the transposes of rotation tensors for their inverses
     apart = all((i in tree.rows) == (j in tree.rows) for i, j in context.mass_pattern().entries)
     return safe and apart and all(c.jacobian for c in context.equations.constraints)
 
@@ -51,6 +55,7 @@ class _Eliminated:
     """
 
     others: OtherBodies
+    joints: JointRows
     hung: Sequence[HungBodies]
     bodies: ArticulatedBodies
     open: Sequence[int]
@@ -76,16 +81,15 @@ def articulated_accelerations(
     outputs: Mapping[str, OutputElements],
     symbols: Symbols,
     tree: TreeDynamics,
-    bias: Sequence[ca.SX],
 ) -> Kernel:
-    """The kernel of the accelerations, and of the multipliers if `outputs` has them; bias: gamma of G vdot = gamma.
+    """The kernel of the accelerations, and of the multipliers if `outputs` has them.
 
     Raises LoweringError if a pivot vanishes in every state.
     """
-    of = _eliminated(context, symbols, tree, bias)
+    of = _eliminated(context, symbols, tree)
     vdot, multipliers = of.solved()
-    results = {"vdot": [vdot[n] for n in range(len(vdot))], "lam": [multipliers[n] for n in range(len(bias))]}
-    present = [value for values in results.values() for value in values if not value.is_zero()]
+    results = {"vdot": [vdot[n] for n in range(len(vdot))], "lam": of.joints.multipliers(multipliers)}
+    present = [x for x in (*results["vdot"], *multipliers.values()) if not x.is_zero()]
     finite = RequiredValue(Requirement.FINITE, balanced(present), ReturnCode.NOT_FINITE, "a result is not finite")
     return context.kernel(
         function,
@@ -108,37 +112,43 @@ def articulated_accelerations(
     )
 
 
-def _eliminated(context: Context, symbols: Symbols, tree: TreeDynamics, bias: Sequence[ca.SX]) -> _Eliminated:
+def _eliminated(context: Context, symbols: Symbols, tree: TreeDynamics) -> _Eliminated:
     rows = [n for n in range(len(context.rows)) if n not in tree.rows]
-    others, jacobian = other_bodies(context, symbols, rows), _jacobian(context, symbols)
-    free = others.forward({row: -symbols(context.force_rows[row]) for row in rows})
-    columns = [others.forward({row: x for row, x in of.items() if row not in tree.rows}) for of in jacobian]
+    others = other_bodies(context, symbols, rows)
+    joints = JointRows(context, symbols, tree, others.turned)
+    free = others.forward(others.along_own_axes({row: -symbols(context.force_rows[row]) for row in rows}))
+    columns = [others.forward(of.others) for of in joints.every]
     hung = []
     for leaf in leaves(context, rows):
+        own = [joints.every[n] for n in leaf.constraints]
         compliance = Compliance([columns[n] for n in leaf.constraints], others.inverses)
-        lacking = compliance.lacking([bias[n] for n in leaf.constraints], free)
-        hung.append(hung_bodies(context, symbols, tree.frames, leaf, compliance, lacking))
+        hung.append(hung_bodies(tree.frames, leaf, own, compliance, compliance.lacking([of.gamma for of in own], free)))
     bodies = articulated_bodies(tree.links, [(of.link, of.inertia) for of in hung])
     wrenches = tree.wrenches
     for of in hung:
         wrenches[of.link] = wrenches[of.link] + of.needed
     before = free | bodies.forward({row: -tree.applied(row) for row in tree.rows}, wrenches)
     held = {n for of in hung for n in of.leaf.constraints}
-    still_open = [n for n in range(len(bias)) if n not in held]
-    of_trees = [{row: x for row, x in jacobian[n].items() if row in tree.rows} for n in still_open]
+    still_open = [n for n in range(len(columns)) if n not in held]
     compliance = Compliance(
-        [bodies.forward(own) | columns[n] for n, own in zip(still_open, of_trees, strict=True)],
+        [_of_trees(bodies, joints.every[n]) | columns[n] for n in still_open],
         {row: of.inverse for row, of in bodies.eliminated.items()} | others.inverses,
     )
-    multipliers = solve(compliance.factors, compliance.lacking([bias[n] for n in still_open], before))
+    lacking = compliance.lacking([joints.every[n].gamma for n in still_open], before)
+    multipliers = solve(compliance.factors, lacking)
     rests = with_reactions(before, compliance.columns, multipliers)
-    return _Eliminated(others, hung, bodies, still_open, compliance, multipliers, before, rests)
+    return _Eliminated(others, joints, hung, bodies, still_open, compliance, multipliers, before, rests)
 
 
-def _jacobian(context: Context, symbols: Symbols) -> list[dict[int, ca.SX]]:
-    """The rows of G."""
-    numbers = {name: n for n, name in enumerate(context.rows)}
-    return [{numbers[row]: symbols(f) for row, f in c.jacobian} for c in context.equations.constraints]
+def _of_trees(bodies: ArticulatedBodies, row: JointRow) -> Column:
+    """The entries of a column of W for the rows of trees."""
+    if not row.on_links and not row.of_trees:
+        return {}
+    wrenches = [NO_WRENCH] * len(bodies.links)
+    for link, exerted in row.on_links.items():
+        wrenches[link] = Wrench([-x for x in exerted.force], [-x for x in exerted.torque])
+    found = bodies.forward(row.of_trees, wrenches)
+    return {row: x for row, x in found.items() if not x.is_zero()}
 
 
 def _compliances(context: Context, of: _Eliminated) -> Iterator[tuple[Factorisation, tuple[str, ...]]]:

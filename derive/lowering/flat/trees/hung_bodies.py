@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from derive.lowering.flat.casadi_symbols import Symbols, multiplied, subtracted
-from derive.lowering.flat.context import Context
+from derive.lowering.flat.casadi_symbols import multiplied, subtracted
 from derive.lowering.flat.trees.compliance import Compliance
+from derive.lowering.flat.trees.joint_rows import JointRow
 from derive.lowering.flat.trees.links import TreeFrames
 from derive.lowering.flat.trees.other_bodies import Leaf
-from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, Vector, dot, times, transposed
-from derive.lowering.flat.trees.steps import Wrench
+from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, Vector, dot
+from derive.lowering.flat.trees.steps import NO_WRENCH, Wrench
 from derive.lowering.ldlt import backward, forward
 
 
@@ -66,17 +66,12 @@ class HungBodies:
 
 
 def hung_bodies(
-    context: Context, symbols: Symbols, frames: TreeFrames, leaf: Leaf, compliance: Compliance, lacking: Sequence[ca.SX]
+    frames: TreeFrames, leaf: Leaf, rows: Sequence[JointRow], compliance: Compliance, lacking: Sequence[ca.SX]
 ) -> HungBodies:
-    """A leaf; lacking: gamma'."""
-    turn = transposed(frames.rotation(leaf.carrier))
-    rows = []
-    for n in leaf.constraints:
-        pair = context.equations.constraints[n].frames
-        assert pair is not None
-        frame = next((f for f in (pair.first, pair.second) if f.carrier), None)
-        parts = (frame.force, frame.moment) if frame else ()
-        rows.append([x for part in parts for x in times(turn, [symbols(of) for of in part])] or [ca.SX(0)] * 6)
+    """A leaf with the rows of its constraints; lacking: gamma'."""
+    link = frames.numbers[leaf.carrier]
+    wrenches = [row.on_links.get(link, NO_WRENCH) for row in rows]
+    columns = zip(*([*w.force, *w.torque] for w in wrenches), strict=True)
     factors = compliance.factors
-    columns = [forward(factors, list(column)) for column in zip(*rows, strict=True)]
-    return HungBodies(leaf, frames.numbers[leaf.carrier], compliance, columns, forward(factors, list(lacking)))
+    reactions = [forward(factors, list(column)) for column in columns]
+    return HungBodies(leaf, link, compliance, reactions, forward(factors, list(lacking)))

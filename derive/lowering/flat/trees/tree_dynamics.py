@@ -15,7 +15,7 @@ from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
 from derive.lowering.flat.trees.links import TreeFrame, TreeFrames
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, forces, motions, needed
-from derive.lowering.flat.trees.spatial_vectors import dot
+from derive.lowering.flat.trees.spatial_vectors import Vector, dot, plus, times
 from derive.lowering.flat.trees.steps import SingleFreedom, Turn, TurnedFrame, Wrench
 from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
@@ -46,6 +46,12 @@ class TreeDynamics:
     def wrenches(self) -> list[Wrench]:
         """The wrenches that the links need without accelerations of the coordinates."""
         return [needed(link, m) for link, m in zip(self.links, self.still, strict=True)]
+
+    def bias(self, body: str, place: Vector) -> tuple[Vector, Vector]:
+        """The accelerations of a point of a link without those of the coordinates, linear and angular, in the link."""
+        m, fall = self.still[self.frames.numbers[body]], [-x for x in self.frames.upwards]
+        linear = plus(plus(m.linear, self.frames.resolved(body, fall)), times(m.of_points, place))
+        return linear, m.angular
 
     def applied(self, row: int) -> ca.SX:
         """The terms of a row of h besides the inertia and the weight of its tree."""
