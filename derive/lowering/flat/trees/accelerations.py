@@ -26,7 +26,7 @@ from derive.lowering.flat.trees.hung_bodies import HungBodies, hung_bodies
 from derive.lowering.flat.trees.joint_rows import JointRow, JointRows
 from derive.lowering.flat.trees.other_bodies import Column, OtherBodies, leaves, other_bodies
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies
-from derive.lowering.flat.trees.steps import NO_WRENCH, Wrench
+from derive.lowering.flat.trees.steps import NO_WRENCH, Shift, Wrench
 from derive.lowering.flat.trees.tree_dynamics import TreeDynamics
 from derive.lowering.ldlt import Factorisation, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
@@ -145,8 +145,8 @@ def _of_trees(bodies: ArticulatedBodies, row: JointRow) -> Column:
     if not row.on_links and not row.of_trees:
         return {}
     wrenches = [NO_WRENCH] * len(bodies.links)
-    for link, exerted in row.on_links.items():
-        wrenches[link] = Wrench([-x for x in exerted.force], [-x for x in exerted.torque])
+    for link, (place, exerted) in row.on_links.items():
+        wrenches[link] = Shift(place).wrench(Wrench([-x for x in exerted.force], [-x for x in exerted.torque]))
     found = bodies.forward(row.of_trees, wrenches)
     return {row: x for row, x in found.items() if not x.is_zero()}
 

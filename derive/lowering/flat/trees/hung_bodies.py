@@ -18,19 +18,20 @@ from derive.lowering.flat.trees.joint_rows import JointRow
 from derive.lowering.flat.trees.links import TreeFrames
 from derive.lowering.flat.trees.other_bodies import Leaf
 from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, Vector, dot
-from derive.lowering.flat.trees.steps import NO_WRENCH, Wrench
+from derive.lowering.flat.trees.steps import NO_WRENCH, Shift, Wrench
 from derive.lowering.ldlt import backward, forward
 
 
 @dataclass(frozen=True)
 class HungBodies:
-    """A leaf on the body of a tree with the number `link`: see above.
+    """A leaf on the body of a tree with the number `link`: see above. shift: to the point about which wrenches are.
 
     reactions: L^-1 R by columns, six vectors, with the factors L D L^T of S. lacking: L^-1 gamma'.
     """
 
     leaf: Leaf
     link: int
+    shift: Shift
     compliance: Compliance
     reactions: Sequence[Sequence[ca.SX]]
     lacking: Sequence[ca.SX]
@@ -48,17 +49,19 @@ class HungBodies:
         known = {(i, j): dot(scaled[i], self.reactions[j]) for i in range(6) for j in range(i, 6)}
         full = [[known[min(i, j), max(i, j)] for j in range(6)] for i in range(6)]
         upper, lower = full[:3], full[3:]
-        return SpatialInertia([row[:3] for row in upper], [row[3:] for row in upper], [row[3:] for row in lower])
+        of = SpatialInertia([row[:3] for row in upper], [row[3:] for row in upper], [row[3:] for row in lower])
+        return self.shift.inertia(of)
 
     @property
     def needed(self) -> Wrench:
         """What the leaf needs from the body, which stays without acceleration."""
         total = [-dot(column, self.lacking) for column in self._scaled]
-        return Wrench(total[:3], total[3:])
+        return self.shift.wrench(Wrench(total[:3], total[3:]))
 
     def multipliers(self, acceleration: tuple[Vector, Vector]) -> dict[int, ca.SX]:
         """The multipliers by constraint; acceleration: of the body."""
-        both = [*acceleration[0], *acceleration[1]]
+        linear, angular = self.shift.accelerations(*acceleration)
+        both = [*linear, *angular]
         left = [
             subtracted(lack, dot(both, [column[k] for column in self.reactions])) for k, lack in enumerate(self.lacking)
         ]
@@ -69,9 +72,15 @@ def hung_bodies(
     frames: TreeFrames, leaf: Leaf, rows: Sequence[JointRow], compliance: Compliance, lacking: Sequence[ca.SX]
 ) -> HungBodies:
     """A leaf with the rows of its constraints; lacking: gamma'."""
-    link = frames.numbers[leaf.carrier]
-    wrenches = [row.on_links.get(link, NO_WRENCH) for row in rows]
+    link, factors = frames.numbers[leaf.carrier], compliance.factors
+    loads = [row.on_links.get(link) for row in rows]
+    origin = next(place for place, _ in filter(None, loads))
+    wrenches = [_about(origin, *load) if load else NO_WRENCH for load in loads]
     columns = zip(*([*w.force, *w.torque] for w in wrenches), strict=True)
-    factors = compliance.factors
     reactions = [forward(factors, list(column)) for column in columns]
-    return HungBodies(leaf, link, compliance, reactions, forward(factors, list(lacking)))
+    return HungBodies(leaf, link, Shift(origin), compliance, reactions, forward(factors, list(lacking)))
+
+
+def _about(origin: Vector, place: Vector, wrench: Wrench) -> Wrench:
+    """A wrench about a place as one about another origin."""
+    return Shift([subtracted(x, of) for x, of in zip(place, origin, strict=True)]).wrench(wrench)

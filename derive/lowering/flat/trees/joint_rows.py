@@ -16,7 +16,7 @@ from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.trees.other_bodies import Triple, rigid_rows, tensor
-from derive.lowering.flat.trees.spatial_vectors import ZERO, Matrix, Vector, cross, dot, null, plus, times, transposed
+from derive.lowering.flat.trees.spatial_vectors import ZERO, Matrix, Vector, dot, null, times, transposed
 from derive.lowering.flat.trees.steps import ONE, Wrench
 from derive.lowering.flat.trees.tree_dynamics import TreeDynamics
 from derive.mechanics.terms import ConstrainedFrame, Constraint, load_symbols
@@ -29,13 +29,13 @@ class JointRow:
     """A row of the constraints G vdot = gamma.
 
     others: the factors of the rows of bodies beside trees, whose translations are along the axes in `OtherBodies`.
-    on_links: the wrenches of a unit multiplier on links, by number. of_trees: the factors of the rows of trees, of a
+    on_links: the wrenches of a unit multiplier on links, by number, and the points about which they are. of_trees: the factors of the rows of trees, of a
     constraint that acts on no frames.
     """
 
     gamma: ca.SX = ZERO
     others: dict[int, ca.SX] = field(default_factory=dict)
-    on_links: dict[int, Wrench] = field(default_factory=dict)
+    on_links: dict[int, tuple[Vector, Wrench]] = field(default_factory=dict)
     of_trees: dict[int, ca.SX] = field(default_factory=dict)
 
 
@@ -127,8 +127,7 @@ class JointRows:
             frames = self.tree.frames
             link, place = frames.numbers[frame.carrier], frames.place(frame)
             force, torque = (frames.resolved(frame.carrier, of) for of in (force, torque))
-            wrench = Wrench(force, plus(torque, cross(place, force)))
-            row.on_links[link] = row.on_links[link] + wrench if link in row.on_links else wrench
+            row.on_links[link] = place, Wrench(force, torque)
             linear, angular = self.tree.bias(frame.carrier, place)
         elif frame.own is not None:
             rows, Q = rigid_rows(self.context, frame.own), tensor(self.symbols, frame.own)
