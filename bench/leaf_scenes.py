@@ -98,6 +98,12 @@ def crane(modes: int) -> SpatialScene:
 SCENES = {"arm": arm, "satellite": satellite, "linkage": linkage, "crane": crane}
 
 
+def leaf_scene(name: str) -> SpatialScene:
+    """The scene of a name such as arm_4, which ends with the number of modes of each flexible body."""
+    kind, modes = name.rsplit("_", 1)
+    return SCENES[kind](int(modes))
+
+
 def _scene(name: str, bodies: Table, joints: Table, gravity: list[float] | None = None) -> SpatialScene:
     ground = {"root": [0, 0, 0], "far": {"at": [0.5, 0.1, 0], "rotation": TURNED}}
     return derive.spatial_scene(
