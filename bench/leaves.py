@@ -1,4 +1,4 @@
-"""Flexible bodies on trees of rigid ones: accelerations by articulated bodies, by the KKT matrix, in absolute coordinates.
+"""Flexible bodies on trees of rigid ones: what accelerations take by articulated bodies and by the KKT matrix.
 
 python bench/leaves.py [--only NAME ...] [--flags FLAGS] [--repeats N]
 

@@ -213,8 +213,8 @@ class OwnAxes:
     """The motion of a frame of a free body, along the axes of this body.
 
     `work` is the virtual work of `load_symbols` along these axes by the names of the rows, where the translations of
-    the origin are along them too. `acceleration` and `angular_acceleration` are without those of the coordinates. `Q` is
-    the rotation tensor of the body.
+    the origin, which come first, are along them too. `acceleration` and `angular_acceleration` are without those of the
+    coordinates. `Q` is the rotation tensor of the body.
     """
 
     Q: sp.ImmutableMatrix

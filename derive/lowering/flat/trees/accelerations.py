@@ -8,7 +8,7 @@ compliance of these bodies at their joints. Those that hang on one body of a tre
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -51,7 +51,8 @@ def by_articulated_bodies(context: Context, tree: TreeDynamics) -> bool:
 class _Eliminated:
     """The rows of a scene as eliminated: those of bodies beside trees, of leaves with their constraints, and of trees.
 
-    open: the numbers of the other constraints, and compliance, multipliers: theirs. rests: by row, with their reactions.
+    open: the numbers of the other constraints; compliance, multipliers: theirs. before, rests: the forces that
+    accelerate each row alone, without and with these multipliers.
     """
 
     others: OtherBodies
@@ -140,7 +141,7 @@ def _eliminated(context: Context, symbols: Symbols, tree: TreeDynamics) -> _Elim
     return _Eliminated(others, joints, hung, bodies, still_open, compliance, multipliers, before, rests)
 
 
-def _of_trees(bodies: ArticulatedBodies, row: JointRow) -> Column:
+def _of_trees(bodies: ArticulatedBodies, row: JointRow) -> dict[int, ca.SX]:
     """The entries of a column of W for the rows of trees."""
     if not row.on_links and not row.of_trees:
         return {}
@@ -190,7 +191,7 @@ def _checks(context: Context, symbols: Symbols, tree: TreeDynamics, of: _Elimina
         yield from pivot_checks(symbols, factors, multipliers)
 
 
-def _mass(context: Context, symbols: Symbols, rows: Sequence[int]) -> ca.SX:
+def _mass(context: Context, symbols: Symbols, rows: Iterable[int]) -> ca.SX:
     """The mass of bodies with these rows, by their first translations."""
     eq, total = context.equations, ca.SX(0)
     for row in rows:

@@ -16,7 +16,7 @@ from derive.lowering.flat.casadi_symbols import multiplied, subtracted
 from derive.lowering.flat.trees.compliance import Compliance
 from derive.lowering.flat.trees.joint_rows import JointRow
 from derive.lowering.flat.trees.links import TreeFrames
-from derive.lowering.flat.trees.other_bodies import Leaf
+from derive.lowering.flat.trees.other_bodies import TreeLeaf
 from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, Vector, dot
 from derive.lowering.flat.trees.steps import NO_WRENCH, Shift, Wrench
 from derive.lowering.ldlt import backward, forward
@@ -29,7 +29,7 @@ class HungBodies:
     reactions: L^-1 R by columns, six vectors, with the factors L D L^T of S. lacking: L^-1 gamma'.
     """
 
-    leaf: Leaf
+    leaf: TreeLeaf
     link: int
     shift: Shift
     compliance: Compliance
@@ -69,7 +69,7 @@ class HungBodies:
 
 
 def hung_bodies(
-    frames: TreeFrames, leaf: Leaf, rows: Sequence[JointRow], compliance: Compliance, lacking: Sequence[ca.SX]
+    frames: TreeFrames, leaf: TreeLeaf, rows: Sequence[JointRow], compliance: Compliance, lacking: Sequence[ca.SX]
 ) -> HungBodies:
     """A leaf with the rows of its constraints; lacking: gamma'."""
     link, factors = frames.numbers[leaf.carrier], compliance.factors

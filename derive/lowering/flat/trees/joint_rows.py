@@ -29,8 +29,8 @@ class JointRow:
     """A row of the constraints G vdot = gamma.
 
     others: the factors of the rows of bodies beside trees, whose translations are along the axes in `OtherBodies`.
-    on_links: the wrenches of a unit multiplier on links, by number, and the points about which they are. of_trees: the factors of the rows of trees, of a
-    constraint that acts on no frames.
+    on_links: for the numbers of links, a point and the wrench of a unit multiplier about it. of_trees: the factors of
+    the rows of trees, where the constraint does not act on frames of other bodies.
     """
 
     gamma: ca.SX = ZERO
@@ -41,7 +41,7 @@ class JointRow:
 
 @dataclass(frozen=True)
 class _Load:
-    """A force and a torque in the inertial frame; `along`: the rows of the body along whose axis `axis` the force is."""
+    """An inertial force and torque; along: the rows of the body along whose axis `axis` the force is, times `sign`."""
 
     force: Vector
     torque: Vector
@@ -53,8 +53,8 @@ class _Load:
 class JointRows:
     """The rows of all constraints of a scene.
 
-    turned: the rotation tensors of the bodies whose translations are along their own axes. bases: for the first of three
-    constraints of points that coincide, the axes along which their multipliers are.
+    turned: the rotation tensors of the bodies whose translations are along their own axes. bases: for the first of the
+    three constraints of points that coincide, the axes along which their multipliers are.
     """
 
     def __init__(self, context: Context, symbols: Symbols, tree: TreeDynamics, turned: Mapping[Triple, Matrix]) -> None:

@@ -28,10 +28,10 @@ Triple = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class OtherBodies:
-    """The rows of bodies beside trees, and the factors L D L^T of their block of M, whose indices are places in `rows`.
+    """The rows of bodies beside trees, and the factors of their block of M with places in `rows` as indices.
 
-    turned: the rotation tensors of bodies in the mean frame, by the rows of their translations. These couple to no other
-    rows, so that they may be along any axes: they are taken along those of the body.
+    turned: the rotation tensors of bodies in the mean frame, by the rows of their translations. These couple to no
+    other rows, so that they may be along any axes: they are taken along those of the body.
     """
 
     rows: Sequence[int]
@@ -57,9 +57,9 @@ class OtherBodies:
         """L^-1 right."""
         x = dict(right)
         for j in self.factors.order:
-            known = x.get(self.rows[j])
-            for i, entry in self.factors.lower[j] if known is not None else ():
-                x[self.rows[i]] = subtracted(x.get(self.rows[i], ZERO), multiplied(entry, known))
+            if (row := self.rows[j]) in x:
+                for i, entry in self.factors.lower[j]:
+                    x[self.rows[i]] = subtracted(x.get(self.rows[i], ZERO), multiplied(entry, x[row]))
         return x
 
     def backward(self, rests: Column) -> dict[int, ca.SX]:
@@ -99,7 +99,7 @@ def tensor(symbols: Symbols, of: OwnAxes) -> Matrix:
 
 
 @dataclass(frozen=True)
-class Leaf:
+class TreeLeaf:
     """Bodies that hang on one body of a tree, `carrier`, and on nothing else, with their rows and constraints."""
 
     carrier: str
@@ -107,11 +107,11 @@ class Leaf:
     constraints: tuple[int, ...]
 
 
-def leaves(context: Context, rows: Sequence[int]) -> list[Leaf]:
+def leaves(context: Context, rows: Sequence[int]) -> list[TreeLeaf]:
     """The bodies with these rows that hang on one body of a tree alone.
 
-    They keep all motions of a free body. Multipliers that no combination of their rows opposes would then exert no force
-    on that body either, so that their compliance is regular wherever the constraints of the scene are independent.
+    They keep all motions of free bodies: multipliers that exert nothing on them as a whole exert nothing on that body
+    either, so that their compliance is regular wherever the constraints of the scene are independent.
     """
     result = []
     for component in _components(context, rows):
@@ -122,7 +122,7 @@ def leaves(context: Context, rows: Sequence[int]) -> list[Leaf]:
         carriers = {of for _, c in conditions for of in _carriers(c)}
         if len(carriers) == 1 and None not in carriers:
             (carrier,) = carriers
-            result.append(Leaf(str(carrier), frozenset(component), tuple(n for n, _ in conditions)))
+            result.append(TreeLeaf(str(carrier), frozenset(component), tuple(n for n, _ in conditions)))
     return result
 
 

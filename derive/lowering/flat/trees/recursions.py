@@ -134,8 +134,8 @@ def articulated_bodies(
 ) -> ArticulatedBodies:
     """The factors of M along links; more: inertias that links have besides their own, by number."""
     inertias = [link.inertia for link in links]
-    for n, inertia in more:
-        inertias[n] = inertias[n] + inertia
+    for n, of in more:
+        inertias[n] = inertias[n] + of
     eliminated: dict[int, ReleasedFreedom] = {}
     for n in reversed(range(len(links))):
         inertia: SpatialInertia = inertias[n]
