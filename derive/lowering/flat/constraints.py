@@ -106,7 +106,10 @@ COMPARED = 20
 With more of them, articulated bodies take fewer operations but in models that consist of loops.
 """
 COMPARED_WITH_OTHERS = 100
-"""The same of scenes in which other bodies are joined to trees; with more of them, lowering takes its time."""
+"""The largest number of rows and multipliers for which both ways are compared where other bodies are joined to trees.
+
+With more of them lowering takes its time.
+"""
 
 
 def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, OutputElements]) -> Kernel:

@@ -44,7 +44,7 @@ class HungBodies:
 
     @property
     def inertia(self) -> SpatialInertia:
-        """What the body feels as inertia."""
+        """The inertia that the body feels."""
         scaled = self._scaled
         known = {(i, j): dot(scaled[i], self.reactions[j]) for i in range(6) for j in range(i, 6)}
         full = [[known[min(i, j), max(i, j)] for j in range(6)] for i in range(6)]
@@ -54,7 +54,7 @@ class HungBodies:
 
     @property
     def needed(self) -> Wrench:
-        """What the leaf needs from the body, which stays without acceleration."""
+        """The wrench that the leaf needs from the body without an acceleration of that."""
         total = [-dot(column, self.lacking) for column in self._scaled]
         return self.shift.wrench(Wrench(total[:3], total[3:]))
 
