@@ -159,7 +159,7 @@ class _Links:
     def add(self, instance: BodyInstance) -> None:
         """Add the links of a body; one that is fixed to another has the link of this one."""
         of, joint = instance.coordinates, self.joints.get(instance.name)
-        rows = of.carried.own_rows if of.carried else of.rows
+        rows = of.rows
         row, first = (self.rows[rows[0].name], self.coordinates[of.coordinates[0].q.name]) if rows else (0, 0)
         if joint is None:
             self.links.append(TreeLink(-1, first, row, is_free=True))

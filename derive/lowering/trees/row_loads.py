@@ -121,7 +121,7 @@ def _motion(joint: SpatialEliminatedJoint, freedom: Freedom) -> str | None:
 def place_in(mechanism: SpatialMechanism, joint: SpatialEliminatedJoint, freedom: Freedom) -> tuple[int, int]:
     """The indices of the row and of the coordinate of a joint about or along z."""
     of = mechanism.instances_by_name[joint.own.body].coordinates
-    rows = of.carried.own_rows if of.carried else of.rows
+    rows = of.rows
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
     own = [i for i, c in enumerate(of.coordinates) if identity(c.q).family is family]
     (number,) = own if len(own) == 1 else [i for i in own if identity(of.coordinates[i].q).components == (3,)]

@@ -116,7 +116,7 @@ class SpatialMechanism(InstancesOfKinds):
             tree_body(name, of.component.group, of.coordinates.carried, of.component.body.constants)
             for name in self.order
             for of in [self.instances_by_name[name]]
-            if of.coordinates.carried
+            if of.coordinates.is_carried
         )
 
     def _gravity(self) -> sp.Matrix:
