@@ -61,23 +61,35 @@ def rates(motion: TreeMotion, output: str = "qdot", of: str = "") -> list[Statem
     of: the array of what they are subtracted from, if that is wanted.
     """
     result: list[Statement] = []
-    if motion.joints:
-        loop = motion.loop("rates", motion.joints)
-        place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
-        value = motion.velocity(loop)
-        loop.store(output, place.at(0), loop.element(of, place.at(0)) - value if of else value)
+    singles = [n for n in motion.joints if motion.tree.links[n].ball < 0]
+    if singles:
+        loop = motion.loop("rates", singles)
+        _stored(motion, loop, output, of, [motion.velocity(loop)])
+        result.append(loop.made())
+    if motion.balls:
+        loop = motion.loop("ball_rates", motion.balls)
+        _stored(motion, loop, output, of, _of_quaternion(motion, loop, 0))
         result.append(loop.made())
     if motion.free:
         loop = motion.loop("free_rates", motion.free)
-        place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
-        a, b, c, d = (motion.coordinate(loop, 3 + k) for k in range(4))
-        x, y, z = (motion.velocity(loop, 3 + k) for k in range(3))
-        turned = [-b * x - c * y - d * z, a * x - d * y + c * z, d * x + a * y - b * z, b * y - c * x + a * z]
-        values = [*(motion.velocity(loop, k) for k in range(3)), *(of / 2 for of in turned)]
-        for k, value in enumerate(values):
-            loop.store(output, place.at(k), loop.element(of, place.at(k)) - value if of else value)
+        moving = [motion.velocity(loop, k) for k in range(3)]
+        _stored(motion, loop, output, of, [*moving, *_of_quaternion(motion, loop, 3)])
         result.append(loop.made())
     return result
+
+
+def _of_quaternion(motion: TreeMotion, loop: LinkLoop, first: int) -> list[ca.SX]:
+    """The time derivatives of quaternions that begin so far behind the coordinates and velocities of links."""
+    a, b, c, d = (motion.coordinate(loop, first + k) for k in range(4))
+    x, y, z = (motion.velocity(loop, first + k) for k in range(3))
+    turned = [-b * x - c * y - d * z, a * x - d * y + c * z, d * x + a * y - b * z, b * y - c * x + a * z]
+    return [of / 2 for of in turned]
+
+
+def _stored(motion: TreeMotion, loop: LinkLoop, output: str, of: str, values: Sequence[ca.SX]) -> None:
+    place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
+    for k, value in enumerate(values):
+        loop.store(output, place.at(k), loop.element(of, place.at(k)) - value if of else value)
 
 
 def poses(motion: TreeMotion, bodies: Sequence[BodyPlace]) -> list[Statement]:

@@ -87,6 +87,8 @@ class TreeLink:
     moves; offset (3,): its origin there. turns: 1 if it turns about its axis by its coordinate, else 0; advances: how
     far it is displaced along its axis for a unit of its coordinate. coordinate, row: their indices, of a free body
     those of the first ones. inertia: that of its bodies about its origin, none of a link before the last one of a body.
+    ball: of the three links of a joint that leaves all rotations the number of its axis, else -1: these turn against
+    the inertial frame, about the axes of the body, by the quaternion from `coordinate` on.
     """
 
     parent: int
@@ -98,6 +100,17 @@ class TreeLink:
     advances: Fraction = ZERO
     is_free: bool = False
     inertia: LinkInertia = field(default_factory=LinkInertia)
+    ball: int = -1
+
+    @property
+    def follows(self) -> Fraction:
+        """1 if it turns with the link before it, 0 if it is the first of a ball."""
+        return ZERO if self.ball == 0 else ONE
+
+    @property
+    def is_relative(self) -> Fraction:
+        """1 if its rotation is against the link before it, 0 if it is one of a ball."""
+        return ONE if self.ball < 0 else ZERO
 
 
 @dataclass(frozen=True)
@@ -172,6 +185,8 @@ class _Links:
             turn = TURNED[2]
             if moved:
                 before, turn = BodyPlace(len(self.links) - 1), self._last_turn
+            if moved and moved[-1].ball >= 0:
+                axes = UNIT  # its quaternion is that of the frame of the body
             place = before.at(product(transposed(turn), transposed(axes)), AT_REST)
         self.bodies[instance.name] = place
         if place.link >= 0:
@@ -183,7 +198,7 @@ class _Links:
     ) -> Iterator[TreeLink]:
         """Yield a link for each motion of the joint of a body."""
         free = joint.type.free(joint.joint) or ()
-        motions, _ = joint_coordinates(joint.type, free, self._support(instance, joint))
+        motions, is_ball = joint_coordinates(joint.type, free, self._support(instance, joint))
         turned, count = UNIT, len(self.links)
         for k, c in enumerate(motions):
             turn = TURNED[AXES_OF[c.motion]]
@@ -192,6 +207,12 @@ class _Links:
             turns = ONE if c.is_rotation else ZERO
             yield TreeLink(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
             before, turned = BodyPlace(count + k), turn
+        for axis in range(3) if is_ball else ():
+            k = len(motions)
+            yield TreeLink(
+                before.link, first + k, row + k + axis, TURNED[axis], before.origin, turns=ONE, ball=axis
+            )
+            before, turned = BodyPlace(count + k + axis), TURNED[axis]
         self._last_turn = turned
 
     @staticmethod
@@ -250,9 +271,6 @@ def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
         for body in scene.bodies
         if not isinstance(body, SpatialRigidBody)
     )
-    for joint in mechanism.eliminated_joints:
-        if {"rx", "ry", "rz"} <= {*(joint.type.free(joint.joint) or ())}:
-            yield f"{only} no joint that leaves all rotations, as {joint.joint.name} does"
     for name in refused_actions(mechanism):
         yield f"{only} no springs but those about and along the axes of joints, and {name} is none"
     if mechanism.parameters:

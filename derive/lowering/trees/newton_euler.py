@@ -56,7 +56,8 @@ def _accelerations(motion: TreeMotion, given: Given | None) -> ForEach:
     here, before = loop.of_links(), loop.of_parents()
     r, c, gamma = loop.vector(LEVER, here), loop.vector(BIAS, here), loop.vector(BIAS, here, first=3)
     a, alpha = loop.vector(FOUND, before), loop.vector(FOUND, before, first=3)
-    a, alpha = plus(a, cross(alpha, r), c), plus(alpha, gamma)
+    follows = loop.number(lambda of: of.follows)
+    a, alpha = plus(a, cross(alpha, r), c), plus(scaled(follows, alpha), gamma)
     if given:
         e, vdot = axis(loop, here), _vdot(motion, loop, given)
         turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
@@ -100,7 +101,8 @@ def _summed(motion: TreeMotion, target: Given, applied_forces: str) -> ForEach:
     if applied_forces:
         value = value - loop.element(applied_forces, row)
     loop.store(target[0], row.plus(target[1]), value)
-    loop.store_vector(FORCE, before, [*f, *plus(n, cross(r, f))], operator=Operator.ADD)
+    follows = loop.number(lambda of: of.follows)
+    loop.store_vector(FORCE, before, [*f, *plus(scaled(follows, n), cross(r, f))], operator=Operator.ADD)
     return loop.made(backward=True)
 
 

@@ -1,0 +1,77 @@
+"""Random trees in loops over their links have the values of straight-line code."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import derive
+from derive.ir.interpreter import interpret
+from derive.ir.model import Model
+from derive.runtime.interpreted_scene import InterpretedScene
+from derive.simulation.configurations import normalised
+from space.trees_of_bodies import KINDS, random_tree
+
+BALLS = ("spherical", "revolute", "spherical", "universal", "spherical", "prismatic")
+
+
+def tree(seed: int, kinds: tuple[str, ...], free: bool = False, **more: Any) -> dict[str, Any]:
+    """A random tree with what loops over links have: no spring between markers, and no outputs."""
+    tables = random_tree(seed, kinds, free)
+    del tables["springs"], tables["outputs"]
+    return {**tables, **more}
+
+
+def models(tables: dict[str, Any], **options: Any) -> tuple[Model, Model]:
+    """The model in loops, and that in straight-line code."""
+    scene = replace(derive.spatial_scene(tables), coordinates="relative")
+    looped, flat = (
+        derive.lower(derive.derive(replace(scene, lowering=name)), explicit=True, **options)
+        for name in ("instances", "flat")
+    )
+    assert (looped.lowering, flat.lowering) == ("instances", "flat")
+    return looped, flat
+
+
+def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
+    """The differences of the results of functions in a random state, relative to the largest number of each."""
+    rng = np.random.default_rng(seed)
+    native = InterpretedScene(flat)
+    q = normalised(native, rng.normal(size=native.nq))
+    v, vdot = rng.normal(size=(2, native.nv))
+    given: dict[str, Any] = {
+        **{"q": q, "v": v, "vdot": vdot, "u": rng.normal(size=len(flat.inputs)), "lam": rng.normal(size=native.nlambda)},
+        **{"y": np.concatenate([q, v]), "r": rng.normal(size=native.nlambda)},
+        **{"ydot": rng.normal(size=native.nq + native.nv)},
+    }
+    p = [1 + 0.1 * n for n in range(len(flat.parameters))]
+    result = {}
+    names = {kernel.name for kernel in looped.kernels}
+    for kernel in (of for of in flat.kernels if of.name in names):
+        known = {**given, "t": 0.7}
+        if kernel.name == "setup" or not {a.name for a in kernel.arguments} <= {*known, "k"}:
+            continue
+        wanted, found = (
+            interpret(m.kernel(kernel.name), {**known, "k": interpret(m.kernel("setup"), {"p": p})["k"]})
+            for m in (flat, looped)
+        )
+        for name, want in wanted.items():
+            a, b = np.array(want, float), np.array(found[name], float)
+            if (shape := flat.pattern(kernel.name, name) if name in ("M", "G") else None) is not None:
+                a, b = shape.dense(a), looped.pattern(kernel.name, name).dense(b)
+            assert a.shape == b.shape, (kernel.name, name)
+            if a.size:
+                result[f"{kernel.name} {name}"] = float(np.max(np.abs(a - b)) / max(np.max(np.abs(a)), 1e-300))
+    return result
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_balls_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
+    """Joints that leave all rotations do not turn what hangs on them: in M, in forces and in accelerations."""
+    found = differences(*models(tree(seed, BALLS if seed < 2 else KINDS, free)))
+    assert {"mass M", "accel vdot", "force h", "momentum momentum", "poses pose", "rates qdot"} <= {*found}
+    assert {name: error for name, error in found.items() if error > 1e-13} == {}
