@@ -15,6 +15,8 @@ from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.configurations import normalised
 from space.trees_of_bodies import KINDS, random_tree
 
+MATRICES = ("M", "G", "A", "jacobian")
+FUNCTIONS = ("inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum")
 BALLS = ("spherical", "revolute", "spherical", "universal", "spherical", "prismatic")
 
 
@@ -60,7 +62,7 @@ def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
         )
         for name, want in wanted.items():
             a, b = np.array(want, float), np.array(found[name], float)
-            if (shape := flat.pattern(kernel.name, name) if name in ("M", "G") else None) is not None:
+            if (shape := flat.pattern(kernel.name, name) if name in MATRICES else None) is not None:
                 a, b = shape.dense(a), looped.pattern(kernel.name, name).dense(b)
             assert a.shape == b.shape, (kernel.name, name)
             if a.size:
@@ -72,6 +74,28 @@ def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
 @pytest.mark.parametrize("seed", range(4))
 def test_balls_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
     """Joints that leave all rotations do not turn what hangs on them: in M, in forces and in accelerations."""
-    found = differences(*models(tree(seed, BALLS if seed < 2 else KINDS, free)))
+    found = differences(*models(tree(seed, BALLS if seed < 2 else KINDS, free), functions=FUNCTIONS))
+    assert {"centre_of_mass jacobian", "centroidal_momentum A", "inverse_dynamics f"} <= {*found}
     assert {"mass M", "accel vdot", "force h", "momentum momentum", "poses pose", "rates qdot"} <= {*found}
     assert {name: error for name, error in found.items() if error > 1e-13} == {}
+
+
+def closed(seed: int, free: bool = False) -> dict[str, Any]:
+    """A random tree with joints that close loops, a drive and a gear."""
+    kinds = ("revolute", "prismatic", "spherical", "universal", "revolute", "cylindrical")
+    tables = tree(seed, kinds, free)
+    tables["joints"]["line"] = {"kind": "point_on_line", "between": ["body6.o", "body2.o"], "closes_loop": True}
+    tables["joints"]["rod"] = {"kind": "distance", "between": ["ground.o", "body5.o"], "distance": 1.3}
+    tables["joints"]["hinge"] = {"kind": "general", "removes": ["rx"], "between": ["body3.o", "body4.o"]}
+    tables["gears"] = {"mesh": {"joints": ["joint1", "joint2"], "ratio": -0.4}}
+    tables["drives"] = {"slide": {"joint": "joint5", "motion": "0.1*sin(t)"}}
+    return tables
+
+
+@pytest.mark.parametrize(("seed", "free"), [(0, False), (1, True), (2, True)])
+def test_constraints_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
+    """Joints that close loops, drives and gears: g, gdot, G, gamma, accelerations with multipliers, and projections."""
+    found = differences(*models(closed(seed, free)))
+    wanted = {"constraints g", "constraint_rates gdot", "constraint_jacobian G", "constraint_bias gamma"}
+    assert {*wanted, "solve lam", "accel vdot", "project_velocity dv"} <= {*found}
+    assert {name: error for name, error in found.items() if error > 1e-12} == {}

@@ -47,21 +47,29 @@ M, H, J, P = 0, 6, 15, 21
 COUNT = 27
 
 
-def articulated(motion: TreeMotion, gravity: Sequence[Number], has_forces: bool) -> list[Part]:
-    """The sections of the accelerations after those of the motion and of the inertias."""
+def articulated(
+    motion: TreeMotion, gravity: Sequence[Number], has_forces: bool, target: str = "vdot"
+) -> list[Part]:
+    """The sections of the accelerations in an array, after those of the motion and of the inertias.
+
+    Without an array the articulated bodies alone.
+    """
     backward = _backward(motion, has_forces)
     chain = motion.tree.is_chain
     declared = [*motion.work((BEHIND, COUNT), cleared=not chain), *motion.work((SHARE, 8))]
     declared += motion.at_link(BEHIND, len(motion.tree.links) - 1, [ZERO] * COUNT) if chain else []
     loops: list[Statement] = [*declared, backward] if motion.joints else [*declared]
     ground = [*motion.work((FOUND, 6))]
+    behind: Part = ("articulated", Source.FACTORISATION, "what each link has to carry, from the leaves on", loops)
+    if not target:
+        return [behind]
     return [
-        ("articulated", Source.FACTORISATION, "what each link has to carry, from the leaves on", loops),
+        behind,
         (
             "accelerations",
             Source.FACTORISATION,
             "accelerations, from the ground on",
-            [*ground, *_forward(motion, gravity)],
+            [*ground, *_forward(motion, gravity, target)],
         ),
     ]
 
@@ -119,18 +127,18 @@ def axis(loop: LinkLoop, here: Place) -> Vector:
     return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
 
 
-def _forward(motion: TreeMotion, gravity: Sequence[Number]) -> list[Statement]:
+def _forward(motion: TreeMotion, gravity: Sequence[Number], target: str) -> list[Statement]:
     """The accelerations of all links, with a ground that accelerates upward, and those of the coordinates."""
     upward = [Number(-g.value) for g in gravity]
     result: list[Statement] = [*motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO])]
     if motion.free:
-        result.append(_of_free(motion, gravity))
+        result.append(_of_free(motion, gravity, target))
     if motion.joints:
-        result.append(_of_joints(motion))
+        result.append(_of_joints(motion, target))
     return result
 
 
-def _of_joints(motion: TreeMotion) -> ForEach:
+def _of_joints(motion: TreeMotion, target: str) -> ForEach:
     loop = motion.loop("forward", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
     e, r = axis(loop, here), loop.vector(LEVER, here)
@@ -143,11 +151,11 @@ def _of_joints(motion: TreeMotion) -> ForEach:
     vdot = known - inverse * dot(share, [*a, *alpha])
     loop.require(Requirement.FINITE, vdot, ReturnCode.NOT_FINITE, "a result is not finite")
     loop.store_vector(FOUND, here, [*plus(a, scaled(advances * vdot, e)), *plus(alpha, scaled(turns * vdot, e))])
-    loop.store("vdot", motion.row(loop), vdot)
+    loop.store(target, motion.row(loop), vdot)
     return loop.made()
 
 
-def _of_free(motion: TreeMotion, gravity: Sequence[Number]) -> ForEach:
+def _of_free(motion: TreeMotion, gravity: Sequence[Number], target: str) -> ForEach:
     """The accelerations of free bodies, of all that hangs on them."""
     loop = motion.loop("free", motion.free)
     here = loop.of_links()
@@ -159,7 +167,7 @@ def _of_free(motion: TreeMotion, gravity: Sequence[Number]) -> ForEach:
     linear = [x + loop.symbols.number(g.value) for x, g in zip(a, gravity, strict=True)]
     Q = matrix(loop.vector(FRAME, here, 9))
     for k, value in enumerate([*linear, *applied(transposed(Q), alpha)]):
-        loop.store("vdot", motion.row(loop, k), value)
+        loop.store(target, motion.row(loop, k), value)
     return loop.made()
 
 

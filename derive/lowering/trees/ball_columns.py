@@ -16,7 +16,7 @@ from derive.ir.statements import ForEach
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.links import Tree
 from derive.lowering.trees.motion import FRAME, ORIGIN, TreeMotion, matrix
-from derive.lowering.trees.vectors import Vector, applied, cross, dot, transposed
+from derive.lowering.trees.vectors import Vector, applied, cross, dot, plus, scaled, transposed
 
 TWIST, MOMENTUM = "twist", "momentum_of"
 """The arrays of unit motions of rows, and of the momenta by them."""
@@ -60,6 +60,15 @@ def by_pairs(motion: TreeMotion, shape: Pattern) -> Iterator[ForEach]:
         for k, value in enumerate([*linear, *applied(transposed(Q), angular)]):
             _store(motion, loop, number, pairs, k, value)
         yield loop.made()
+
+
+def unit_motion(loop: LinkLoop) -> Vector:
+    """The velocity of the origin of all positions, as of a point of each link, by its unit rate, and its rotation."""
+    here = loop.of_links()
+    e, x = [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)], loop.vector(ORIGIN, here)
+    turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
+    w = scaled(turns, e)
+    return [*plus(scaled(advances, e), cross(x, w)), *w]
 
 
 def _by_ball(name: str, pairs: Sequence[Pair]) -> Iterator[tuple[str, list[Pair]]]:

@@ -16,7 +16,7 @@ from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Entry, ForEach, InstanceItem, Statement, StoreElement
 from derive.lowering.instances.loop_code.context import Part
 from derive.lowering.trees.articulated import axis
-from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, by_pairs
+from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, by_pairs, unit_motion
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.motion import FRAME, INERTIA, LEVER, MOMENT, ORIGIN, TreeMotion, matrix
 from derive.lowering.trees.vectors import applied, cross, dot, packed, plus, scaled, symmetric, transposed
@@ -117,7 +117,7 @@ def _momenta(motion: TreeMotion) -> ForEach:
     T, w = scaled(advances, e), scaled(turns, e)
     linear = plus(scaled(mass, T), cross(w, s))
     angular = plus(cross(s, T), applied(tensor, w), cross(x, linear))
-    loop.store_vector(TWIST, here, [*plus(T, cross(x, w)), *w])
+    loop.store_vector(TWIST, here, unit_motion(loop))
     loop.store_vector(MOMENTUM, here, [*linear, *angular])
     return loop.made(independent=True)
 

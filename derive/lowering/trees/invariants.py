@@ -26,7 +26,7 @@ def _zeros(array: str, count: int) -> list[Statement]:
 def energy(motion: TreeMotion, gravity: Sequence[Number] | None) -> list[Statement]:
     """The statements of the kinetic energy, no strain energy, and the potential of gravity, if there is any."""
     loop = motion.loop("energy", motion.massive)
-    mass, s, x, v, w, L = _of_links(loop)
+    mass, s, x, v, w, L = of_links(loop)
     kinetic = (mass * dot(v, v) + dot(w, L)) / 2 + dot(v, cross(w, s))
     loop.store("energy", constant(0), kinetic, Operator.ADD)
     if gravity is not None:
@@ -38,7 +38,7 @@ def energy(motion: TreeMotion, gravity: Sequence[Number] | None) -> list[Stateme
 def momentum(motion: TreeMotion) -> list[Statement]:
     """The statements of the linear momentum, and of the angular momentum about the inertial origin."""
     loop = motion.loop("momentum", motion.massive)
-    mass, s, x, v, w, L = _of_links(loop)
+    mass, s, x, v, w, L = of_links(loop)
     linear = plus(scaled(mass, v), cross(w, s))
     angular = plus(cross(x, linear), cross(s, v), L)
     for k, value in enumerate([*linear, *angular]):
@@ -46,7 +46,7 @@ def momentum(motion: TreeMotion) -> list[Statement]:
     return [*_zeros("momentum", 6), loop.made()]
 
 
-def _of_links(loop: LinkLoop) -> tuple[ca.SX, list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX]]:
+def of_links(loop: LinkLoop) -> tuple[ca.SX, list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX]]:
     """Mass, first moment, position, velocity, angular velocity, and angular momentum of the rotation of each link."""
     here = loop.of_links()
     mass, s = loop.number(lambda of: of.inertia.mass), loop.vector(MOMENT, here)

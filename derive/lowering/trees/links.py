@@ -260,12 +260,11 @@ def _inertia(instance: BodyInstance) -> LinkInertia:
 def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
     """Yield what a mechanism has that loops along trees do not have."""
     scene, only = mechanism.scene, "loops in relative coordinates have"
-    constraints = [
-        *(f"joint {j.joint.name} closes a loop" for j in mechanism.joints),
-        *(f"gear {g.gear.name} is one" for g in mechanism.gears),
-        *(f"drive {drive.name} is one" for drive in scene.drives),
-    ]
-    yield from (f"{only} no constraints, and {text}" for text in constraints)
+    yield from (
+        f"{only} no bodies whose motion is prescribed, and drive {joint.drive.name} prescribes one"
+        for joint in mechanism.eliminated_joints
+        if joint.drive and not joint.keeps_coordinate
+    )
     yield from (
         f"{only} rigid bodies alone, and {body.name} is flexible"
         for body in scene.bodies

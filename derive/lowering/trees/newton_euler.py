@@ -36,7 +36,7 @@ def newton_euler(
     if motion.free:
         forward.append(_free_accelerations(motion, upward, given))
     if motion.joints:
-        forward.append(_accelerations(motion, given))
+        forward.append(carried_accelerations(motion, given))
     forward.append(_forces(motion))
     backward = [_summed(motion, target, applied_forces)] if motion.joints else []
     backward += [_of_free(motion, target, applied_forces)] if motion.free else []
@@ -51,18 +51,19 @@ def _vdot(motion: TreeMotion, loop: LinkLoop, given: Given, k: int = 0) -> ca.SX
     return loop.element(given[0], motion.row(loop, k).plus(given[1]))
 
 
-def _accelerations(motion: TreeMotion, given: Given | None) -> ForEach:
-    loop = motion.loop("carried", motion.joints)
+def carried_accelerations(motion: TreeMotion, given: Given | None, array: str = FOUND) -> ForEach:
+    """The loop of the accelerations of links in an array, without those of coordinates if none are given."""
+    loop = motion.loop("carried_given" if given else "carried", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
     r, c, gamma = loop.vector(LEVER, here), loop.vector(BIAS, here), loop.vector(BIAS, here, first=3)
-    a, alpha = loop.vector(FOUND, before), loop.vector(FOUND, before, first=3)
+    a, alpha = loop.vector(array, before), loop.vector(array, before, first=3)
     follows = loop.number(lambda of: of.follows)
     a, alpha = plus(a, cross(alpha, r), c), plus(scaled(follows, alpha), gamma)
     if given:
         e, vdot = axis(loop, here), _vdot(motion, loop, given)
         turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
         a, alpha = plus(a, scaled(advances * vdot, e)), plus(alpha, scaled(turns * vdot, e))
-    loop.store_vector(FOUND, here, [*a, *alpha])
+    loop.store_vector(array, here, [*a, *alpha])
     return loop.made()
 
 

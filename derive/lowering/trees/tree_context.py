@@ -10,6 +10,8 @@ from derive.lowering.instances.classes.known_motion import KnownMotion
 from derive.lowering.instances.loop_code.context import Part, Result
 from derive.lowering.instances.places import Places
 from derive.lowering.trees import joint_outputs, loads, marker_loads
+from derive.lowering.trees.condition_loops import ConditionLoops
+from derive.lowering.trees.conditions import conditions_of
 from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import Tree, tree_of
 from derive.lowering.trees.motion import TreeMotion
@@ -31,7 +33,12 @@ class TreeContext:
         self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
         self.at_markers = marker_loads.marker_loads(mechanism, self.tree)
         inputs = tuple(given.symbol for given in input_symbols(mechanism.scene))
-        given = (*loads.definitions(self.loads, inputs), *self.at_markers.definitions)
+        self.conditions = conditions_of(mechanism, self.tree)
+        given = (
+            *loads.definitions(self.loads, inputs),
+            *self.at_markers.definitions,
+            *self.conditions.definitions,
+        )
         self.known.definitions = (*self.known.definitions, *given)
         self.constants = Constants(frozenset())
         self.constants.coefficients |= self.known.context.constants.coefficients
@@ -45,6 +52,18 @@ class TreeContext:
         self.has_gravity = bool(mechanism.scene.gravity)
         values = [Fraction(int(g.value.p), int(g.value.q)) for g in gravity] or [Fraction(0)] * 3
         self.gravity = [Number(value) for value in values]
+
+    def constrained(self, motion: TreeMotion) -> ConditionLoops:
+        """The code of the constraints for a state in these arrays."""
+        mechanism = self.mechanism
+        return ConditionLoops(
+            motion, self.conditions, [c.q for c in mechanism.coordinates], [row.v for row in mechanism.rows]
+        )
+
+    @property
+    def multipliers(self) -> int:
+        """The number of constraints."""
+        return len(self.conditions.every)
 
     @property
     def applied(self) -> list[Part]:
