@@ -6,7 +6,7 @@ distance of its joints is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import casadi as ca
 
@@ -31,7 +31,11 @@ FREE = 6
 
 def mass_pattern(motion: TreeMotion, rows: int) -> Pattern:
     """The pattern of M: pairs of rows of which one moves the other."""
-    every = {(max(i, j), min(i, j)) for _, of in _pairs(motion) for i, j in of}
+    every: set[tuple[int, int]] = set()
+    for number, last in enumerate(motion.tree.last):
+        moved = [row for other in range(number, last + 1) for row in _rows(motion, other)]
+        for own in _rows(motion, number):
+            every.update((row, own) if row > own else (own, row) for row in moved)
     firsts = [motion.tree.links[n].row for n in motion.free]
     none = {(first + i, first + j) for first in firsts for i in range(3) for j in range(i)}
     return pattern(rows, rows, every - none, symmetric=True)
@@ -40,13 +44,6 @@ def mass_pattern(motion: TreeMotion, rows: int) -> Pattern:
 def _rows(motion: TreeMotion, number: int) -> range:
     link = motion.tree.links[number]
     return range(link.row, link.row + (FREE if link.is_free else 1))
-
-
-def _pairs(motion: TreeMotion) -> Iterator[tuple[int, list[tuple[int, int]]]]:
-    """Yield each link with the pairs of rows that it moves and its own rows."""
-    for number in range(len(motion.tree.links)):
-        moved = [row for other in range(number, motion.tree.last[number] + 1) for row in _rows(motion, other)]
-        yield number, [(row, own) for own in _rows(motion, number) for row in moved]
 
 
 def composite(motion: TreeMotion, shape: Pattern) -> list[Part]:

@@ -14,7 +14,7 @@ from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees import centroid, invariants, joint_outputs, loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.condition_loops import ConditionLoops
-from derive.lowering.trees.composite import composite, mass_pattern
+from derive.lowering.trees.composite import composite
 from derive.lowering.trees.links import BodyPlace, marker_in_body
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.reactions import G, Reactions
@@ -33,7 +33,7 @@ def _mass_parts(context: TreeContext) -> list[Part]:
     return [
         motion.frames(moving=False, placed=True, in_tree=True),
         motion.inertias(moving=False),
-        *composite(motion, mass_pattern(motion, len(context.rows))),
+        *composite(motion, context.mass_pattern),
     ]
 
 
@@ -43,7 +43,7 @@ def _force_parts(context: TreeContext) -> list[Part]:
 
 def mass(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the mass matrix M(q)."""
-    results = {"M": Result(pattern=mass_pattern(context.motion, len(context.rows)))}
+    results = {"M": Result(pattern=context.mass_pattern)}
     return kernel(context, function, results, *_mass_parts(context))
 
 
@@ -57,7 +57,7 @@ def force(context: TreeContext, function: ModelFunction) -> Kernel:
 def mass_force(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of M and h together."""
     motion = context.motion
-    shape = mass_pattern(motion, len(context.rows))
+    shape = context.mass_pattern
     parts = [
         motion.frames(moving=True, placed=True, in_tree=True),
         motion.inertias(moving=True),
@@ -277,7 +277,7 @@ def _momentum_parts(context: TreeContext) -> list[Part]:
         motion.frames(moving=True, placed=True),
         motion.inertias(moving=False),
         ("sums", "(1)", "momenta and first moment of all links", centroid.sums(motion)),
-        *composite(motion, mass_pattern(motion, len(context.rows)))[:2],
+        *composite(motion, context.mass_pattern)[:2],
     ]
 
 

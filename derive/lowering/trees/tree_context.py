@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cached_property
 
 from derive.ir.expressions import Number
+from derive.ir.patterns import Pattern
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion
 from derive.lowering.instances.loop_code.context import Part, Result
 from derive.lowering.instances.places import Places
 from derive.lowering.trees import joint_outputs, loads, marker_loads
+from derive.lowering.trees.composite import mass_pattern
 from derive.lowering.trees.condition_loops import ConditionLoops
 from derive.lowering.trees.conditions import conditions_of
 from derive.lowering.trees.link_loop import LinkArrays
@@ -59,6 +62,11 @@ class TreeContext:
         return ConditionLoops(
             motion, self.conditions, [c.q for c in mechanism.coordinates], [row.v for row in mechanism.rows]
         )
+
+    @cached_property
+    def mass_pattern(self) -> Pattern:
+        """The pattern of M."""
+        return mass_pattern(self.motion, len(self.rows))
 
     @property
     def multipliers(self) -> int:
