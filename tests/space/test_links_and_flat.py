@@ -99,3 +99,21 @@ def test_constraints_in_loops_have_the_values_of_straight_line_code(seed: int, f
     wanted = {"constraints g", "constraint_rates gdot", "constraint_jacobian G", "constraint_bias gamma"}
     assert {*wanted, "solve lam", "accel vdot", "project_velocity dv"} <= {*found}
     assert {name: error for name, error in found.items() if error > 1e-12} == {}
+
+
+@pytest.mark.parametrize(("seed", "free"), [(1, True), (2, False)])
+def test_markers_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
+    """One function has the motion of each marker and its Jacobian, also behind balls."""
+    tables = tree(seed, BALLS, free)
+    for body in tables["bodies"].values():
+        body["markers"]["tip"] = {"at": [0.3, -0.2, 0.5]}
+    looped, flat = models(tables)
+    natives = [InterpretedScene(model) for model in (looped, flat)]
+    rng = np.random.default_rng(seed)
+    q, v = normalised(natives[0], rng.normal(size=natives[0].nq)), rng.normal(size=natives[0].nv)
+    assert {*natives[0].markers} == {*natives[1].markers}
+    for name in natives[1].markers:
+        found, wanted = (native.marker(name, q, v, native.setup()) for native in natives)
+        dense = [n.marker_pattern(name).dense(of[2]) for n, of in zip(natives, (found, wanted), strict=True)]
+        for a, b in zip((*found[:2], dense[0]), (*wanted[:2], dense[1]), strict=True):
+            assert np.max(np.abs(a - b)) < 1e-13 * max(np.max(np.abs(b)), 1)

@@ -24,13 +24,14 @@ from derive.lowering.trees import joint_outputs
 from derive.lowering.trees.centroid import total_mass
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED
+from derive.lowering.trees.markers import marker, markers_of
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.gathering import refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
-WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives and no functions of markers"
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives"
 
 
 def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
@@ -52,6 +53,7 @@ def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equati
         mass_moments=(sp.Rational(str(total_mass(context.motion))), *(sp.S.Zero,) * 3),
         weight_energy=sp.S.Zero if context.has_gravity else None,
         outputs=tuple(of.equation for of in context.outputs or ()),
+        markers=markers_of(context).equations,
     ), None
 
 
@@ -91,7 +93,9 @@ def lower_trees(
             raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
     every = functions_of(equations, sensitivities, explicit)
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
-        if _is_looped(context, function.kind):
+        if others is None and function.kind is FunctionKind.MARKER:
+            kernels.append(marker(context, function))
+        elif _is_looped(context, function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
         elif others is not None:
             kernels.append(
@@ -110,7 +114,8 @@ def lower_trees(
         parameters=(),
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers),
+        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers) if others else (),
+        marker_classes=() if others else markers_of(context).classes,
         zeros=(),
         vanished=(),
         lowering="instances",
