@@ -117,3 +117,26 @@ def test_markers_in_loops_have_the_values_of_straight_line_code(seed: int, free:
         dense = [n.marker_pattern(name).dense(of[2]) for n, of in zip(natives, (found, wanted), strict=True)]
         for a, b in zip((*found[:2], dense[0]), (*wanted[:2], dense[1]), strict=True):
             assert np.max(np.abs(a - b)) < 1e-13 * max(np.max(np.abs(b)), 1)
+
+
+def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
+    """Masses, lengths, gravity, stiffnesses and loads may be parameters; setup computes what follows from them."""
+    tables = closed(0)
+    def parameter(symbol: str, default: float, unit: str) -> dict[str, Any]:
+        return {"symbol": symbol, "default": default, "unit": unit}
+
+    tables["scene"]["gravity"] = [0, 0.5, parameter("g", -9.81, "m/s^2")]
+    for name in ("body2", "body4"):
+        tables["bodies"][name]["mass"] = parameter("m", 1.5, "kg")
+    tables["bodies"]["body3"]["markers"]["o"]["at"] = [parameter("l", 0.4, "m"), 0.1, 0]
+    tables["gears"]["mesh"]["ratio"] = parameter("i", -0.4, "1")
+    tables["springs"] = {
+        "coil": {
+            "kind": "rotational",
+            "between": tables["joints"]["joint5"]["between"],
+            "stiffness": parameter("c", 7, "N m/rad"),
+            "rest": 0.2,
+        }
+    }
+    found = differences(*models(tables))
+    assert {name: error for name, error in found.items() if error > 1e-12} == {}

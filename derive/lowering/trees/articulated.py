@@ -16,11 +16,11 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Number, Operator
+from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.instances.places import Place
-from derive.lowering.trees.link_loop import LinkLoop
+from derive.lowering.trees.link_loop import LinkLoop, opposite
 from derive.lowering.trees.loads import APPLIED
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import (
@@ -48,7 +48,7 @@ COUNT = 27
 
 
 def articulated(
-    motion: TreeMotion, gravity: Sequence[Number], has_forces: bool, target: str = "vdot"
+    motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool, target: str = "vdot"
 ) -> list[Part]:
     """The sections of the accelerations in an array, after those of the motion and of the inertias.
 
@@ -127,9 +127,9 @@ def axis(loop: LinkLoop, here: Place) -> Vector:
     return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
 
 
-def _forward(motion: TreeMotion, gravity: Sequence[Number], target: str) -> list[Statement]:
+def _forward(motion: TreeMotion, gravity: Sequence[Expr], target: str) -> list[Statement]:
     """The accelerations of all links, with a ground that accelerates upward, and those of the coordinates."""
-    upward = [Number(-g.value) for g in gravity]
+    upward = [*map(opposite, gravity)]
     result: list[Statement] = [*motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO])]
     if motion.free:
         result.append(_of_free(motion, gravity, target))
@@ -155,7 +155,7 @@ def _of_joints(motion: TreeMotion, target: str) -> ForEach:
     return loop.made()
 
 
-def _of_free(motion: TreeMotion, gravity: Sequence[Number], target: str) -> ForEach:
+def _of_free(motion: TreeMotion, gravity: Sequence[Expr], target: str) -> ForEach:
     """The accelerations of free bodies, of all that hangs on them."""
     loop = motion.loop("free", motion.free)
     here = loop.of_links()
@@ -164,7 +164,7 @@ def _of_free(motion: TreeMotion, gravity: Sequence[Number], target: str) -> ForE
     found = solved(loop, whole, [-x for x in (*p, *g)])
     a, alpha = found[:3], found[3:]
     loop.store_vector(FOUND, here, found)
-    linear = [x + loop.symbols.number(g.value) for x, g in zip(a, gravity, strict=True)]
+    linear = [x + loop.leaf(g) for x, g in zip(a, gravity, strict=True)]
     Q = matrix(loop.vector(FRAME, here, 9))
     for k, value in enumerate([*linear, *applied(transposed(Q), alpha)]):
         loop.store(target, motion.row(loop, k), value)

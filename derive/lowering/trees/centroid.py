@@ -17,6 +17,7 @@ from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Clear, ForEach, Statement, Work
 from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, Pair, pairs_of
 from derive.lowering.trees.composite import HEAP
+from derive.lowering.trees.exact_numbers import Exact
 from derive.lowering.trees.invariants import of_links
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.motion import FRAME, INERTIA, MOMENT, ORIGIN, TreeMotion, matrix
@@ -26,7 +27,7 @@ SUMS = "sums"
 """The local array of the linear momentum, the angular momentum about the inertial origin, and the first moment."""
 
 
-def total_mass(motion: TreeMotion) -> Fraction:
+def total_mass(motion: TreeMotion) -> Exact:
     """The mass of all links."""
     return sum((link.inertia.mass for link in motion.tree.links), Fraction(0))
 
@@ -54,9 +55,9 @@ def centre(motion: TreeMotion) -> list[Statement]:
     mass = total_mass(motion)
     for k in range(3):
         for output, first in (("x", 6), ("xdot", 0)):
-            value = loop.element(SUMS, constant(first + k)) * loop.symbols.number(1 / mass)
+            value = loop.element(SUMS, constant(first + k)) * loop.value(1 / mass)
             loop.store(output, constant(k), value)
-    loop.store("m_total", constant(0), loop.symbols.number(mass))
+    loop.store("m_total", constant(0), loop.value(mass))
     return [loop.made()]
 
 
@@ -72,7 +73,7 @@ def about_centre(motion: TreeMotion) -> list[Statement]:
 def _moved(motion: TreeMotion, loop: LinkLoop, linear: Vector, angular: Vector) -> Vector:
     """An angular momentum about the centre of mass."""
     first = [loop.element(SUMS, constant(6 + k)) for k in range(3)]
-    return minus(angular, cross(scaled(loop.symbols.number(1 / total_mass(motion)), first), linear))
+    return minus(angular, cross(scaled(loop.value(1 / total_mass(motion)), first), linear))
 
 
 def columns(motion: TreeMotion, output: str, shape: Pattern) -> Iterator[Statement]:
@@ -91,7 +92,7 @@ def columns(motion: TreeMotion, output: str, shape: Pattern) -> Iterator[Stateme
         if is_momentum:
             _store(motion, loop, output, number, 0, [*linear, *_moved(motion, loop, linear, angular)])
         else:
-            _store(motion, loop, output, number, 0, scaled(loop.symbols.number(factor), linear))
+            _store(motion, loop, output, number, 0, scaled(loop.value(factor), linear))
         yield loop.made()
     if motion.free:
         loop = motion.loop(f"free_columns_of_{output}", motion.free)
@@ -103,7 +104,7 @@ def columns(motion: TreeMotion, output: str, shape: Pattern) -> Iterator[Stateme
             unit = [ca.SX(int(i == k % 3)) for i in range(3)]
             linear = scaled(mass, unit) if k < 3 else cross(axes[k - 3], s)
             angular = cross(s, unit) if k < 3 else applied(tensor, axes[k - 3])
-            values = scaled(loop.symbols.number(factor), linear)
+            values = scaled(loop.value(factor), linear)
             if is_momentum:
                 values = [*linear, *_moved(motion, loop, linear, plus(angular, cross(x, linear)))]
             _store(motion, loop, output, number, k, values)

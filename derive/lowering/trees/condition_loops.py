@@ -33,12 +33,13 @@ EACH = 9
 
 @dataclass(frozen=True)
 class ConditionLoops:
-    """The code of the constraints of a tree; time: the symbols that are functions of the time."""
+    """The code of the constraints of a tree; parameters: the symbols of those of the model."""
 
     motion: TreeMotion
     conditions: Conditions
     coordinates: Sequence[sp.Symbol]
     velocities: Sequence[sp.Symbol]
+    parameters: frozenset[sp.Symbol]
 
     def values(self, output: str, of: Callable[[Constraint], sp.Expr], moving: bool, biased: bool = False) -> ForEach:
         """The loop, of one iteration, that writes a value of each constraint."""
@@ -60,7 +61,8 @@ class ConditionLoops:
                 if symbol in present:
                     loop.symbols.values[symbol] = loop.element(array[0], constant(array[1] + k))
         for symbol in present - loop.symbols.values.keys():
-            loop.symbols.values[symbol] = loop.scalar(symbol.name)
+            is_parameter = symbol in self.parameters
+            loop.symbols.values[symbol] = loop.value(symbol) if is_parameter else loop.scalar(symbol.name)
         return loop.symbols(expr)
 
     def _frame(self, loop: LinkLoop, number: int, moving: bool, biased: bool) -> dict[str, list[ca.SX]]:
@@ -68,8 +70,8 @@ class ConditionLoops:
         place, arrays = self.conditions.frames[number].place, self.motion.arrays
         slot = loop.place(f"frame_{number}", [arrays.slot(place.link)], arrays.spacing)
         Q = matrix(loop.vector(FRAME, slot, 9))
-        lever = applied(Q, [loop.symbols.number(x) for x in place.origin])
-        attitude = [[loop.symbols.number(x) for x in row] for row in place.attitude]
+        lever = applied(Q, [loop.value(x) for x in place.origin])
+        attitude = [[loop.value(x) for x in row] for row in place.attitude]
         result = {
             "position": plus(loop.vector(ORIGIN, slot), lever),
             "axes": [x for row in product(Q, attitude) for x in row],

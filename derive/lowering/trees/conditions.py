@@ -86,7 +86,7 @@ class Conditions:
 def conditions_of(mechanism: SpatialMechanism, tree: Tree) -> Conditions:
     """The constraints of a mechanism."""
     frames: dict[MarkerRef, MovingFrame] = {}
-    still = {c.symbol: c.value for c in mechanism.constants if c.value.is_Rational}
+    still = {c.symbol: c.value for c in mechanism.constants}
     definitions: list[Intermediate] = []
 
     def at(marker: MarkerRef) -> FrameMotion:
@@ -164,6 +164,6 @@ def frame_symbol(frame: int, what: str, k: int) -> sp.Symbol:
 def _fixed(place: BodyPlace) -> FrameMotion:
     """A frame of the ground."""
     none = sp.ImmutableMatrix([0, 0, 0])
-    axes = sp.ImmutableMatrix([[sp.Rational(x.numerator, x.denominator) for x in row] for row in place.attitude])
-    position = sp.ImmutableMatrix([sp.Rational(x.numerator, x.denominator) for x in place.origin])
+    axes = sp.ImmutableMatrix([[sp.sympify(x) for x in row] for row in place.attitude])
+    position = sp.ImmutableMatrix([sp.sympify(x) for x in place.origin])
     return FrameMotion((), position, none, none, axes, none, none)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Element, Number, Operator
+from derive.ir.expressions import Element, Expr, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Statement, StoreElement
 from derive.lowering.instances.loop_code.context import ZERO
@@ -23,14 +23,14 @@ def _zeros(array: str, count: int) -> list[Statement]:
     return [StoreElement(Element(array, constant(k)), ZERO) for k in range(count)]
 
 
-def energy(motion: TreeMotion, gravity: Sequence[Number] | None) -> list[Statement]:
+def energy(motion: TreeMotion, gravity: Sequence[Expr] | None) -> list[Statement]:
     """The statements of the kinetic energy, no strain energy, and the potential of gravity, if there is any."""
     loop = motion.loop("energy", motion.massive)
     mass, s, x, v, w, L = of_links(loop)
     kinetic = (mass * dot(v, v) + dot(w, L)) / 2 + dot(v, cross(w, s))
     loop.store("energy", constant(0), kinetic, Operator.ADD)
     if gravity is not None:
-        weight = [loop.symbols.number(g.value) for g in gravity]
+        weight = [loop.leaf(g) for g in gravity]
         loop.store("energy", constant(2), -dot(weight, plus(scaled(mass, x), s)), Operator.ADD)
     return [*_zeros("energy", 2 if gravity is None else 3), loop.made()]
 

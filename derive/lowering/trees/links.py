@@ -2,7 +2,7 @@
 
 A link moves against the one before it by a rotation about, and a displacement along, its axis, which is the z axis of
 its frame. The frame of the last link of a body is that of its marker of the joint, turned so that z is the axis; bodies
-whose joint leaves several motions have links without mass before it. All numbers are exact.
+whose joint leaves several motions have links without mass before it. All numbers are exact, or expressions of parameters.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import TypeAlias
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
+from derive.lowering.trees.exact_numbers import Exact, exact
 from derive.lowering.trees.row_loads import refused_actions
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
@@ -26,8 +28,8 @@ from derive.mechanics.symbols import Family, identity
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 
-Matrix = tuple[tuple[Fraction, ...], ...]
-Vector = tuple[Fraction, ...]
+Matrix: TypeAlias = tuple[tuple[Exact, ...], ...]
+Vector: TypeAlias = tuple[Exact, ...]
 
 ZERO, ONE = Fraction(0), Fraction(1)
 AT_REST: Vector = (ZERO, ZERO, ZERO)
@@ -45,7 +47,7 @@ TURNED: Mapping[int, Matrix] = {
 class LinkInertia:
     """The mass, first moment (3,) and inertia (3, 3) of bodies about a point."""
 
-    mass: Fraction = ZERO
+    mass: Exact = ZERO
     moment: Vector = AT_REST
     tensor: Matrix = NO_INERTIA
 
@@ -97,7 +99,7 @@ class TreeLink:
     axes: Matrix = UNIT
     offset: Vector = AT_REST
     turns: Fraction = ZERO
-    advances: Fraction = ZERO
+    advances: Exact = ZERO
     is_free: bool = False
     inertia: LinkInertia = field(default_factory=LinkInertia)
     ball: int = -1
@@ -203,7 +205,7 @@ class _Links:
         for k, c in enumerate(motions):
             turn = TURNED[AXES_OF[c.motion]]
             at = before.at(product(transposed(turned), turn), AT_REST)
-            advances = _number(c.along) if c.is_rotation else ONE
+            advances = exact(c.along, {of.symbol: of.value for of in self.mechanism.constants}) if c.is_rotation else ONE
             turns = ONE if c.is_rotation else ZERO
             yield TreeLink(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
             before, turned = BodyPlace(count + k), turn
@@ -248,9 +250,9 @@ def marker_in_body(instance: BodyInstance, marker: str) -> tuple[Matrix, Vector]
 def _inertia(instance: BodyInstance) -> LinkInertia:
     """The inertia of a body about its origin in its frame."""
     values = {
-        (of.family, of.components): _number(c.value)
+        (of.family, of.components): exact(c.value)
         for c in instance.component.body.constants
-        if (of := identity(c.symbol)).owner == "" and c.value.is_Rational
+        if (of := identity(c.symbol)).owner == ""
     }
     moment = tuple(values.get((Family.C1, (k,)), ZERO) for k in (1, 2, 3))
     tensor = tuple(tuple(values.get((Family.C3, (min(a, b), max(a, b))), ZERO) for b in (1, 2, 3)) for a in (1, 2, 3))
@@ -272,8 +274,6 @@ def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
     )
     for name in refused_actions(mechanism):
         yield f"{only} no springs but those about and along the axes of joints, and {name} is none"
-    if mechanism.parameters:
-        yield f"{only} numbers alone, and {mechanism.parameters[0].symbol} is a parameter"
 
 
 # ---- exact linear algebra ----
@@ -300,18 +300,13 @@ def plus(a: Vector, b: Vector) -> Vector:
     return tuple(x + y for x, y in zip(a, b, strict=True))
 
 
-def _dot(a: Vector, b: Vector) -> Fraction:
+def _dot(a: Vector, b: Vector) -> Exact:
     return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
 
 
-def _number(value: sp.Expr) -> Fraction:
-    value = sp.sympify(value)
-    return Fraction(int(value.p), int(value.q))
-
-
 def _matrix(values: sp.Matrix, numbers: Mapping[sp.Symbol, sp.Expr]) -> Matrix:
-    return tuple(tuple(_number(values[i, j].xreplace(numbers)) for j in range(3)) for i in range(3))
+    return tuple(tuple(exact(values[i, j], numbers) for j in range(3)) for i in range(3))
 
 
 def _vector(values: sp.Matrix, numbers: Mapping[sp.Symbol, sp.Expr]) -> Vector:
-    return tuple(_number(sp.sympify(x).xreplace(numbers)) for x in values)
+    return tuple(exact(x, numbers) for x in values)

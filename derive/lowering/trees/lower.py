@@ -50,7 +50,7 @@ def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equati
     return replace(
         context.known.context.equations,
         poses=(SpatialPose("", (), ()),),
-        mass_moments=(sp.Rational(str(total_mass(context.motion))), *(sp.S.Zero,) * 3),
+        mass_moments=(sp.sympify(total_mass(context.motion)), *(sp.S.Zero,) * 3),
         weight_energy=sp.S.Zero if context.has_gravity else None,
         outputs=tuple(of.equation for of in context.outputs or ()),
         markers=markers_of(context).equations,
@@ -66,6 +66,16 @@ def _check(context: TreeContext) -> None:
         what = f"{enumeration(idle)} is redundant" if idle else 'scene.redundant is "resolve"'
         text = f"loops in relative coordinates have no multipliers of least norm, and {what}"
         raise SpecError((Problem("scene.lowering", f'{text}: write lowering = "flat"'),))
+
+
+def _with_parameters(context: TreeContext, of: Context) -> Context:
+    """The context of setup with the constants of links that are expressions of parameters."""
+    made = context.of_parameters
+    if not made:
+        return of
+    whole = Context(replace(of.equations, definitions=(), coefficients=(*of.coefficients, *made)))
+    whole.constants = of.constants
+    return whole
 
 
 def _is_looped(context: TreeContext, kind: FunctionKind) -> bool:
@@ -101,7 +111,7 @@ def lower_trees(
             kernels.append(
                 with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations)
             )
-    setup, constants = setup_kernel(others or context.known.context, kernels)
+    setup, constants = setup_kernel(_with_parameters(context, others or context.known.context), kernels)
     scene = mechanism.scene
     inputs = context.known.context.equations.inputs
     return Model(
@@ -111,7 +121,7 @@ def lower_trees(
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
         equations=rows_for_people(mechanism),
-        parameters=(),
+        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
         markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers) if others else (),

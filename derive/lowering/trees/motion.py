@@ -15,7 +15,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from derive.ir.expressions import Element, Number
+from derive.ir.expressions import Element, Expr, Number
 from derive.ir.indices import ElementIndex, constant
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.attitude import ZERO_QUATERNION
@@ -80,11 +80,11 @@ class TreeMotion:
         """The declarations of arrays with so many components of each link."""
         return [Work(array, count * self.arrays.spacing, cleared, self.arrays.spacing) for array, count in arrays]
 
-    def at_ground(self, array: str, values: Sequence[Number]) -> Iterator[Statement]:
+    def at_ground(self, array: str, values: Sequence[Expr]) -> Iterator[Statement]:
         """Yield the statements that write the components of the ground."""
         return self.at_link(array, -1, values)
 
-    def at_link(self, array: str, link: int, values: Sequence[Number]) -> Iterator[Statement]:
+    def at_link(self, array: str, link: int, values: Sequence[Expr]) -> Iterator[Statement]:
         """Yield the statements that write the components of a link, -1 for the ground."""
         for k, value in enumerate(values):
             yield StoreElement(Element(array, constant(k * self.arrays.spacing + self.arrays.slot(link))), value)

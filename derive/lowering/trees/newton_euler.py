@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Number, Operator
+from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.trees.articulated import axis
-from derive.lowering.trees.link_loop import LinkLoop
+from derive.lowering.trees.link_loop import LinkLoop, opposite
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, symmetric, transposed
 
@@ -21,13 +21,13 @@ Given = tuple[str, int]
 
 
 def newton_euler(
-    motion: TreeMotion, gravity: Sequence[Number], target: Given, applied_forces: str, given: Given | None = None
+    motion: TreeMotion, gravity: Sequence[Expr], target: Given, applied_forces: str, given: Given | None = None
 ) -> list[Part]:
     """The sections that write M vdot + h, or h without accelerations, for each row from an element of an array on.
 
     applied_forces: the array of the forces to subtract, if there are any.
     """
-    upward = [Number(-g.value) for g in gravity]
+    upward = [*map(opposite, gravity)]
     forward: list[Statement] = [
         *motion.work((FOUND, 6), (FORCE, 6), cleared=len(motion.massive) < len(motion.tree.links)),
         *motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO]),
@@ -67,10 +67,10 @@ def carried_accelerations(motion: TreeMotion, given: Given | None, array: str = 
     return loop.made()
 
 
-def _free_accelerations(motion: TreeMotion, upward: Sequence[Number], given: Given | None) -> ForEach:
+def _free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given | None) -> ForEach:
     loop = motion.loop("free_carried", motion.free)
     here = loop.of_links()
-    a, alpha = [loop.symbols.number(of.value) for of in upward], [ca.SX(0)] * 3
+    a, alpha = [loop.leaf(of) for of in upward], [ca.SX(0)] * 3
     if given:
         a = plus(a, [_vdot(motion, loop, given, k) for k in range(3)])
         Q = matrix(loop.vector(FRAME, here, 9))

@@ -184,7 +184,7 @@ class Reactions:
             constant(self.count),
             (StoreElement(own, term, Operator.SUB),),
         )
-        divided = StoreElement(own, Element(INVERSES, variable(COLUMN)), Operator.MUL)
+        divided = StoreElement(own, _times(own, Element(INVERSES, variable(COLUMN))))
         return ForEach(COLUMN, constant(0), constant(self.count), (behind, divided), backward=True)
 
     def results(self, output: str, free: str = "") -> list[Statement]:
