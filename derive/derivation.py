@@ -339,7 +339,7 @@ def _lower_spatial(
     balanced = mechanism.scene.start is not None
     looped = requested == "instances"
     choice = "looped over instances, as the specification asks" if looped else ""
-    in_trees = any(of.coordinates.carried for of in mechanism.instances)
+    in_trees = any(of.coordinates.is_carried for of in mechanism.instances)
     if requested == "auto" and in_trees and not sensitivities and not balanced:
         from derive.lowering.trees.choice import chosen
 
