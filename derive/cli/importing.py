@@ -11,13 +11,16 @@ from pathlib import Path
 from derive.artifacts import File, ForeignFile, check_folder
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot
+from derive.urdf.repairs import with_locked_joints
 from derive.urdf.written_scene import written_scene
 
 
 def run(options: argparse.Namespace) -> int:
     """Write the specification, which must not exist yet, after its text has been checked."""
     folder = options.out.parent if options.out else Path()
-    scene = written_scene(read_robot(options.robot), options.base, str(options.robot), folder)
+    source = str(options.robot)
+    robot = with_locked_joints(read_robot(options.robot, options.keep_angles), options.lock, source)
+    scene = written_scene(robot, options.base, source, folder, options.repair_inertia)
     target: Path = options.out or Path(f"{scene.name}.toml")
     if os.path.lexists(target):
         raise ForeignFile(f"{target}: this file exists and is left alone; give another file with --out")

@@ -44,7 +44,14 @@ class Placement:
 
     def of(self, inner: Placement) -> Placement:
         """The placement of a frame that `inner` places in this one."""
-        return Placement(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
+        position = self.position + self.rotation @ inner.position
+        return Placement(np.round(position, 15), without_noise(self.rotation @ inner.rotation))
+
+
+def without_noise(rotation: Matrix) -> Matrix:
+    """A rotation matrix in which rounding errors of zeros and ones are gone."""
+    whole = np.round(rotation)
+    return np.where(abs(rotation - whole) < 1e-15, whole, rotation) + 0.0  # no negative zeros
 
 
 HERE = Placement(np.zeros(3), np.eye(3))
@@ -60,10 +67,9 @@ class Origin:
 
     @property
     def placement(self) -> Placement:
-        """Its position and its rotation matrix, in which rounding errors of right angles are zeros."""
+        """Its position and its rotation matrix."""
         rotation = Rotation.from_euler("xyz", self.rpy).as_matrix() if any(self.rpy) else np.eye(3)
-        rotation[abs(rotation) < 1e-15] = 0
-        return Placement(np.array(self.xyz), rotation)
+        return Placement(np.array(self.xyz), without_noise(rotation))
 
 
 @dataclass(frozen=True)
@@ -154,13 +160,18 @@ class RobotJoint:
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot, with the link that is the root of its tree; `unread`: what is not read of the file, with its number."""
+    """A robot, with the link that is the root of its tree.
+
+    unread: what is not read of the file, with its number. roundings: by how much angles of the file differ from the
+    right angles that they are taken for, rad.
+    """
 
     name: str
     root: str
     links: dict[str, Link]
     joints: dict[str, RobotJoint]
     unread: dict[str, int]
+    roundings: tuple[float, ...] = ()
 
     def joints_behind(self, link: str) -> list[RobotJoint]:
         """The joints whose parent is this link, in the order of the file."""

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from derive.errors import SpecError
+from derive.spec.toml.read import parse
 from derive.urdf import xml_tree
 from derive.urdf.read import read_robot, robot_of
+from derive.urdf.repairs import nearest_tensor, with_locked_joints
 from derive.urdf.robot import Robot
 from derive.urdf.written_scene import written_scene
 from derive.urdf.xml_tree import parse_xml
@@ -94,6 +97,58 @@ def test_a_tensor_that_no_body_has() -> None:
     flat = INERTIAL.replace('izz="1"', 'izz="9"')
     ((line, text),) = faults(*links("a"), f'<link name="b">{flat}</link>', joint("j", "a", "b"))
     assert line == 3 and "the largest is at most the sum of the other two; correct the <inertia> of this link" in text
+
+
+TENSORS = {
+    "point": np.zeros((3, 3)),
+    "flat": np.diag([1.0, 1.0, 9.0]),
+    "negative": np.diag([-0.1, 1.0, 1.0]),
+    "turned": np.array([[1.0, 0.5, 2.0], [0.5, 2.0, -1.0], [2.0, -1.0, 0.5]]),
+}
+
+
+@pytest.mark.parametrize("tensor", TENSORS.values(), ids=[*TENSORS])
+def test_the_nearest_tensor_is_one_of_a_body_and_no_other_is_nearer(tensor: np.ndarray) -> None:
+    """Second moments of the mass are at least 1 mm squared times the mass; near the result none of these is closer."""
+    mass, rng = 2.0, np.random.default_rng(0)
+    nearest = nearest_tensor(tensor, mass)
+
+    def second_moments(inertia: np.ndarray) -> np.ndarray:
+        return np.linalg.eigvalsh(np.trace(inertia) / 2 * np.eye(3) - inertia)
+
+    assert second_moments(nearest).min() >= mass * 1e-6 * (1 - 1e-9)
+    distance = np.linalg.norm(nearest - tensor)
+    assert distance > 0
+    for _ in range(300):
+        change = rng.normal(size=(3, 3)) * 0.1 * distance
+        other = nearest + change + change.T
+        if second_moments(other).min() >= mass * 1e-6:
+            assert np.linalg.norm(other - tensor) >= distance
+    possible = np.diag([1.0, 1.5, 2.0])
+    assert np.allclose(nearest_tensor(possible, mass), possible, rtol=1e-12)
+
+
+def test_a_tensor_is_repaired_on_request_alone() -> None:
+    """The note has both tensors, and the scene the new one."""
+    flat = INERTIAL.replace('izz="1"', 'izz="9"')
+    described = robot(*links("a"), f'<link name="b">{flat}</link>', joint("j", "a", "b"))
+    with pytest.raises(SpecError, match="or import it with --repair-inertia"):
+        written_scene(described)
+    scene = written_scene(described, repair_inertia=True)
+    note = "inertia of b repaired: principal moments of 3.333, 3.333, 6.667 kg m^2 instead of 1, 1, 9"
+    assert note in scene.notes and f"# {note}" in scene.text
+    (body,) = parse(scene.text).bodies
+    assert [round(float(x), 6) for x in body.inertia] == [3.333334, 3.333334, 6.666666, 0, 0, 0]
+
+
+def test_joints_without_mass_can_be_locked() -> None:
+    lines = [*links("a", "b"), '<link name="c"/>', '<link name="d"/>']
+    lines += [joint("j", "a", "b"), joint("k", "b", "c"), joint("l", "b", "d")]
+    assert faults(*lines)[-1][1] == ": to make these joints fixed: --lock k,l"
+    scene = written_scene(with_locked_joints(robot(*lines), ["k", "l"]))
+    assert [joint.name for joint in parse(scene.text).joints] == ["j"]
+    with pytest.raises(SpecError, match='no joint "kk" to lock; did you mean "k"'):
+        with_locked_joints(robot(*lines), ["kk"])
 
 
 def test_nothing_moves() -> None:

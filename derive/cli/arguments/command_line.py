@@ -22,6 +22,7 @@ from derive.cli.arguments.types import (
     error_fraction,
     export_kind,
     function_names,
+    names,
     number,
     page_file,
     spec_file,
@@ -224,6 +225,23 @@ def _add_import(commands: Any) -> None:
         choices=("fixed", "free"),
         default="fixed",
         help="how the root link is held: fixed to the ground, or free (default: fixed)",
+    )
+    importing.add_argument(
+        "--lock",
+        type=names,
+        default=(),
+        metavar="JOINTS",
+        help="joints that stay in their zero positions, separated by commas",
+    )
+    importing.add_argument(
+        "--repair-inertia",
+        action="store_true",
+        help="replace tensors of inertia that no body has by the nearest possible ones",
+    )
+    importing.add_argument(
+        "--keep-angles",
+        action="store_true",
+        help="take angles such as 1.57079632679 as they are written, and not for right angles",
     )
     importing.add_argument(
         "--out", type=Path, metavar="FILE", help="specification to write (default: the name of the robot, .toml)"

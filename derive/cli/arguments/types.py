@@ -53,6 +53,11 @@ def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
+def names(text: str) -> tuple[str, ...]:
+    """Names that commas separate, for argparse."""
+    return tuple(name for part in text.split(",") if (name := part.strip()))
+
+
 def function_names(text: str) -> tuple[str, ...]:
     """Names of functions that a model has on request, or `all`."""
     names = among(text, (*ON_REQUEST, "all"))
