@@ -16,7 +16,7 @@ from derive.simulation.space.marker_frames import own_frame
 from derive.spec.model.visuals import Mesh
 from derive.urdf.read import robot_of
 from derive.urdf.written_scene import written_scene
-from derive.urdf.xml_tree import parse_xml
+from derive.spec.files.xml_tree import parse_xml
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 HAND = "package://my_robot/meshes/hand.stl"

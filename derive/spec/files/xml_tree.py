@@ -20,12 +20,18 @@ MAX_DEPTH = 100
 
 @dataclass(frozen=True)
 class XmlElement:
-    """An element: its tag, its attributes, its line from 1, and the elements inside. Text inside is not kept."""
+    """An element: its tag, its attributes, its line from 1, the elements inside, and pieces of its text, where kept."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[XmlElement] = field(default_factory=list)
+    pieces: list[str] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The text directly inside; empty where it is not kept."""
+        return "".join(self.pieces)
 
     def all(self, tag: str) -> Iterator[XmlElement]:
         """The elements with this tag directly inside."""
@@ -34,6 +40,13 @@ class XmlElement:
     def first(self, tag: str) -> XmlElement | None:
         """The first element with this tag directly inside; None if there is none."""
         return next(self.all(tag), None)
+
+    def below(self, tag: str) -> Iterator[XmlElement]:
+        """The elements with this tag at any depth, in the order of the document."""
+        for child in self.children:
+            if child.tag == tag:
+                yield child
+            yield from child.below(tag)
 
 
 class _RefusedError(TisserandError):
@@ -52,7 +65,7 @@ def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     return parse_xml(content, source)
 
 
-def parse_xml(content: bytes, source: str | None = None) -> XmlElement:
+def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False) -> XmlElement:
     """The root element of a document; `source` is the file that errors show. Raises SpecError as `read_xml`."""
     parser = expat.ParserCreate()
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
@@ -74,6 +87,9 @@ def parse_xml(content: bytes, source: str | None = None) -> XmlElement:
             "a document type (<!DOCTYPE ...>) is not read, since its entities may name files; remove it"
         )
 
+    if keep_text:
+        parser.buffer_text = True
+        parser.CharacterDataHandler = lambda text: open_elements[-1].pieces.append(text)
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.StartDoctypeDeclHandler = doctype
