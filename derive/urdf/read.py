@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from typing import TypeVar
 
 from derive.errors import Problem, SpecError, quoted
+from derive.spec.files.xml_tree import XmlElement, read_xml
 from derive.urdf.robot import Inertia, JointKind, Limits, Link, LinkShape, Mimic, Origin, Robot, RobotJoint
 from derive.urdf.tree import root_of_tree
-from derive.spec.files.xml_tree import XmlElement, read_xml
 
 Named = TypeVar("Named", Link, RobotJoint)
 

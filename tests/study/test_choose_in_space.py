@@ -158,9 +158,7 @@ def test_candidates_in_space_are_tried_from_cheap_to_dear() -> None:
     assert cannot_do(few, {more: 0.2}, 0.1) and not cannot_do(more, {few: 0.2}, 0.1)
 
 
-def test_scenes_in_space_without_flexible_body_or_plot(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_scenes_in_space_without_flexible_body_or_plot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = tmp_path / "arm.toml"
     spec.write_text(ARM.replace('[plots.height]\ny = ["tip_3"]', ""))
     assert main(["choose", str(spec)]) == 2

@@ -14,11 +14,11 @@ import derive
 from derive.cli.main import main
 from derive.errors import SpecError
 from derive.export.urdf.description import roll_pitch_yaw, urdf_text
+from derive.spec.files.xml_tree import parse_xml
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot, robot_of
 from derive.urdf.robot import Origin
 from derive.urdf.written_scene import written_scene
-from derive.spec.files.xml_tree import parse_xml
 
 ARM = Path(__file__).parent / "arm.urdf"
 LENGTHS, MASSES, INERTIAS, CENTRES = (0.5, 0.4), (2.0, 1.0), (0.05, 0.02), (0.2, 0.15)

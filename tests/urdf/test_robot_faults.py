@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from derive.errors import SpecError
-from derive.spec.toml.read import parse
 from derive.spec.files import xml_tree
+from derive.spec.files.xml_tree import parse_xml
+from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot, robot_of
 from derive.urdf.repairs import nearest_tensor, with_locked_joints
 from derive.urdf.robot import Robot
 from derive.urdf.written_scene import written_scene
-from derive.spec.files.xml_tree import parse_xml
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 

@@ -75,6 +75,7 @@ class _Reader:
         """The numbers of a text, so many if that is given."""
         import numpy as np
 
+        values: NDArray[Any]
         try:
             values = np.array(text.split(), dtype=kind)
         except (ValueError, OverflowError):

@@ -82,6 +82,9 @@ def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False
     def end(_: str) -> None:
         open_elements.pop()
 
+    def text(piece: str) -> None:
+        open_elements[-1].pieces.append(piece)
+
     def doctype(*_: object) -> None:
         raise _RefusedError(
             "a document type (<!DOCTYPE ...>) is not read, since its entities may name files; remove it"
@@ -89,7 +92,7 @@ def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False
 
     if keep_text:
         parser.buffer_text = True
-        parser.CharacterDataHandler = lambda text: open_elements[-1].pieces.append(text)
+        parser.CharacterDataHandler = text
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.StartDoctypeDeclHandler = doctype
