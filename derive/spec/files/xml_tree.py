@@ -82,7 +82,7 @@ def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False
     def end(_: str) -> None:
         open_elements.pop()
 
-    def text(piece: str) -> None:
+    def characters(piece: str) -> None:
         open_elements[-1].pieces.append(piece)
 
     def doctype(*_: object) -> None:
@@ -92,7 +92,7 @@ def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False
 
     if keep_text:
         parser.buffer_text = True
-        parser.CharacterDataHandler = text
+        parser.CharacterDataHandler = characters
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.StartDoctypeDeclHandler = doctype
