@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from derive.errors import printable
 from derive.short_text import counted
-from derive.urdf.rigid_bodies import locked_joints
 from derive.urdf.robot import JointKind, Robot, RobotJoint
 
 COLLISION = "collision"
@@ -19,7 +18,7 @@ def left_out(robot: Robot, moving: Sequence[RobotJoint]) -> Iterator[str]:
     if robot.roundings:
         angles, most = counted(len(robot.roundings), "angle"), max(robot.roundings)
         yield f"taken for right angles, within {most:.1e} rad: {angles} (--keep-angles leaves them as they are)"
-    locked = locked_joints(robot)
+    locked = robot.locked
     following = [j for j in robot.joints.values() if j.name in locked and j.kind is not JointKind.FIXED]
     several = [j for j in moving if j.damping and not j.kind.has_one_motion]
     for text, joints in {

@@ -27,6 +27,9 @@ READ = {
 SHAPES = ("visual", "collision")
 """The elements that describe the shapes of a link."""
 
+SEVERAL = ("link", "joint", *SHAPES)
+"""The elements that are read of which there may be more than one."""
+
 RIGHT_ANGLE = math.pi / 2
 ROUNDED_ANGLE = 1e-8
 """The largest difference, rad, from a multiple of a right angle that counts as rounding, as in 1.57079632679."""
@@ -55,6 +58,7 @@ def robot_of(root: XmlElement, source: str | None = None, keep_angles: bool = Fa
         reader.fault(root, "", "these are macros of xacro; write their result to a file first: xacro FILE > robot.urdf")
     if not links:
         reader.fault(root, "", "there is no <link>")
+    reader.check_counts(root)
     tree_root = root_of_tree(links, joints, reader.problems)
     if reader.problems:
         raise SpecError(tuple(sorted(reader.problems, key=lambda p: p.line or 0)), source)
@@ -72,6 +76,18 @@ class _Reader:
     def fault(self, element: XmlElement, path: str, message: str) -> None:
         """Note a fault at the line of an element."""
         self.problems.append(Problem(path, message, element.line))
+
+    def check_counts(self, around: XmlElement) -> None:
+        """Note elements of which only the first would be read."""
+        tags = set[str]()
+        for element in around.children:
+            if element.tag in READ.get(around.tag, ()):
+                if element.tag in tags and element.tag not in SEVERAL:
+                    self.fault(
+                        element, "", f"a second <{element.tag}> in the <{around.tag}> of line {around.line}; remove one"
+                    )
+                tags.add(element.tag)
+                self.check_counts(element)
 
     def text(self, element: XmlElement, attribute: str, path: str) -> str:
         """An attribute that is required."""

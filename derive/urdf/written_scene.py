@@ -21,7 +21,7 @@ from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.urdf.left_out import left_out
 from derive.urdf.repairs import nearest_tensor
-from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, locked_joints, rigid_bodies
+from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, rigid_bodies
 from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint
 from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, number_text
 from derive.urdf.visuals import WrittenVisuals
@@ -79,7 +79,7 @@ class _Writer:
         self.singular: list[str] = []
         self.visuals = WrittenVisuals(Path(source or ".").parent, folder)
         self.bodies = rigid_bodies(robot)
-        self.locked = locked_joints(robot)
+        self.locked = robot.locked
         self.notes: list[str] = []
         self.taken: set[str] = {"ground", "scene"}
         self.renamed: list[str] = []
@@ -161,6 +161,8 @@ class _Writer:
     def why_no_body(self, body: RobotBody) -> str:
         """The reason why a body of a scene cannot be this one; empty if it can."""
         if not body.mass:
+            if body.tensor.any():
+                return "it moves, has a tensor of inertia and no mass; give it a mass, or make its joint fixed (--lock)"
             if body.joint and self.carries_mass(body):
                 return ""
             why = "it moves, has no mass and carries none, so that"

@@ -93,6 +93,37 @@ def test_bodies_without_mass_name_the_joint_that_is_singular() -> None:
     assert line == 3 and 'moves, has no mass and carries none, so that joint "j" becomes singular' in text
 
 
+def test_bodies_with_a_tensor_and_no_mass() -> None:
+    """Also where they carry bodies that have mass, since the tensor would be lost."""
+    without = INERTIAL.replace('mass value="1"', 'mass value="0"')
+    ((line, text),) = faults(
+        *links("a", "c"), f'<link name="b">{without}</link>', joint("j", "a", "b"), joint("k", "b", "c")
+    )
+    assert line == 4 and "has a tensor of inertia and no mass; give it a mass" in text
+
+
+def test_elements_of_which_there_is_one() -> None:
+    ((line, text),) = faults(*links("a"), f'<link name="b">{INERTIAL}\n{INERTIAL}</link>', joint("j", "a", "b"))
+    assert line == 4 and text == ": a second <inertial> in the <link> of line 3; remove one"
+
+
+def test_a_tiny_axis_has_a_direction() -> None:
+    axis = '<axis xyz="0 0 1e-300"/>'
+    scene = written_scene(robot(*links("a", "b"), joint("j", "a", "b", inside=axis)))
+    assert "joint = [0, 0, 0]" in scene.text  # the axes of the body, of which z is that of the joint
+
+
+def test_text_in_another_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    text = "\n".join(["<robot name='r'>", *links("a", "b\u00fc"), joint("j", "a", "b\u00fc"), "</robot>"])
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(SpecError, match=r"3: this is no XML: .* it is not in UTF-8, so save it in that"):
+        read_robot(path)
+    for head, encoding in (("", "utf-16"), ('<?xml version="1.0" encoding="iso-8859-1"?>\n', "latin-1")):
+        path.write_bytes((head + text).encode(encoding))
+        assert [*read_robot(path).links] == ["a", "b\u00fc"]
+
+
 def test_a_tensor_that_no_body_has() -> None:
     flat = INERTIAL.replace('izz="1"', 'izz="9"')
     ((line, text),) = faults(*links("a"), f'<link name="b">{flat}</link>', joint("j", "a", "b"))
@@ -163,6 +194,7 @@ def test_nothing_moves() -> None:
         ("<robot", "this is no XML: unclosed token"),
         ("<scene/>", "a URDF is needed, whose outermost element is <robot>, not <scene>"),
         ('<robot name="r"/>', "there is no <link>"),
+        ('<?xml version="1.0" encoding="klingon"?><robot/>', "names an encoding that is not read (unknown encoding"),
         ("<robot/>", '<robot> needs name="..."'),
         ('<robot name="r" xmlns:xacro="x"><xacro:macro name="m"/></robot>', "xacro FILE > robot.urdf"),
         ('<!DOCTYPE r [<!ENTITY e SYSTEM "/etc/passwd">]><robot name="&e;"/>', "a document type"),

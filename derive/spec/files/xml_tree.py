@@ -61,7 +61,9 @@ def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     except (OSError, ValueError) as error:
         raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
     if len(content) > MAX_BYTES:
-        raise SpecError((Problem("", f"the file has more than {MAX_BYTES // 1_000_000} MB"),), source)
+        raise SpecError(
+            (Problem("", f"the file has more than {MAX_BYTES // 1_000_000} MB, the most that is read"),), source
+        )
     return parse_xml(content, source)
 
 
@@ -99,9 +101,23 @@ def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False
     try:
         parser.Parse(content, True)
     except expat.ExpatError as error:
-        text = f"this is no XML: {printable(expat.errors.messages[error.code])}, column {error.offset + 1}"
+        why = printable(expat.errors.messages[error.code])
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN] and not _is_utf_8(content):
+            why += "; it is not in UTF-8, so save it in that, or name its encoding in the first line"
+        text = f"this is no XML: {why}, column {error.offset + 1}"
         raise SpecError((Problem("", text, error.lineno),), source) from None
-    except (_RefusedError, ValueError) as error:  # ValueError: an encoding that the parser does not know
+    except _RefusedError as error:
         raise SpecError((Problem("", str(error), parser.CurrentLineNumber),), source) from None
+    except (ValueError, LookupError) as error:
+        text = f"the file names an encoding that is not read ({printable(str(error))}); save it in UTF-8"
+        raise SpecError((Problem("", text, parser.CurrentLineNumber),), source) from None
     (root,) = roots
     return root
+
+
+def _is_utf_8(content: bytes) -> bool:
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
