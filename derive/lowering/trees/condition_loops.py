@@ -100,9 +100,7 @@ class ConditionLoops:
         if self.conditions.of_frames:
             result += [*motion.work((TWIST, 6)), Work(EXERTED, EACH * len(self.conditions.of_frames))]
             result += [self._exerted(), *([self._twists()] if motion.joints else [])]
-        found = [
-            (n, pair) for n, link in self._moving() for pair in pairs_of(tree, link) if pair.moved == self._link(n)
-        ]
+        found = [(n, pair) for n, link in self._moving() for pair in pairs_of(tree, link) if pair.moved == self._link(n)]
         for is_free in (False, True):
             for across in (False, True):
                 some = [

@@ -258,9 +258,7 @@ def centre_of_mass(context: TreeContext, function: ModelFunction) -> Kernel:
     results = {name: Result(tuple(label.format(k) for k in (1, 2, 3))) for name, label in labels.items()}
     body = [*centroid.centre(motion), *centroid.columns(motion, "jacobian", shape)]
     parts = [*_momentum_parts(context), ("centre", "", "int rho x and int rho xdot, divided by the mass", body)]
-    return kernel(
-        context, function, {**results, "jacobian": Result(pattern=shape), "m_total": Result(("m_total",))}, *parts
-    )
+    return kernel(context, function, {**results, "jacobian": Result(pattern=shape), "m_total": Result(("m_total",))}, *parts)
 
 
 def centroidal_momentum(context: TreeContext, function: ModelFunction) -> Kernel:

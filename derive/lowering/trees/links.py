@@ -205,15 +205,15 @@ class _Links:
         for k, c in enumerate(motions):
             turn = TURNED[AXES_OF[c.motion]]
             at = before.at(product(transposed(turned), turn), AT_REST)
-            advances = (
-                exact(c.along, {of.symbol: of.value for of in self.mechanism.constants}) if c.is_rotation else ONE
-            )
+            advances = exact(c.along, {of.symbol: of.value for of in self.mechanism.constants}) if c.is_rotation else ONE
             turns = ONE if c.is_rotation else ZERO
             yield TreeLink(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
             before, turned = BodyPlace(count + k), turn
         for axis in range(3) if is_ball else ():
             k = len(motions)
-            yield TreeLink(before.link, first + k, row + k + axis, TURNED[axis], before.origin, turns=ONE, ball=axis)
+            yield TreeLink(
+                before.link, first + k, row + k + axis, TURNED[axis], before.origin, turns=ONE, ball=axis
+            )
             before, turned = BodyPlace(count + k + axis), TURNED[axis]
         self._last_turn = turned
 
