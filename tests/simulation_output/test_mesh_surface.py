@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from derive.simulation.observables.body_surface import Surface
-from derive.simulation.observables.mesh_surface import FACES, coarsened, mesh_surface
+from derive.simulation.observables.mesh_surface import coarsened, mesh_surface
+from derive.solids.element_shapes import element_shape
 from derive.spec.model.mesh import ElementKind, Elements
 
 TETRAHEDRON = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -21,7 +22,9 @@ def element(kind: ElementKind) -> tuple[np.ndarray, Elements, float]:
     """The nodes of an element of a kind, the element, and its volume."""
     corners, volume = CORNERS[kind.value[:3]]
     x = np.array(corners, dtype=float)
-    x = np.concatenate([x, [(x[i] + x[j]) / 2 for i, j in FACES[kind][1]]]) if FACES[kind][1] else x
+    shape = element_shape(kind)
+    x = np.array([*x, *((x[i] + x[j]) / 2 for i, j in shape.edges)])
+    x = np.concatenate([x, (1 + shape.nodes[len(x) :]) / 2])  # in faces and inside
     return x, Elements(kind, np.arange(len(x))[None]), volume
 
 
@@ -40,7 +43,7 @@ def test_the_surface_of_one_element_encloses_its_volume(kind: ElementKind) -> No
     assert one.nodes.shape[1] == kind.node_count
     shown = mesh_surface((one,))
     assert enclosed(x, shown) == pytest.approx(volume)
-    assert shown.nodes == list(range(len(x)))
+    assert shown.nodes == list(range(min(len(x), 20)))  # without those within faces
     assert enclosed(x, mesh_surface((one,), middles=False)) == pytest.approx(volume)
     assert len(shown.nodes) - len(shown.edges) + len(shown.faces) == 2
 

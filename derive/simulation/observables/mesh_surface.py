@@ -7,28 +7,8 @@ from numpy.typing import NDArray
 
 from derive.simulation.observables.body_surface import Edge, Face, Surface
 from derive.simulation.observables.motion import Array
-from derive.spec.model.mesh import ElementKind, Elements
-
-TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-HEXAHEDRON = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-WEDGE = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
-
-TETRAHEDRON_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
-HEXAHEDRON_EDGES = (
-    *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6)),
-    *((6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
-)
-WEDGE_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
-
-FACES = {
-    ElementKind.TET4: (TETRAHEDRON, ()),
-    ElementKind.TET10: (TETRAHEDRON, TETRAHEDRON_EDGES),
-    ElementKind.HEX8: (HEXAHEDRON, ()),
-    ElementKind.HEX20: (HEXAHEDRON, HEXAHEDRON_EDGES),
-    ElementKind.WEDGE6: (WEDGE, ()),
-    ElementKind.WEDGE15: (WEDGE, WEDGE_EDGES),
-}
-"""The corners of the faces of an element, with normals outwards, and the edges whose middles are its further nodes."""
+from derive.solids.element_shapes import element_shape
+from derive.spec.model.mesh import Elements
 
 
 def mesh_surface(elements: tuple[Elements, ...], middles: bool = True) -> Surface:
@@ -84,14 +64,13 @@ def boundary_faces(elements: tuple[Elements, ...]) -> list[tuple[NDArray[np.int6
 
 def _faces(block: Elements, count: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """All faces of a block with so many corners."""
-    faces, edges = FACES[block.kind]
-    corner_count = max(node for face in faces for node in face) + 1
-    middle = {frozenset(edge): corner_count + i for i, edge in enumerate(edges)}
+    shape = element_shape(block.kind)
+    middle = {frozenset(edge): shape.corners + i for i, edge in enumerate(shape.edges)}
     result = []
-    for face in faces:
+    for face in shape.faces:
         if len(face) != count:
             continue
         own = [middle.get(frozenset((face[i], face[(i + 1) % count])), -1) for i in range(count)]
-        between = block.nodes[:, own] if edges else np.full((len(block.nodes), count), -1)
+        between = block.nodes[:, own] if middle else np.full((len(block.nodes), count), -1)
         result.append((block.nodes[:, list(face)], between))
     return result

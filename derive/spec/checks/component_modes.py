@@ -28,9 +28,6 @@ def component_mode_faults(body: Mapping[str, object], arrays: Set[str], sets: Ma
         key = "component_modes" if "component_modes" in body else "interface"
         text = "component modes are computed from a stiffness matrix, which the files lack; add `stiffness`"
         yield Fault(("body", key), f"{text}, or leave this out to use the modes of the files")
-    if body.get("order") == 2:
-        text = "geometric stiffness matrices belong to the modes of the files, and component modes are others"
-        yield Fault(("body", "order"), f"{text}; write order = 1, or leave component modes out")
     if kind == "free":
         if names:
             text = "free modes have no interface; leave this out, or write another kind of component_modes"

@@ -20,6 +20,7 @@ class ElementKind(Enum):
     TET10 = "tet10"
     HEX8 = "hex8"
     HEX20 = "hex20"
+    HEX27 = "hex27"
     WEDGE6 = "wedge6"
     WEDGE15 = "wedge15"
 
@@ -65,3 +66,9 @@ class SolidMesh:
     node_sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     node_numbers: NDArray[np.int64] | None = None
     __repr__ = record_text
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether there are elements, and all of them have Young's modulus and Poisson's ratio."""
+        known = (self.materials.get(block.material, Material("")) for block in self.elements)
+        return bool(self.elements) and all(None not in (own.young, own.poisson) for own in known)

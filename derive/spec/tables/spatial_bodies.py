@@ -125,7 +125,10 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     markers = tuple(_with_nodes(marker, data) for marker in table.markers)
     rigid = tuple(marker.nodes for marker in markers if marker.motion == "rigid")
     held = interface_markers(own["interface"], markers, data)
+    loaded = {node for element in (*markers, *table.loads) for node in element.nodes}
     nodal = NodalBody(name=name, data=data, rigid_sets=rigid, interface_markers=held, **own)
+    if nodal.computes_geometric_stiffness:
+        nodal = replace(nodal, loaded_nodes=tuple(sorted(loaded)))
     return FlexibleBody(name, nodal, markers, table.start, table.loads)
 
 
