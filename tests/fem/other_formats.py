@@ -86,8 +86,8 @@ def ansys(model: FiniteElementModel, folder: Path) -> Path:
     lines += ["N,R5.3,LOC,       -1,", f"EBLOCK,19,SOLID, {len(block.nodes)}, {len(block.nodes)}", "(19i9)"]
     for label, nodes in enumerate(block.nodes, 1):
         own = [numbers[n] for n in nodes]
-        words = [2, 1, 1, 1, 0, 0, 0, 0, 20, 0, label, *own]
-        lines += ["".join(f"{word:9d}" for word in part) for part in (words[:19], words[19:])]
+        entries = [2, 1, 1, 1, 0, 0, 0, 0, 20, 0, label, *own]
+        lines += ["".join(f"{entry:9d}" for entry in part) for part in (entries[:19], entries[19:])]
     steel = model.materials[block.material]
     lines += [f"{-1:9d}", "MPTEMP,R5.0, 1, 1, 0.0,", f"MPDATA,R5.0, 1,EX  , 2, 1, {steel.young:.6E} ,"]
     lines += [f"MP,PRXY,2,{steel.poisson}", f"MP,DENS,2,{steel.density}"]
