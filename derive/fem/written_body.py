@@ -40,7 +40,7 @@ SI = FileUnits()
 
 @dataclass(frozen=True)
 class BodyTable:
-    """What the text is made of; `mesh` is that of the part in words."""
+    """The parts of the text; `mesh` is that of the part in words."""
 
     name: str
     source: str
@@ -89,7 +89,8 @@ def _head(table: BodyTable) -> Iterator[str]:
 def _keys(table: BodyTable, interface: tuple[str, ...]) -> Iterator[str]:
     yield f"nodes = {_text(table.nodes_file)}  # positions, mass, stiffness, sets of nodes, elements"
     yield f"units = {table.units}"
-    yield f"modes = {table.body.modes}"
+    if table.body.modes is not None:
+        yield f"modes = {table.body.modes}"
     if table.component_modes:
         yield f'component_modes = "{table.component_modes}"'
     if interface:

@@ -16,6 +16,7 @@ from derive.cli.main import main
 from derive.fem.calculix.read import read_calculix
 from derive.reduction import body_properties
 from derive.spec.model.body import NodalBody
+from markdown_pages import copy_tree, run_page
 
 pytestmark = pytest.mark.hosts
 
@@ -84,3 +85,20 @@ def test_point_masses_are_in_the_matrices(tmp_path: Path) -> None:
     model = read_calculix(run_bracket(tmp_path, (1, 1, 1), (("*STEP", mass),)))
     assert float(model.mass[::3][:, ::3].sum()) == pytest.approx(2.3864 + 0.5)  # type: ignore[index]
     assert model.notes[0] == "1 line of elements of the type MASS: in the matrices, but not in pictures"
+
+
+def test_the_commands_of_the_page(tmp_path: Path) -> None:
+    program("ccx")
+    outputs = run_page(ROOT / "docs/how_to/calculix.md", copy_tree(tmp_path)).values()
+    assert any("Craig-Bampton modes of the interface left, right" in text for text in outputs)
+
+
+def test_the_file_of_the_example_is_that_of_the_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_bracket(tmp_path, (6, 2, 1))
+    monkeypatch.chdir(tmp_path)
+    assert main(["import", "bracket.inp", "--interface", "left,right", "--modes", "12"]) == 0
+    made, committed = np.load("bracket.npz"), np.load(ROOT / "examples/bracket.npz")
+    assert sorted(made.files) == sorted(committed.files)
+    for name in made.files:
+        size = np.abs(committed[name]).max()
+        assert np.allclose(made[name], committed[name], rtol=0, atol=1e-11 * size), name
