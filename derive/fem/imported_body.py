@@ -128,6 +128,9 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
             known = f"the sets are {names_text(spelled.values())}" if spelled else "there are none"
             hint = did_you_mean(name, spelled.values(), known)
             problems.append(Problem("--interface", f"there is no set of nodes {quoted(name)}{hint}"))
+        elif len(model.node_sets[spelled[name.lower()]]) == 2:
+            text = f"the set {name} has two nodes, which do not determine a rotation; name a set of three or more"
+            problems.append(Problem("--interface", f"{text}, not on a line, or of a single node"))
     if options.scene and not options.interface:
         problems.append(Problem("--scene", "a scene holds the body at a set of nodes: name it with --interface"))
     if problems:

@@ -128,6 +128,12 @@ def test_a_set_that_does_not_exist_has_names_like_it(model: FiniteElementModel) 
     assert text == "bracket.inp: --scene: a scene holds the body at a set of nodes: name it with --interface"
 
 
+def test_two_nodes_are_no_interface(model: FiniteElementModel) -> None:
+    sets = replace(model, node_sets={"edge": np.array([3, 4])})
+    text = lines_of_faults(lambda: imported_body(sets, BodyOptions(("edge",)), "bracket.inp", ""))
+    assert text.startswith("bracket.inp: --interface: the set edge has two nodes, which do not determine a rotation")
+
+
 def test_an_indefinite_mass_names_the_node(model: FiniteElementModel) -> None:
     mass = model.mass.tolil()  # type: ignore[union-attr]
     for row in (30, 31, 32):
