@@ -85,7 +85,8 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
             interface=interface or None,
         )  # fmt: skip
         show_progress("computing modes ...")
-        frequencies = _elastic_frequencies(body, model, min(COMPARED, 3 * len(model.positions) - 6))
+        count = max(COMPARED, 0 if interface else modes)  # a body without an interface has these modes
+        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))[:COMPARED]
         if interface:
             prepare(body)
     except SpecError as error:
@@ -191,5 +192,7 @@ def _compared(model: FiniteElementModel, frequencies: Array, body: NodalBody) ->
     gap = float(np.abs(elastic[:count] / frequencies[:count] - 1).max())
     if gap > AGREEMENT:
         listed = ", ".join(f"{f:.7g}" for f in elastic[:count])
-        return f"; warning: those of the program are {listed}, perhaps of a body that is held, or in other units"
+        return (
+            f"; warning: those of the program are {listed}, perhaps of a body that is held, or inexact for a free one"
+        )
     return f"; the {count} of the program differ by {gap:.1e} or less of each"

@@ -225,3 +225,15 @@ def test_millimetres_and_tonnes_read_as_si_have_a_note(model: FiniteElementModel
     wrong = imported_body(in_mm, BodyOptions(), "bracket.inp", "").notes
     (warning,) = [note for note in wrong if note.startswith("warning")]
     assert "a density is 7.85e-09 kg/m^3" in warning and "a body of 200 m has its first frequency at 705 Hz" in warning
+
+
+def test_more_modes_than_a_singular_mass_matrix_moves(model: FiniteElementModel) -> None:
+    """A mass matrix of rank 8 for each direction has 24 motions with mass, six of which are rigid."""
+    near = np.column_stack([np.ones(44), model.positions, model.positions**2, model.positions[:, 0] ** 3])
+    mass = csr_array(kron(near @ near.T, identity(3)))
+    singular = replace(model, mass=mass, frequencies=None)
+    body = imported_body(singular, BodyOptions(modes=18), "part.inp", "")
+    assert "with 18 modes" in body.doc
+    text = lines_of_faults(lambda: imported_body(singular, BodyOptions(modes=19), "part.inp", ""))
+    expected = "part.inp: body.modes: 19 modes are too many: only 18 elastic modes move mass, since its matrix is"
+    assert text == f"{expected} singular; integrate it with more points, or request fewer modes"
