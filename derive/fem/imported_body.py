@@ -86,7 +86,7 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
         )  # fmt: skip
         show_progress("computing modes ...")
         count = max(COMPARED, 0 if interface else modes)  # a body without an interface has these modes
-        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))[:COMPARED]
+        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))
         if interface:
             prepare(body)
     except SpecError as error:
@@ -143,10 +143,10 @@ def _elastic_frequencies(body: NodalBody, model: FiniteElementModel, count: int)
     """The first elastic frequencies of the free body, Hz. Raises SpecError if it has motions without strain."""
     free = replace(body, component_modes="free", interface=(), interface_markers=(), modes=max(count, 0))
     shapes = prepare(free).shapes
-    squares = np.diag(shapes.stiffness)
+    squares = np.diag(shapes.stiffness)[:COMPARED]
     loose = squares <= ZERO_STIFFNESS * squares.max(initial=0.0)
     if loose.any():
-        raise SpecError((hinge(shapes.phi[loose], body.data, model.node_numbers),))
+        raise SpecError((hinge(shapes.phi[:COMPARED][loose], body.data, model.node_numbers),))
     result: Array = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
     return result
 
