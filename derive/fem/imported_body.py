@@ -20,6 +20,7 @@ from derive.reduction.checks import indefinite
 from derive.reduction.component_modes import static_mode_count
 from derive.short_text import counted
 from derive.spec.construction import nodal_body
+from derive.spec.files.node_files import MAX_BYTES
 from derive.spec.model.body import ComponentModes, InterfaceMarker, NodalBody
 from derive.spec.parsing.faults import did_you_mean, names_text
 from derive.spec.parsing.names import free_name
@@ -76,7 +77,7 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     static = static_mode_count(kind, markers) if interface else 0
     modes = options.modes if options.modes is not None else static + VIBRATION_MODES
     arrays = node_arrays(model)
-    if faults := tuple(_faults_of_matrices(model)):
+    if faults := (*_faults_of_matrices(model), *_too_large(sum(array.nbytes for array in arrays.values()))):
         raise SpecError(faults, source)
     name = free_name(model.name, ())
     try:
@@ -99,6 +100,13 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     text = scene_text(table) if options.scene else body_text(table)
     notes = (*_notes(model, body, frequencies), *model.notes)
     return ImportedBody(name, _doc(body), text, archive_bytes(arrays), notes)
+
+
+def _too_large(size: int) -> Iterator[Problem]:
+    """The fault of arrays of so many bytes that a file of nodes would not be read."""
+    if size > MAX_BYTES:
+        text = f"mesh and matrices take {size / 1e6:.4g} MB, and a file of nodes is read up to {MAX_BYTES / 1e6:.4g} MB"
+        yield Problem("", f"{text}; make the mesh coarser")
 
 
 def _faults_of_matrices(model: FiniteElementModel) -> Iterator[Problem]:
