@@ -74,7 +74,7 @@ def test_energy_of_a_boom_is_conserved() -> None:
     lance |= {"markers": {"o": {"at": -1, "rotation": axis}, "e": 1}}
     names = ["ground", *(f"link{k}" for k in range(4)), "lance"]
     pairs = {f"joint{k}": [f"{a}.{'e' if k else 'o'}", f"{b}.o"] for k, (a, b) in enumerate(pairwise(names))}
-    tables = {
+    tables: Table = {
         "name": "boom",
         "scene": {"gravity": [0, 0, -9.81]},
         "ground": {"markers": {"o": [0, 0, 0]}},

@@ -116,7 +116,7 @@ class JointRows:
         return row
 
     def _of_rotation(self, pair: FramePair) -> JointRow:
-        """The row of a rotation between two bodies, along the axes of the link, or of the first one if both are none."""
+        """The row of a rotation between two bodies, along the axes of the link, or of the first if both are none."""
         here, there = (pair.second, pair.first) if pair.second.carrier else (pair.first, pair.second)
         Q = [self._rotation(frame) for frame in (here, there)]
         turn = multiply(transposed(Q[0]), Q[1])
