@@ -214,13 +214,15 @@ class OwnAxes:
 
     `work` is the virtual work of `load_symbols` along these axes by the names of the rows, where the translations of
     the origin, which come first, are along them too. `acceleration` and `angular_acceleration` are without those of the
-    coordinates. `Q` is the rotation tensor of the body.
+    coordinates. `Q` is the rotation tensor of the body, `axes` those of the frame as columns.
     """
 
     Q: sp.ImmutableMatrix
     work: tuple[tuple[str, sp.Expr], ...]
     acceleration: sp.ImmutableMatrix
     angular_acceleration: sp.ImmutableMatrix
+    axes: sp.ImmutableMatrix
+    angular_velocity: sp.ImmutableMatrix
 
 
 @cache
@@ -239,8 +241,8 @@ class ConstrainedFrame:
 
     A unit multiplier exerts `force` at the point and `torque` on the frame; `work` is the virtual work of any such
     `load_symbols` by the names of the rows, and equal for all constraints on the frame. `acceleration` and
-    `angular_acceleration` are those of the frame. `carrier` is its body if that is one of a tree, and `place` the point
-    in the frame of this body; `own` is the motion along the axes of its body if that keeps all coordinates.
+    `angular_acceleration` are those of the frame. `carrier` is its body if that is one of a tree, and `place` its point
+    and its axes in the frame of this body; `own` is the motion along the axes of its body if that is a free one.
     """
 
     rotation: FreeRotation | None
@@ -252,7 +254,7 @@ class ConstrainedFrame:
     acceleration: sp.ImmutableMatrix
     angular_acceleration: sp.ImmutableMatrix
     carrier: str = ""
-    place: sp.ImmutableMatrix | None = None
+    place: tuple[sp.ImmutableMatrix, sp.ImmutableMatrix] | None = None
     own: OwnAxes | None = None
 
 
@@ -260,13 +262,16 @@ class ConstrainedFrame:
 class FramePair:
     """Both frames of a constraint in space, and `axis` if gdot is axis . (w2 - w1) with their angular velocities.
 
-    `bias` is gddot without the accelerations of the frames.
+    `bias` is gddot without the accelerations of the frames. `formula` are the axis and the bias as functions of the row
+    variables of both frames, which may be along any axes, and `prescribed` the values of the others.
     """
 
     first: ConstrainedFrame
     second: ConstrainedFrame
     axis: sp.ImmutableMatrix | None
     bias: sp.Expr
+    formula: tuple[sp.Expr, ...] = ()
+    prescribed: tuple[tuple[sp.Symbol, sp.Expr], ...] = ()
 
 
 @dataclass(frozen=True)

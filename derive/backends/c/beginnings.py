@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from derive.backends.c.optional_parts import optional_part
 from derive.backends.c.signatures import names, parameters, signature
 from derive.backends.source_map import SourceLine, plain
 from derive.ir.kernel import Kernel
@@ -30,6 +31,35 @@ def by_solution(model: Model) -> dict[str, Kernel]:
     if not model.explicit or model.lowering != "flat" or not model.multipliers:
         return {}
     return {"accel": model.kernel("solve")}
+
+
+def repeated(model: Model) -> dict[str, Kernel]:
+    """The kernels with the text of an earlier one, by name, with that one.
+
+    Without constraints the forms for implicit integrators are one form, and the multipliers of a solution are none.
+    """
+    if model.lowering != "flat":
+        return {}
+    result: dict[str, Kernel] = {}
+    for n, kernel in enumerate(model.kernels):
+        for other in model.kernels[:n]:
+            if _repeats(kernel, other) and optional_part(other.name) in (None, optional_part(kernel.name)):
+                result.setdefault(kernel.name, other)
+    return result
+
+
+def _repeats(kernel: Kernel, other: Kernel) -> bool:
+    """Whether a kernel does what another one does, to outputs of which it may have further ones without elements."""
+    same = kernel.sections and kernel.sections == other.sections and kernel.arguments == other.arguments
+    filled = [(o.name, o.size) for o in kernel.outputs if o.size]
+    return bool(same) and filled == [(o.name, o.size) for o in other.outputs]
+
+
+def calling_repeated(model: Model, kernel: Kernel, other: Kernel) -> list[SourceLine]:
+    """The function of a kernel that calls another one with the same text."""
+    unused = (f"    (void) {name};" for name in names(kernel) if name not in names(other))
+    body = f"    return {model.name}_{other.name}({', '.join(names(other))});"
+    return plain(*signature(f"int {model.name}_{kernel.name}", parameters(kernel)), "{", *unused, body, "}")
 
 
 def calling_solution(model: Model, kernel: Kernel, whole: Kernel) -> list[SourceLine]:

@@ -11,7 +11,7 @@ from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.batch_block import StateBlock
-from derive.backends.c.beginnings import beginnings, by_solution, calling, calling_solution
+from derive.backends.c.beginnings import beginnings, by_solution, calling, calling_repeated, calling_solution, repeated
 from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.forms import shared_forms
 from derive.backends.c.functions_of_kernels import (
@@ -74,8 +74,8 @@ def header_and_source(
     builder = SourceBuilder(model)
     builder.text(render("c/prologue.c.jinja", values))
     shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
-    solved = by_solution(model)
-    written = [kernel for kernel in model.kernels if kernel.name not in (*shared, *solved)]
+    solved, again = by_solution(model), repeated(model)
+    written = [kernel for kernel in model.kernels if kernel.name not in (*shared, *solved, *again)]
     sections = shared_sections(model, written)
     for section in sections.values():
         builder.text("".join(f"{line.text}\n" for line in [*section.function(), *plain("")]))
@@ -92,6 +92,8 @@ def header_and_source(
                 builder.text("".join(f"{line.text}\n" for line in calling(model, kernel, kernel)))
             elif whole := solved.get(kernel.name):
                 builder.function(kernel, calling_solution(model, kernel, whole))
+            elif other := again.get(kernel.name):
+                builder.function(kernel, calling_repeated(model, kernel, other))
             elif of := forms.get(kernel.name):
                 if kernel is of.kernels[0]:
                     builder.text("".join(f"{line.text}\n" for line in function_of_forms(model, of)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from derive.ir.kernel import Kernel
@@ -61,6 +61,8 @@ OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
     FunctionKind.JACOBIAN: dae.jacobian,
 }
 """The functions that only mechanisms have, and those that depend on constraints."""
+FORMED = frozenset((FunctionKind.RESIDUAL, FunctionKind.JACOBIAN))
+"""The functions of which mechanisms have several forms, which differ in the equations of constraints."""
 
 
 def lower(
@@ -87,8 +89,7 @@ def lower(
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
     every = functions_of(equations, sensitivities, explicit, balanced)
     every += requested_functions(equations, requested, sensitivities)
-    lowered = (implementations[function.kind](context, function) for function in every)
-    kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
+    kernels = tuple(_kernels(context, every, implementations))
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
     coordinates = equations.coordinates
@@ -118,6 +119,20 @@ def lower(
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )
     return replace(model, terms=model_terms(equations, model.pattern("mass", "M")))
+
+
+def _kernels(
+    context: Context, functions: Iterable[ModelFunction], implementations: Mapping[FunctionKind, Implementation]
+) -> Iterator[Kernel]:
+    """The kernels of functions; without constraints the forms for implicit integrators are one form."""
+    forms: dict[FunctionKind, Kernel] = {}
+    for function in functions:
+        kernel = forms.get(function.kind)
+        if kernel is None:
+            kernel = with_attitude_check(implementations[function.kind](context, function), context.equations)
+            if function.kind in FORMED and context.equations.poses and not context.forces:
+                forms[function.kind] = kernel
+        yield replace(kernel, name=function.name, doc=function.doc) if function.kind in forms else kernel
 
 
 def _with_constants(kernel: Kernel, names: tuple[str, ...]) -> Kernel:

@@ -16,10 +16,11 @@ from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.trees.other_bodies import Triple, rigid_rows, tensor
-from derive.lowering.flat.trees.spatial_vectors import ZERO, Matrix, Vector, dot, null, times, transposed
+from derive.lowering.flat.trees.spatial_vectors import ZERO, Matrix, Vector, dot, multiply, null, times, transposed
 from derive.lowering.flat.trees.steps import ONE, Wrench
 from derive.lowering.flat.trees.tree_dynamics import TreeDynamics
-from derive.mechanics.terms import ConstrainedFrame, Constraint, load_symbols
+from derive.mechanics.multibody.space.rows import row_variables
+from derive.mechanics.terms import ConstrainedFrame, Constraint, FramePair, load_symbols
 
 UNIT = [[ONE if i == j else ZERO for j in range(3)] for i in range(3)]
 
@@ -106,11 +107,54 @@ class JointRows:
                     along = times(transposed(Q), [row.others.get(i, ZERO) for i in rows])
                     row.others |= dict(zip(rows, along, strict=True))
             return row
+        if c.frames.axis is not None and all(frame.own or frame.carrier for frame in (c.frames.first, c.frames.second)):
+            return self._of_rotation(c.frames)
         row = JointRow(-self.symbols(c.frames.bias))
         for frame in (c.frames.first, c.frames.second):
             force, torque = ([self.symbols(x) for x in of] for of in (frame.force, frame.torque))
             self._add(row, frame, _Load(force, torque))
         return row
+
+    def _of_rotation(self, pair: FramePair) -> JointRow:
+        """The row of a rotation between two bodies, along the axes of the link, or of the first if both are none."""
+        here, there = (pair.second, pair.first) if pair.second.carrier else (pair.first, pair.second)
+        Q = [self._rotation(frame) for frame in (here, there)]
+        turn = multiply(transposed(Q[0]), Q[1])
+        of, values = row_variables(), dict[sp.Symbol, ca.SX]()
+        for frame in (pair.first, pair.second):
+            axes, spin, _ = self._turning(frame)
+            if frame is there:
+                axes, spin = multiply(turn, axes), times(turn, spin)
+            variables = of.first if frame is pair.first else of.second
+            for i in range(3):
+                values[variables.w[i]] = spin[i]
+                values |= {variables.A[i, j]: axes[i][j] for j in range(3)}
+        values |= {symbol: self.symbols(x) for symbol, x in pair.prescribed}
+        *torque, bias = self.symbols.evaluated(pair.formula, values)
+        row = JointRow(-bias)
+        for frame in (pair.first, pair.second):
+            own = torque if frame is here else times(transposed(turn), torque)
+            own = own if frame is pair.second else [-x for x in own]
+            if frame.carrier:
+                place = self.tree.frames.place(frame)
+                row.on_links[self.tree.frames.numbers[frame.carrier]] = place, Wrench(null(), own)
+            elif frame.own:
+                self._work(row, frame.own.work, null(), own)
+            row.gamma = subtracted(row.gamma, dot(own, self._turning(frame)[2]))
+        return row
+
+    def _rotation(self, frame: ConstrainedFrame) -> Matrix:
+        """The axes of the body that has a frame."""
+        return tensor(self.symbols, frame.own) if frame.own else self.tree.frames.rotation(frame.carrier)
+
+    def _turning(self, frame: ConstrainedFrame) -> tuple[Matrix, Vector, Vector]:
+        """The axes, the angular velocity and the acceleration without those of rows of a frame, in its body."""
+        if frame.own is None:
+            m = self.tree.still[self.tree.frames.numbers[frame.carrier]]
+            return self.tree.frames.frame_axes(frame), m.spin, m.angular
+        A = frame.own.axes
+        axes = [[self.symbols(A[i, j]) for j in range(3)] for i in range(3)]
+        return axes, [self.symbols(x) for x in frame.own.angular_velocity], self._values(frame.own.angular_acceleration)
 
     def _of_point(self, c: Constraint, load: _Load) -> JointRow:
         row, pair = JointRow(), c.frames

@@ -100,7 +100,17 @@ class TreeFrames:
     def place(self, frame: ConstrainedFrame) -> Vector:
         """The place of a frame of a tree in the link that has it."""
         assert frame.place is not None
-        return times(transposed(self._matrix(self.axes[frame.carrier])), [self.symbols(x) for x in frame.place])
+        return times(transposed(self._matrix(self.axes[frame.carrier])), [self.symbols(x) for x in frame.place[0]])
+
+    def frame_axes(self, frame: ConstrainedFrame) -> Matrix:
+        """The axes of a frame of a tree in the link that has it, as columns."""
+        assert frame.place is not None
+        return self._matrix(cleaned(self.axes[frame.carrier].T * sp.Matrix(frame.place[1])))
+
+    def rotation(self, body: str) -> Matrix:
+        """The axes of a link in the inertial frame, as columns."""
+        turn, own = self._matrix(self.turns[body]), self.axes[body]
+        return turn if own == sp.eye(3) else multiply(turn, self._matrix(own))
 
     def _link(self, body: TreeBody) -> TreeFrame:
         hinge, of = body.motion.hinge, self.symbols

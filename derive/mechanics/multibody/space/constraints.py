@@ -135,8 +135,19 @@ def _constraint(
             second.constrained(f2, m2),
             sp.ImmutableMatrix(m2) if derived(row).turns else None,
             motion.frames_bias,
+            (*derived(row).m2, derived(row).bias),
+            _prescribed(joint, first, second, drive),
         ),
     )
+
+
+def _prescribed(
+    joint: SpatialJoint, first: FrameMotion, second: FrameMotion, drive: PrescribedMotion | None
+) -> tuple[tuple[sp.Symbol, sp.Expr], ...]:
+    """The values of the variables of rows besides those of the frames."""
+    of, values = row_variables(), row_values(joint, first, second, drive)
+    frames = of.first.values(first) | of.second.values(second)
+    return tuple((symbol, value) for symbol, value in values.items() if symbol not in frames)
 
 
 def _sum(a: Mapping[str, sp.Expr], b: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:

@@ -123,7 +123,7 @@ class FrameMotion:
             self.acceleration,
             self.angular_acceleration,
             self.carrier,
-            self.in_body[0] if self.in_body else None,
+            self.in_body,
             self.own,
         )
 

@@ -39,9 +39,9 @@ def own_axes(
     def changed(expr: sp.Expr) -> sp.Expr:
         return change(expr.xreplace(at_rest).xreplace(others))
 
+    vectors = (turned.acceleration, turned.angular_acceleration, turned.axes, turned.angular_velocity)
     return OwnAxes(
         sp.ImmutableMatrix(motion.rotation.applyfunc(change)),
         tuple((rows[row], changed(work)) for row, work in turned.any_work),
-        sp.ImmutableMatrix(turned.acceleration.applyfunc(changed)),
-        sp.ImmutableMatrix(turned.angular_acceleration.applyfunc(changed)),
+        *(sp.ImmutableMatrix(of.applyfunc(changed)) for of in vectors),
     )
