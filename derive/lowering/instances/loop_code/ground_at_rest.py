@@ -2,8 +2,7 @@
 
 Alone, such a joint takes half as much text as four between bodies, and in a short chain of bodies with many modes each
 call reads all text anew; chains of rigid bodies take 3 % longer so. The coordinates of the ground precede those of the
-bodies in copies of q and v: amplitudes and velocities are zero, the frame is the inertial one, and the marker does not
-move with modes.
+bodies in copies of q and v: amplitudes and velocities are zero, and the frame is the inertial one.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from derive.mechanics.terms import ModelConstant
 from derive.spec.model.markers import GROUND
 
 STILL = (Family.POINT_POSITION, Family.POINT_SHAPE, Family.POINT_SECOND, Family.SECTION_ROTATION)
-"""The constants of markers that a marker at rest may have; all but its position vanish."""
+"""The constants of markers that a marker at rest may have: its position, and factors of amplitudes, which vanish."""
 
 MOST = 16
 """The number of joints between bodies above which copies of the state take longer than a joint of its own."""
@@ -130,13 +129,12 @@ def _at_rest(bodies: Bodies, member: Member, marker: str, ground: FrameMotion) -
     if any(x != 0 and not own.free_symbols for x, own in zip(place, section.point.position, strict=True)):
         return None
 
-    def still(c: ModelConstant) -> ModelConstant:
-        is_place = identity(c.symbol).family is Family.POINT_POSITION
-        return replace(c, value=place[identity(c.symbol).components[0] - 1] if is_place else sp.S.Zero)
+    def moved(c: ModelConstant) -> ModelConstant:
+        known = identity(c.symbol)
+        return replace(c, value=place[known.components[0] - 1]) if known.family is Family.POINT_POSITION else c
 
     def at_rest(of: CrossSection) -> CrossSection:
-        point = replace(of.point, coefficients=tuple(map(still, of.point.coefficients)))
-        return replace(of, point=point, rotations=tuple(map(still, of.rotations)))
+        return replace(of, point=replace(of.point, coefficients=tuple(map(moved, of.point.coefficients))))
 
     sections = {name: at_rest(of) for name, of in component.sections.items()}
     instance = replace(member.instance, component=replace(component, sections=sections))
