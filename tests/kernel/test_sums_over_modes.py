@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from test_instance_graphs import LATER, QUICK
 from test_instances_in_space import both, check
 
@@ -68,7 +69,7 @@ def chain(count: int, kinds: tuple[str, ...], alike: bool = False) -> derive.Spa
     parts = [
         'name = "clouds"',
         '[scene]\ngravity = [0.3, 0, -9.81]\nlowering = "instances"',
-        "[ground.markers]\no = [0, 0, 0]",
+        f"[ground.markers]\no = {{ at = [0.1, -0.2, 0.3], {turned} }}",
     ]
     with TemporaryDirectory() as folder:
         for k in range(count):
@@ -182,6 +183,32 @@ def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
 def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
     """Loops and straight-line code agree in states in which no constraint is met and all sections turn."""
     check(both(chain(max(2, len(kinds)), kinds), True))
+
+
+def test_a_joint_to_the_ground_has_the_code_of_those_between_bodies() -> None:
+    """Its accelerations are those of M, h, G and gamma, which compute it by itself."""
+    model = looped(3)
+    arrays = [line.array for s in model.kernel("solve").sections for line in s.body if isinstance(line, Work)]
+    assert {"q_of_joint_1_and_ground", "v_of_joint_1_and_ground"} <= {*arrays}
+    given = state(model.kernel("solve"))
+    q = given["q"]
+    assert isinstance(q, list)
+    for first in range(3, len(q), 7 + MODES):
+        q[first : first + 4] = np.divide(q[first : first + 4], np.linalg.norm(q[first : first + 4])).tolist()
+
+    def values(name: str) -> dict[str, list[float]]:
+        kernel = model.kernel(name)
+        return interpret(kernel, {a.name: given[a.name] for a in kernel.arguments})
+
+    def matrix(name: str, output: str) -> NDArray[np.float64]:
+        of = next(out.pattern for out in model.kernel(name).outputs if out.name == output)
+        assert of
+        return of.dense(np.array(values(name)[output]))
+
+    G, found = matrix("constraint_jacobian", "G"), values("solve")
+    kkt = np.block([[matrix("mass", "M"), -G.T], [G, np.zeros((len(G), len(G)))]])
+    expected = np.linalg.solve(kkt, [*np.negative(values("force")["h"]), *values("constraint_bias")["gamma"]])
+    assert np.abs(expected - [*found["vdot"], *found["lam"]]).max() < 1e-10 * np.abs(expected).max()
 
 
 def test_rows_of_like_bodies_are_looped_by_themselves() -> None:

@@ -9,7 +9,7 @@ import casadi as ca
 from derive.algebra import sp
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
-from derive.ir.statements import ForEach, Statement, StoreElement, Work
+from derive.ir.statements import Statement, StoreElement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.context import Context, array_input, stores
@@ -19,6 +19,7 @@ from derive.lowering.instances.classes.mode_factors import constants_of_modes, m
 from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
+from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround
 from derive.lowering.instances.loop_code.group_code import JointCode
 from derive.mechanics.symbols import Identity
 
@@ -56,9 +57,16 @@ class VaryingFactors:
             for k in range(count if self.has_spare else 0):
                 yield StoreElement(Element(array, constant(k * self.spacing + self.number[NO_JOINT])), ZERO)
 
-    def loops(self, system: Blocks, names: tuple[str, ...], has_bias: bool, in_lanes: bool) -> Iterator[ForEach]:
-        """A loop over the joints of each group; has_bias: whether it writes gamma as well, to what is known."""
-        for group in self.context.joints:
+    def loops(self, system: Blocks, names: tuple[str, ...], has_bias: bool, in_lanes: bool) -> Iterator[Statement]:
+        """The loop over the joints of each group, after what it reads.
+
+        has_bias: whether it writes gamma as well, to what is known.
+        """
+        context = self.context
+        for group in context.joints_in_lanes if in_lanes else context.joints:
+            if isinstance(group, JointsWithGround):
+                sizes = {"q": context.coordinates, "v": len(context.rows)}
+                yield from group.copies((name, sizes[name]) for name in names if name in sizes)
             code, ctx = group.code, group.code.context
             symbols = ctx.symbols(*given_inputs(code, *names))
             entries = jacobian_entries(ctx, symbols)

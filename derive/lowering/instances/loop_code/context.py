@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import accumulate
+from itertools import accumulate, permutations
 from typing import Protocol
 
 from derive.algebra import sp
@@ -40,6 +40,7 @@ from derive.lowering.instances.classes.varying_parts import FactorPlace
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget
+from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround, joined_element
 from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode, spread
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
@@ -82,6 +83,7 @@ class InstanceContext:
         outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)
         self.outputs = [self._group(group, equations) for group, equations in outputs]
         self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
+        self.joints_in_lanes = self._with_ground(self.joints)
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         self.coordinates = len(mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
@@ -117,6 +119,22 @@ class InstanceContext:
             first += count
         return JointCode(self._code(group, equations), group.members, factors, bodies)
 
+    def _with_ground(self, joints: list[JointCode]) -> list[JointCode]:
+        """The codes of varying joints after one at the ground has joined those between bodies that are like it."""
+        if self.blocks is None:
+            return joints
+        for ground, others in permutations(joints, 2):
+            if found := joined_element(self.bodies, ground, others, self.blocks):
+                side, element = found
+                elements = tuple(sorted([element, *others.elements], key=lambda e: e.number))
+                equations = joint_equations(self.bodies, Group("joint", others.elements))
+                of, constants = Group("joint", elements), len(element.constants)
+                known = with_known(equations, self.known, constants)
+                code = LoopCode(of, known, self.places, self.constants, f"{others.code.name}_and_ground")
+                joined = JointsWithGround(code, elements, others.factors, others.bodies, side)
+                return [joined if of is others else of for of in joints if of is not ground]
+        return joints
+
     def _code(self, group: Group, equations: Equations) -> LoopCode:
         constants = len(group.first.constants)
         return LoopCode(group, with_known(equations, self.known, constants), self.places, self.constants)
@@ -128,7 +146,8 @@ class InstanceContext:
     @property
     def codes(self) -> tuple[LoopCode, ...]:
         """All codes of loops over instances."""
-        groups = (group.code for group in (*self.forces, *self.outputs, *self.joints))
+        in_lanes = (group for group in self.joints_in_lanes if group not in self.joints)
+        groups = (group.code for group in (*self.forces, *self.outputs, *self.joints, *in_lanes))
         joined = (of for of in self.classes_in_lanes if of.of.is_joined)
         return (*self.classes, *joined, *self.marker_classes.values(), *groups)
 
