@@ -99,7 +99,9 @@ def _text(result: Modes, count: int) -> list[str]:
     else:
         lines.append("  no coordinate is independent, since constraints and drives determine the motion")
     if result.zero_eigenvalues:
-        lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
+        several = result.zero_eigenvalues > 1
+        text = "eigenvalues are zero: motions" if several else "eigenvalue is zero: a motion"
+        lines.append(f"  {result.zero_eigenvalues} {text} without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:
         passing = bool(result.speed) and result.steady is None
         state = "the coefficients of this instant let" if passing else "warning: the state is unstable;"

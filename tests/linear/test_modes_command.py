@@ -115,6 +115,20 @@ def test_an_unstable_state_is_announced(tmp_path: Path, capsys: pytest.CaptureFi
     assert "warning: the state is unstable; modes 2, 4 grow\n" in capsys.readouterr().out
 
 
+def test_a_single_zero_eigenvalue_is_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A damper on a wheel leaves its angle, at which nothing holds it, and one rate that decays."""
+    (tmp_path / "wheel.toml").write_text(
+        """name = "wheel"
+ground.markers = { o = [0, 0] }
+bodies.wheel = { mass = 1, inertia = 0.1, markers = { hub = [0, 0] } }
+joints.hub = { kind = "revolute", between = ["ground.o", "wheel.hub"] }
+springs.damper = { kind = "rotational", between = ["ground.o", "wheel.hub"], stiffness = 0, damping = 1 }
+"""
+    )
+    assert main(["modes", str(tmp_path / "wheel.toml"), "--out", str(tmp_path)]) == 0
+    assert "  1 eigenvalue is zero: a motion without stiffness\n" in capsys.readouterr().out
+
+
 def test_the_picture_shows_linear_displacements(rod: Modes) -> None:
     lines = mode_lines(rod, rod.modes[0])
     swing = lines.displacements[0]  # it stays nearly straight and its tip moves by a tenth of its length
