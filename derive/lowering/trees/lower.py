@@ -67,6 +67,8 @@ def lower_trees(
     """The model of trees of rigid bodies in loops over links. Raises SpecError with all that these do not have."""
     context = TreeContext(mechanism)
     equations, others = _equations(context, requested)
+    if explicit and not requested:  # as in straight-line code
+        equations = replace(equations, markers=())
     kernels: list[Kernel] = []
     if others is None:
         choice, explicit = f"{choice}; {WITHOUT}", True
