@@ -54,8 +54,11 @@ def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def names(text: str) -> tuple[str, ...]:
-    """Names that commas separate, for argparse."""
-    return tuple(name for part in text.split(",") if (name := part.strip()))
+    """Names between commas, each once."""
+    result = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
+    if "" in result:
+        raise argparse.ArgumentTypeError(f"expected names between commas, such as left,right, not {text!r}")
+    return result
 
 
 def function_names(text: str) -> tuple[str, ...]:
