@@ -124,6 +124,20 @@ def test_angles_make_the_rotation_again(rpy: tuple[float, float, float]) -> None
     assert abs(again - rotation).max() < 3e-15
 
 
+def test_links_without_mass_and_one_named_world_are_exported() -> None:
+    """The ground gets another name than a body, and what has no mass between joints has none again."""
+    solid = '<inertial><mass value="1"/><inertia ixx="1" iyy="1.2" izz="1.4"/></inertial>'
+    ends = [
+        f'<joint name="{c}" type="continuous"><parent link="{a}"/><child link="{b}"/></joint>' for a, b, c in JOINED
+    ]
+    links = f'<link name="world">{solid}</link><link name="cross"/><link name="tip">{solid}</link>'
+    first = written_scene(robot_of(parse_xml(f'<robot name="r">{links}{"".join(ends)}</robot>'.encode())), "free").text
+    again = robot_of(parse_xml(urdf_text(parse(first)).encode()))
+    assert again.root == "world_2"
+    assert [name for name, link in again.links.items() if not link.inertia] == ["world_2", "cross"]
+    assert [joint.kind.value for joint in again.joints.values()] == ["floating", "continuous", "continuous"]
+
+
 def test_what_a_description_cannot_have() -> None:
     """Loops, flexible bodies, drives and other joints are named together."""
     text = (Path(__file__).parents[2] / "examples" / "spatial_crank_slider_beam.toml").read_text()
