@@ -128,7 +128,8 @@ def test_links_without_mass_and_one_named_world_are_exported() -> None:
     """The ground gets another name than a body, and what has no mass between joints has none again."""
     solid = '<inertial><mass value="1"/><inertia ixx="1" iyy="1.2" izz="1.4"/></inertial>'
     ends = [
-        f'<joint name="{c}" type="continuous"><parent link="{a}"/><child link="{b}"/></joint>' for a, b, c in JOINED
+        f'<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/></joint>'
+        for name, parent, child in (("j", "world", "cross"), ("k", "cross", "tip"))
     ]
     links = f'<link name="world">{solid}</link><link name="cross"/><link name="tip">{solid}</link>'
     first = written_scene(robot_of(parse_xml(f'<robot name="r">{links}{"".join(ends)}</robot>'.encode())), "free").text
