@@ -18,6 +18,7 @@ from derive.spec.files.xml_tree import parse_xml
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot, robot_of
 from derive.urdf.robot import Origin
+from derive.urdf.texts import list_text
 from derive.urdf.written_scene import written_scene
 
 ARM = Path(__file__).parent / "arm.urdf"
@@ -183,3 +184,9 @@ def test_angles_that_round_right_angles_are_right_angles() -> None:
     kept = written_scene(robot_of(element, keep_angles=True))
     assert not any("right angle" in note for note in kept.notes)
     assert "3.14159265359" in kept.text
+
+
+def test_rounding_errors_of_zeros_are_zeros() -> None:
+    """Numbers that are small beside the largest one of their array; all others have all their digits."""
+    assert list_text([0.1, 2e-18, -1e-14, 1 / 3]) == "[0.1, 0, -1e-14, 0.3333333333333333]"
+    assert list_text([1e-20, -3e-20]) == "[1e-20, -3e-20]"
