@@ -254,7 +254,8 @@ def lower(
         derived: what `derive` returns.
         sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters
             and inputs, which models with loops over the modes do not have.
-        explicit: leave out the kernels of a scene that explicit integration does not call, which takes half the time.
+        explicit: leave out the kernels of a scene that explicit integration does not call, which takes half the time;
+            markers of straight-line code in space are left out as well, unless there are functions on request.
             A scene that starts in equilibrium or in steady motion keeps the iteration matrix, which gives its start.
         functions: add kernels that few users need: "all", one or some of "inverse_dynamics", "gravity_compensation",
             "centre_of_mass", "centroidal_momentum" and "marker_rotations", and their derivatives if there are

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Literal
 
@@ -17,12 +16,10 @@ from derive.spec.checks.name_clashes import OWN_MARKERS
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND
 from derive.spec.parsing.names import free_name
-from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.inertia_tensor import check_tensor
+from derive.urdf.body_masses import BodyMasses
 from derive.urdf.left_out import left_out
-from derive.urdf.repairs import nearest_tensor
 from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, rigid_bodies
-from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint
+from derive.urdf.robot import HERE, JointKind, Placement, Robot, RobotJoint
 from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, number_text
 from derive.urdf.visuals import WrittenVisuals
 
@@ -74,11 +71,10 @@ class _Writer:
     """Collects the tables of a scene and the notes on them."""
 
     def __init__(self, robot: Robot, base: Base, source: str | None, folder: Path, repair_inertia: bool) -> None:
-        self.robot, self.base, self.source, self.repair_inertia = robot, base, source, repair_inertia
-        self.repaired: dict[str, Matrix] = {}
-        self.singular: list[str] = []
+        self.robot, self.base, self.source = robot, base, source
         self.visuals = WrittenVisuals(Path(source or ".").parent, folder)
         self.bodies = rigid_bodies(robot)
+        self.masses = BodyMasses(robot, self.bodies, repair_inertia)
         self.locked = robot.locked
         self.notes: list[str] = []
         self.taken: set[str] = {"ground", "scene"}
@@ -144,57 +140,14 @@ class _Writer:
         return WrittenScene(name, doc, "\n".join([*head, *tables, *tail]), tuple(self.notes))
 
     def check_masses(self) -> None:
-        """Refuse bodies that no scene can have: without mass, or with a tensor that no mass has."""
-        problems = [
-            Problem(f"link {body.name}", why, body.parts[0].link.line)
-            for body in self.bodies[self.held :]
-            if (why := self.why_no_body(body))
-        ]
+        """Refuse bodies that no scene can have, and scenes without any."""
+        problems = list(self.masses.problems(self.bodies[self.held :]))
         if len(self.bodies) == self.held:
             text = "nothing moves: all links are fixed to the root, and this to the ground; import it with --base free"
             problems.append(Problem("", text))
-        if len(self.singular) > 1:
-            problems.append(Problem("", f"to make these joints fixed: --lock {','.join(self.singular)}"))
         if problems:
             raise SpecError(tuple(problems), self.source)
-
-    def why_no_body(self, body: RobotBody) -> str:
-        """The reason why a body of a scene cannot be this one; empty if it can."""
-        if not body.mass:
-            if body.tensor.any():
-                return "it moves, has a tensor of inertia and no mass; give it a mass, or make its joint fixed (--lock)"
-            if body.joint and self.carries_mass(body):
-                return ""
-            why = "it moves, has no mass and carries none, so that"
-            if not body.joint:
-                return f"{why} the free base is singular; give it an <inertial>"
-            self.singular.append(body.joint.name)
-            name = quoted(body.joint.name)
-            return f"{why} joint {name} becomes singular; give it an <inertial>, or make the joint fixed (--lock)"
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor.tolist()
-        try:
-            check_tensor(tuple(map(Fraction, (xx, yy, zz, xy, xz, yz))))
-        except WrongValueError as error:
-            if self.repair_inertia:
-                self.repair(body)
-                return ""
-            parts = " and what is fixed to it" if len(body.parts) > 1 else ""
-            return f"{error}; correct the <inertia> of this link{parts}, or import it with --repair-inertia"
-        return ""
-
-    def repair(self, body: RobotBody) -> None:
-        """Replace the tensor of inertia of a body by the nearest one that a body of its mass has."""
-        tensor = self.repaired[body.name] = nearest_tensor(body.tensor, body.mass)
-        before, after = (", ".join(f"{x:.4g}" for x in np.linalg.eigvalsh(t)) for t in (body.tensor, tensor))
-        self.notes.append(
-            f"inertia of {printable(body.name)} repaired: principal moments of {after} kg m^2 instead of {before}"
-        )
-
-    def carries_mass(self, body: RobotBody) -> bool:
-        """Whether bodies behind it have mass."""
-        moved = {joint.name for joint, _ in joints_on(self.robot, body) if joint.kind is not JointKind.FLOATING}
-        behind = (other for other in self.bodies if other.joint and other.joint.name in moved)
-        return any(other.mass or self.carries_mass(other) for other in behind)
+        self.notes += self.masses.notes
 
     def ground(self) -> Iterator[str]:
         """The markers of the ground: what the fixed root carries."""
@@ -223,7 +176,7 @@ class _Writer:
     def body_tables(self) -> Iterator[str]:
         """The bodies that move."""
         for body in self.bodies[self.held :]:
-            name, tensor = self.links[body.name], self.repaired.get(body.name, body.tensor)
+            name, tensor = self.links[body.name], self.masses.tensor(body)
             (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
             if len(body.parts) > 1 and "," in _heavy(body):
                 yield f"# one body: {_heavy(body)}"

@@ -12,6 +12,7 @@ from conftest import ROOT
 from derive.ir.expressions import Expr, Number, Operation, Operator, walk
 from derive.ir.model import Model
 from derive.ir.statements import Require, Requirement
+from derive.spec.toml.read import parse
 
 EXAMPLE = ROOT / "examples" / "spatial_crank_slider.toml"
 RIGID_ROD = """\
@@ -41,8 +42,9 @@ WELDED = {"mass": 0, "mass_force": 108, "accel": 921, "constraint_jacobian": 585
 """Operations by function."""
 
 
-def lowered(path: Path) -> Model:
-    return derive.lower(derive.derive(derive.read(path)), explicit=True)
+def lowered(path: Path, *functions: str) -> Model:
+    """The model of explicit integration, which has markers if functions of them are requested."""
+    return derive.lower(derive.derive(derive.read(path)), explicit=True, functions=functions)
 
 
 def counts(model: Model, names: dict[str, int]) -> dict[str, int]:
@@ -51,7 +53,7 @@ def counts(model: Model, names: dict[str, int]) -> dict[str, int]:
 
 @pytest.fixture(scope="module")
 def flexible() -> Model:
-    return lowered(EXAMPLE)
+    return lowered(EXAMPLE, "marker_rotations")
 
 
 def test_a_flexible_rod(flexible: Model) -> None:
@@ -78,6 +80,16 @@ def test_markers_have_no_rounding_errors(flexible: Model) -> None:
     statements = flexible.kernel("marker_rod_ball").statements
     numbers = {abs(float(part.value)) for s in statements for part in walk(s.expr) if isinstance(part, Number)}
     assert min(numbers - {0.0}) > 1e-6
+
+
+def test_explicit_integration_has_no_markers() -> None:
+    """In space, where nothing calls them, and robots have dozens; a model with all kernels has them."""
+    text = EXAMPLE.read_text()
+    start, end = text.index("[bodies.rod]"), text.index("[bodies.slider]")
+    scene = derive.derive(parse(text[:start] + RIGID_ROD + text[end:]))
+    for explicit in (True, False):
+        model = derive.lower(scene, explicit=explicit)
+        assert bool(model.markers) == any(k.name.startswith("marker_") for k in model.kernels) == (not explicit)
 
 
 def test_three_rigid_bodies_take_pairs(tmp_path: Path) -> None:

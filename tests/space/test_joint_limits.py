@@ -48,6 +48,13 @@ def test_displacements_beyond_a_limit(kept: str) -> None:
     assert "joints.axle: passes its limit of -0.7 m by t = 0.75 s and reaches -2 m; nothing enforces limits" in notes
 
 
+@pytest.mark.parametrize("speed", ["-1e-10", "-1e-8"])
+def test_rounding_errors_pass_no_limit(speed: str) -> None:
+    """A joint that stays at a limit is beyond it by the rounding of its position."""
+    text = HINGE.format(kept="false", kind="prismatic", first=ORDERS[1], limits="0, 5", speed=speed)
+    assert any("limits" in note for note in derive.simulate(parse(text)).notes) == (speed == "-1e-8")
+
+
 def test_limits_in_the_wrong_order_and_of_other_joints() -> None:
     with pytest.raises(SpecError, match=r"joints\.axle\.limits: the first limit is the smaller one"):
         parse(HINGE.format(kept="false", kind="revolute", first=ORDERS[1], limits="1, -1", speed=0))

@@ -18,6 +18,7 @@ from derive.spec.files.xml_tree import parse_xml
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot, robot_of
 from derive.urdf.robot import Origin
+from derive.urdf.texts import list_text
 from derive.urdf.written_scene import written_scene
 
 ARM = Path(__file__).parent / "arm.urdf"
@@ -124,6 +125,21 @@ def test_angles_make_the_rotation_again(rpy: tuple[float, float, float]) -> None
     assert abs(again - rotation).max() < 3e-15
 
 
+def test_links_without_mass_and_one_named_world_are_exported() -> None:
+    """The ground gets another name than a body, and what has no mass between joints has none again."""
+    solid = '<inertial><mass value="1"/><inertia ixx="1" iyy="1.2" izz="1.4"/></inertial>'
+    ends = [
+        f'<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/></joint>'
+        for name, parent, child in (("j", "world", "cross"), ("k", "cross", "tip"))
+    ]
+    links = f'<link name="world">{solid}</link><link name="cross"/><link name="tip">{solid}</link>'
+    first = written_scene(robot_of(parse_xml(f'<robot name="r">{links}{"".join(ends)}</robot>'.encode())), "free").text
+    again = robot_of(parse_xml(urdf_text(parse(first)).encode()))
+    assert again.root == "world_2"
+    assert [name for name, link in again.links.items() if not link.inertia] == ["world_2", "cross"]
+    assert [joint.kind.value for joint in again.joints.values()] == ["floating", "continuous", "continuous"]
+
+
 def test_what_a_description_cannot_have() -> None:
     """Loops, flexible bodies, drives and other joints are named together."""
     text = (Path(__file__).parents[2] / "examples" / "spatial_crank_slider_beam.toml").read_text()
@@ -168,3 +184,9 @@ def test_angles_that_round_right_angles_are_right_angles() -> None:
     kept = written_scene(robot_of(element, keep_angles=True))
     assert not any("right angle" in note for note in kept.notes)
     assert "3.14159265359" in kept.text
+
+
+def test_rounding_errors_of_zeros_are_zeros() -> None:
+    """Numbers that are small beside the largest one of their array; all others have all their digits."""
+    assert list_text([0.1, 2e-18, -1e-14, 1 / 3]) == "[0.1, 0, -1e-14, 0.3333333333333333]"
+    assert list_text([1e-20, -3e-20]) == "[1e-20, -3e-20]"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,15 @@ def test_a_joint_that_follows_itself() -> None:
 def test_bodies_without_mass_name_the_joint_that_is_singular() -> None:
     ((line, text),) = faults(*links("a"), '<link name="b"/>', joint("j", "a", "b"))
     assert line == 3 and 'moves, has no mass and carries none, so that joint "j" becomes singular' in text
+
+
+def test_many_bodies_without_mass_between_joints() -> None:
+    """The one at the end of a long row has mass, which all carry; without it each joint is singular."""
+    names = [f"l{i}" for i in range(1500)]
+    row = [*(f'<link name="{name}"/>' for name in names), *(joint(f"j{b}", a, b) for a, b in pairwise(names))]
+    assert len(faults(*row)) == len(names)  # and a line with all of their joints
+    end = [*links("end"), joint("j", names[-1], "end")]
+    assert written_scene(robot(*row, *end)).text.count("# without mass of its own") == len(names) - 1
 
 
 def test_bodies_with_a_tensor_and_no_mass() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -19,20 +19,21 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.space.marker_frames import own_frame
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.quantity import Parameter
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.spatial_bodies import FrameMarker, SpatialRigidBody
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
 from derive.spec.model.spatial_start import NO_ROTATION
 from derive.spec.model.specification import Specification
 from derive.spec.model.visuals import Mesh, Visual
+from derive.spec.parsing.names import free_name
 from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Vector
 from derive.urdf.texts import number_text
 
 UNLIMITED = 1e9
 """The limits of a joint that has none, where a URDF needs them, in SI units."""
 WORLD = "world"
-"""The link of the ground."""
+"""The link of the ground, if no body has this name."""
 
 
 def urdf_files(host: HostModel) -> tuple[File, ...]:
@@ -50,15 +51,16 @@ def urdf_text(scene: Specification) -> str:
     by_name = {branch.body.name: branch for branch in branches}
     of_joints = {end for joint in scene.joints for end in (joint.first, joint.second)}
     robot = ET.Element("robot", name=scene.name)
-    world = ET.SubElement(robot, "link", name=WORLD)
+    ground = free_name(WORLD, {identifier(body.name).lower() for body in scene.bodies})
+    world = ET.SubElement(robot, "link", name=ground)
     for visual in scene.ground_visuals:
         _visual(world, HERE, visual)
     for marker in scene.ground:
         if MarkerRef(GROUND, marker.name) not in of_joints:
-            _frame_link(robot, WORLD, identifier(GROUND, marker.name), _placement(marker))
+            _frame_link(robot, ground, identifier(GROUND, marker.name), _placement(marker))
     for branch in branches:
         _link(robot, branch)
-        _joint(robot, scene, branch, by_name)
+        _joint(robot, scene, branch, by_name, ground)
         for marker in branch.body.markers:
             if MarkerRef(branch.body.name, marker.name) not in of_joints:
                 name = identifier(branch.body.name, marker.name)
@@ -70,18 +72,22 @@ def urdf_text(scene: Specification) -> str:
 def _link(robot: ET.Element, branch: Branch) -> None:
     body = branch.body
     link = ET.SubElement(robot, "link", name=identifier(body.name))
-    assert body.mass is not None
-    assert body.inertia is not None
-    inertial = ET.SubElement(link, "inertial")
+    if body.mass is not None and body.inertia is not None:
+        _inertial(link, branch, body.mass, body.inertia)
+    for visual in body.visuals:
+        _visual(link, placement_in_link(branch, HERE), visual)
+
+
+def _inertial(link: ET.Element, branch: Branch, mass: Quantity, inertia: Sequence[Quantity]) -> None:
+    """Mass, centre and tensor of a body in the frame of its link."""
+    body, inertial = branch.body, ET.SubElement(link, "inertial")
     centre = placement_in_link(branch, Placement(np.array([si_value(x) for x in body.centre]), np.eye(3)))
     ET.SubElement(inertial, "origin", xyz=_numbers(centre.position), rpy="0 0 0")
-    ET.SubElement(inertial, "mass", value=number_text(si_value(body.mass)))
-    xx, yy, zz, xy, xz, yz = (si_value(entry) for entry in body.inertia)
+    ET.SubElement(inertial, "mass", value=number_text(si_value(mass)))
+    xx, yy, zz, xy, xz, yz = (si_value(entry) for entry in inertia)
     tensor = centre.rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ centre.rotation.T
     entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
     ET.SubElement(inertial, "inertia", {name: number_text(tensor[at]) for name, at in entries.items()})
-    for visual in body.visuals:
-        _visual(link, placement_in_link(branch, HERE), visual)
 
 
 def _visual(link: ET.Element, body: Placement, visual: Visual) -> None:
@@ -101,7 +107,7 @@ def _visual(link: ET.Element, body: Placement, visual: Visual) -> None:
         ET.SubElement(geometry, "sphere", radius=number_text(visual.sphere))
 
 
-def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict[str, Branch]) -> None:
+def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: Mapping[str, Branch], ground: str) -> None:
     own = branch.joint
     kind = KINDS[own.kind] if own else JointKind.FLOATING
     name = identifier(own.name) if own else f"{identifier(branch.body.name)}_free"
@@ -112,7 +118,7 @@ def _joint(robot: ET.Element, scene: SpatialScene, branch: Branch, by_name: dict
         at = _placement(next(m for m in markers if m.name == branch.on.marker))
         at = at if branch.carrier == GROUND else placement_in_link(by_name[branch.carrier], at)
     ET.SubElement(joint, "origin", xyz=_numbers(at.position), rpy=_numbers(roll_pitch_yaw(at.rotation)))
-    ET.SubElement(joint, "parent", link=WORLD if branch.carrier == GROUND else identifier(branch.carrier))
+    ET.SubElement(joint, "parent", link=ground if branch.carrier == GROUND else identifier(branch.carrier))
     ET.SubElement(joint, "child", link=identifier(branch.body.name))
     if own is None or kind is JointKind.FIXED:
         return

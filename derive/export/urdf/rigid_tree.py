@@ -83,8 +83,8 @@ def _problems(scene: SpatialScene) -> Iterator[Problem]:
     for body in scene.bodies:
         if not isinstance(body, SpatialRigidBody):
             yield Problem(f"bodies.{body.name}", "this body is flexible; the links of a URDF are rigid")
-        elif body.mass is None or body.inertia is None:
-            yield Problem(f"bodies.{body.name}", "a link of a URDF needs mass and inertia")
+        elif (body.mass is None) != (body.inertia is None):
+            yield Problem(f"bodies.{body.name}", "a link of a URDF has mass and inertia, or neither")
     for joint in scene.joints:
         if joint.kind not in KINDS:
             known = ", ".join(KINDS)

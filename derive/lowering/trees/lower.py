@@ -96,6 +96,8 @@ def lower_trees(
     context = TreeContext(mechanism)
     _check(context)
     equations, others = _equations(context, requested)
+    if explicit and not requested:  # as in straight-line code
+        equations = replace(equations, markers=())
     kernels: list[Kernel] = []
     if others is None:
         choice, explicit = f"{choice}; {WITHOUT}", True

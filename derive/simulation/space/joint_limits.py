@@ -16,6 +16,10 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.spec.model.specification import AnyScene
 
 
+ROUNDING = 1e-9
+"""The motion beyond a limit, rad or m, that counts as rounding: a limit of zero is met by what stands still there."""
+
+
 def joint_limit_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix) -> Iterator[str]:
     """A note on each joint that passes a limit in one of the states q (n, nq) at the times t (n,), s."""
     if not isinstance(scene, SpatialScene):
@@ -26,8 +30,8 @@ def joint_limit_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector
             continue
         motion, unit = _motion(scene, joint, freedom, native, k, t, q), freedom.unit
         for limit, beyond in zip(joint.limits, (joint.limits[0] - motion, motion - joint.limits[1]), strict=True):
-            if beyond.max() > 0:
-                first, farthest = int(np.argmax(beyond > 0)), int(np.argmax(beyond))
+            if beyond.max() > ROUNDING:
+                first, farthest = int(np.argmax(beyond > ROUNDING)), int(np.argmax(beyond))
                 yield (
                     f"joints.{joint.name}: passes its limit of {limit:.4g} {unit} by t = {t[first]:.4g} s and reaches "
                     f"{motion[farthest]:.4g} {unit}; nothing enforces limits"
