@@ -140,3 +140,25 @@ def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
     }
     found = differences(*models(tables))
     assert {name: error for name, error in found.items() if error > 1e-12} == {}
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_iteration_matrices_of_loops_are_the_derivatives_of_residuals(free: bool) -> None:
+    """The derivatives of the loops, column by column, are those of straight-line code, also of springs and balls."""
+    tables = tree(1, BALLS, free)
+    tables["joints"]["joint2"]["kind"] = "revolute"
+    tables["springs"] = {
+        "coil": {"kind": "rotational", "between": tables["joints"]["joint2"]["between"], "stiffness": 7, "damping": 2}
+    }
+    scene = replace(derive.spatial_scene(tables), coordinates="relative")
+    looped, flat = (derive.lower(derive.derive(replace(scene, lowering=name))) for name in ("instances", "flat"))
+    rng = np.random.default_rng(1)
+    native = InterpretedScene(flat)
+    q, v = normalised(native, rng.normal(size=native.nq)), rng.normal(size=native.nv)
+    given = {"t": 0.3, "y": [*q, *v], "ydot": rng.normal(size=len(q) + len(v)), "cj": 3.0, "u": []}
+    matrices = []
+    for model in (looped, flat):
+        k = interpret(model.kernel("setup"), {"p": []})["k"]
+        values = interpret(model.kernel("jacobian"), {**given, "k": k})["jac"]
+        matrices.append(model.pattern("jacobian", "jac").dense(np.array(values, float)))
+    assert np.max(np.abs(matrices[0] - matrices[1])) < 1e-13 * np.max(np.abs(matrices[1]))

@@ -11,7 +11,7 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, Work
 from derive.lowering.instances.loop_code.context import Part, Result, kernel, whole
 from derive.lowering.model_functions import FunctionKind, ModelFunction
-from derive.lowering.trees import centroid, invariants, joint_outputs, loads
+from derive.lowering.trees import centroid, invariants, iteration_matrix, joint_outputs, loads
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.condition_loops import ConditionLoops
 from derive.lowering.trees.composite import composite
@@ -211,18 +211,40 @@ def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
 
 def residual(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of [qdot - v; M vdot + h]: all forms are one without constraints."""
-    count, size = context.coordinates, context.coordinates + len(context.rows)
+    size = context.coordinates + len(context.rows)
+    results = {"F": Result(("coordinates and rows",), count=size)}
+    return kernel(context, function, results, *_residual_parts(context), inputs=_of_form(size))
+
+
+def jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
+    size, made = context.coordinates + len(context.rows), context.motion.arrays.made
+    first = len(made)
+    parts = [(*head, [*body]) for *head, body in _residual_parts(context)]
+    columns = iteration_matrix.columns(made[first:], parts, size)
+    inputs = {**_of_form(size), "cj": Argument("cj", (), "factor of dF/dydot", scalar=True)}
+    local: list[Statement] = [Work("F", size)]
+    parts = [("residual", "", "the residual, whose loops have the derivatives", local), *parts]
+    parts.append(("jac", "", "derivatives of F, column by column", columns))
+    return kernel(
+        context, function, {"jac": Result(pattern=iteration_matrix.dense(size))}, *parts, inputs=inputs
+    )
+
+
+def _residual_parts(context: TreeContext) -> list[Part]:
+    count = context.coordinates
     motion = replace(context.motion, q=("y", 0), v=("y", count))
-    parts = [
+    return [
         ("rates", "(1)", "qdot - v", invariants.rates(motion, "F", "ydot")),
         motion.frames(moving=True),
         motion.inertias(moving=True),
         *context.applied_at(motion),
         *newton_euler(motion, context.gravity, ("F", count), context.applied_array, ("ydot", count)),
     ]
-    results = {"F": Result(("coordinates and rows",), count=size)}
-    inputs = {"y": whole("y", size, "state [q; v]"), "ydot": whole("ydot", size, "time derivative of y")}
-    return kernel(context, function, results, *parts, inputs=inputs)
+
+
+def _of_form(size: int) -> dict[str, Argument]:
+    return {"y": whole("y", size, "state [q; v]"), "ydot": whole("ydot", size, "time derivative of y")}
 
 
 def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -324,6 +346,7 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.OUTPUTS: outputs,
     FunctionKind.OUTPUTS_JACOBIAN: outputs_jacobian,
     FunctionKind.RESIDUAL: residual,
+    FunctionKind.JACOBIAN: jacobian,
     FunctionKind.INVERSE_DYNAMICS: inverse_dynamics,
     FunctionKind.GRAVITY_COMPENSATION: gravity_compensation,
     FunctionKind.CENTRE_OF_MASS: centre_of_mass,

@@ -24,14 +24,15 @@ from derive.lowering.trees import joint_outputs
 from derive.lowering.trees.centroid import total_mass
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED
-from derive.lowering.trees.markers import marker, markers_of
+from derive.lowering.trees.markers import OF_MARKERS, markers_of
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.gathering import refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
-WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives"
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives by parameters and inputs"
+WITHOUT_ANY = f"{WITHOUT}, and with constraints no forms for implicit integrators"
 
 
 def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
@@ -80,7 +81,8 @@ def _with_parameters(context: TreeContext, of: Context) -> Context:
 
 def _is_looped(context: TreeContext, kind: FunctionKind) -> bool:
     is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN)
-    has_form = kind is not FunctionKind.RESIDUAL or not context.multipliers
+    has_form = not context.multipliers and (kind is FunctionKind.RESIDUAL or len(context.rows) > MOST_UNROLLED)
+    has_form |= kind not in (FunctionKind.RESIDUAL, FunctionKind.JACOBIAN)
     return kind in FUNCTIONS and has_form and (context.outputs is not None or not is_output)
 
 
@@ -98,13 +100,14 @@ def lower_trees(
     equations, others = _equations(context, requested)
     kernels: list[Kernel] = []
     if others is None:
-        choice, explicit = f"{choice}; {WITHOUT}", True
-        if sensitivities or balanced or not {*requested} <= LOOPED:
-            raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
-    every = functions_of(equations, sensitivities, explicit)
+        without = WITHOUT_ANY if context.multipliers else WITHOUT
+        choice, explicit = f"{choice}; {without}", explicit or bool(context.multipliers)
+        if sensitivities or (balanced and explicit) or not {*requested} <= LOOPED:
+            raise SpecError((Problem("scene.lowering", f'{without}, which are needed here: write lowering = "flat"'),))
+    every = functions_of(equations, sensitivities, explicit, balanced and others is None)
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
-        if others is None and function.kind is FunctionKind.MARKER:
-            kernels.append(marker(context, function))
+        if others is None and function.kind in OF_MARKERS:
+            kernels.append(OF_MARKERS[function.kind](context, function))
         elif _is_looped(context, function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
         elif others is not None:
