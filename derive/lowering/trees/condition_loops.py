@@ -41,12 +41,45 @@ class ConditionLoops:
     velocities: Sequence[sp.Symbol]
     parameters: frozenset[sp.Symbol]
 
-    def values(self, output: str, of: Callable[[Constraint], sp.Expr], moving: bool, biased: bool = False) -> ForEach:
-        """The loop, of one iteration, that writes a value of each constraint."""
+    def values(
+        self, output: str, of: Callable[[Constraint], sp.Expr], moving: bool, biased: bool = False, first: int = 0
+    ) -> ForEach:
+        """The loop, of one iteration, that writes a value of each constraint from an element of an array on."""
         loop = LinkLoop(self.motion.arrays, f"constraints_{output}", [0])
         for number, condition in enumerate(self.conditions.every):
-            loop.store(output, constant(number), self._value(loop, of(condition), moving, biased))
+            loop.store(output, constant(first + number), self._value(loop, of(condition), moving, biased))
         return loop.made()
+
+    def loads(self, multipliers: tuple[str, int], array: str) -> list[Statement]:
+        """The statements that subtract what multipliers exert on links from an array with a force and a torque of each."""
+        if not self.conditions.of_frames:
+            return []
+        loop = LinkLoop(self.motion.arrays, f"exerted_{array}", [0])
+        for factor in self.conditions.of_frames:
+            by = loop.element(multipliers[0], constant(multipliers[1] + factor.condition))
+            values = [by * self._value(loop, x) for x in factor.values]
+            place = self.conditions.frames[factor.frame].place
+            slot = loop.place(f"frame_{factor.frame}", [self.motion.arrays.slot(place.link)], self.motion.arrays.spacing)
+            Q = matrix(loop.vector(FRAME, slot, 9))
+            lever = applied(Q, [loop.value(x) for x in place.origin])
+            force, torque = values[:3], values[3:]
+            for k, value in enumerate([*force, *plus(torque, cross(lever, force))]):
+                loop.store(array, slot.at(k), value, Operator.SUB)
+        return [loop.made()]
+
+    def on_rows(self, factors: tuple[str, int], target: tuple[str, int], by_row: bool, operator: Operator) -> list[Statement]:
+        """The statements that add or subtract products of G's factors of rows, from elements of arrays on.
+
+        by_row: the target has an element for each row and `factors` one for each constraint; or the other way round.
+        """
+        if not self.conditions.of_rows:
+            return []
+        loop = LinkLoop(self.motion.arrays, f"on_rows_{target[0]}_{target[1]}", [0])
+        for of in self.conditions.of_rows:
+            to, by = (of.row, of.condition) if by_row else (of.condition, of.row)
+            value = self._value(loop, of.value) * loop.element(factors[0], constant(factors[1] + by))
+            loop.store(target[0], constant(target[1] + to), value, operator)
+        return [loop.made()]
 
     def _value(self, loop: LinkLoop, expr: sp.Expr, moving: bool = False, biased: bool = False) -> ca.SX:
         """The value of an expression; moving, biased: whether velocities, and accelerations, of frames are known."""

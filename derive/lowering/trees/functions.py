@@ -15,6 +15,7 @@ from derive.lowering.trees import centroid, invariants, iteration_matrix, joint_
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.condition_loops import ConditionLoops
 from derive.lowering.trees.composite import composite
+from derive.lowering.trees.forms import TreeForm
 from derive.lowering.trees.links import BodyPlace, marker_in_body
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.reactions import G, Reactions
@@ -210,41 +211,30 @@ def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
 
 
 def residual(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of [qdot - v; M vdot + h]: all forms are one without constraints."""
-    size = context.coordinates + len(context.rows)
-    results = {"F": Result(("coordinates and rows",), count=size)}
-    return kernel(context, function, results, *_residual_parts(context), inputs=_of_form(size))
+    """The kernel of a form F(t, y, ydot)."""
+    form = TreeForm(context, function.variant)
+    results = {"F": Result(("coordinates, rows, and constraints",), count=form.size)}
+    return kernel(context, function, results, *form.parts(), inputs=_of_form(form.size))
 
 
 def jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
-    size, made = context.coordinates + len(context.rows), context.motion.arrays.made
+    form, made = TreeForm(context, function.variant), context.motion.arrays.made
     first = len(made)
-    parts = [(*head, [*body]) for *head, body in _residual_parts(context)]
-    columns = iteration_matrix.columns(made[first:], parts, size)
-    inputs = {**_of_form(size), "cj": Argument("cj", (), "factor of dF/dydot", scalar=True)}
-    local: list[Statement] = [Work("F", size)]
+    parts: list[Part] = [(name, equation, text, [*body]) for name, equation, text, body in form.parts()]
+    columns = iteration_matrix.columns(made[first:], parts, form.size)
+    inputs = {**_of_form(form.size), "cj": Argument("cj", (), "factor of dF/dydot", scalar=True)}
+    local: list[Statement] = [Work("F", form.size)]
     parts = [("residual", "", "the residual, whose loops have the derivatives", local), *parts]
     parts.append(("jac", "", "derivatives of F, column by column", columns))
     return kernel(
-        context, function, {"jac": Result(pattern=iteration_matrix.dense(size))}, *parts, inputs=inputs
+        context, function, {"jac": Result(pattern=iteration_matrix.dense(form.size))}, *parts, inputs=inputs
     )
 
 
-def _residual_parts(context: TreeContext) -> list[Part]:
-    count = context.coordinates
-    motion = replace(context.motion, q=("y", 0), v=("y", count))
-    return [
-        ("rates", "(1)", "qdot - v", invariants.rates(motion, "F", "ydot")),
-        motion.frames(moving=True),
-        motion.inertias(moving=True),
-        *context.applied_at(motion),
-        *newton_euler(motion, context.gravity, ("F", count), context.applied_array, ("ydot", count)),
-    ]
-
-
 def _of_form(size: int) -> dict[str, Argument]:
-    return {"y": whole("y", size, "state [q; v]"), "ydot": whole("ydot", size, "time derivative of y")}
+    doc = "state [q; v; multipliers]"
+    return {"y": whole("y", size, doc), "ydot": whole("ydot", size, "time derivative of y")}
 
 
 def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:

@@ -32,7 +32,6 @@ from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
 WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives by parameters and inputs"
-WITHOUT_ANY = f"{WITHOUT}, and with constraints no forms for implicit integrators"
 
 
 def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
@@ -81,8 +80,7 @@ def _with_parameters(context: TreeContext, of: Context) -> Context:
 
 def _is_looped(context: TreeContext, kind: FunctionKind) -> bool:
     is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN)
-    has_form = not context.multipliers and (kind is FunctionKind.RESIDUAL or len(context.rows) > MOST_UNROLLED)
-    has_form |= kind not in (FunctionKind.RESIDUAL, FunctionKind.JACOBIAN)
+    has_form = len(context.rows) > MOST_UNROLLED or kind not in (FunctionKind.RESIDUAL, FunctionKind.JACOBIAN)
     return kind in FUNCTIONS and has_form and (context.outputs is not None or not is_output)
 
 
@@ -100,10 +98,9 @@ def lower_trees(
     equations, others = _equations(context, requested)
     kernels: list[Kernel] = []
     if others is None:
-        without = WITHOUT_ANY if context.multipliers else WITHOUT
-        choice, explicit = f"{choice}; {without}", explicit or bool(context.multipliers)
-        if sensitivities or (balanced and explicit) or not {*requested} <= LOOPED:
-            raise SpecError((Problem("scene.lowering", f'{without}, which are needed here: write lowering = "flat"'),))
+        choice = f"{choice}; {WITHOUT}"
+        if sensitivities or not {*requested} <= LOOPED:
+            raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
     every = functions_of(equations, sensitivities, explicit, balanced and others is None)
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
         if others is None and function.kind in OF_MARKERS:
