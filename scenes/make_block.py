@@ -44,15 +44,20 @@ class Block(NamedTuple):
 
 def mesh_block() -> Block:
     """Assemble the block."""
-    mesh = MeshHex.init_tensor(*(np.linspace(0, side, n + 1) for side, n in zip(SIDES, BRICKS, strict=True)))
-    scalar = Basis(mesh, ElementHex2(), intorder=5)
-    vector = Basis(mesh, ElementVector(ElementHex2()), intorder=5)
-    assert np.array_equal(np.repeat(scalar.doflocs, 3, axis=1), vector.doflocs), "displacements of a node are together"
-    order = np.lexsort(np.round(scalar.doflocs[::-1], 9))
+    scalar, vector, order = bases()
     triples = (3 * order[:, None] + np.arange(3)).ravel()
     m = csr_array(mass.assemble(scalar))[order][:, order] * DENSITY
     k = csr_array(linear_elasticity(*lame_parameters(YOUNG, POISSON)).assemble(vector))[triples][:, triples]
     return Block(np.round(scalar.doflocs.T[order], 12), symmetric(m), symmetric(k))
+
+
+def bases() -> tuple[Basis, Basis, np.ndarray]:
+    """The bases of the mesh for numbers and for displacements, and the sorted order of their nodes."""
+    mesh = MeshHex.init_tensor(*(np.linspace(0, side, n + 1) for side, n in zip(SIDES, BRICKS, strict=True)))
+    scalar = Basis(mesh, ElementHex2(), intorder=5)
+    vector = Basis(mesh, ElementVector(ElementHex2()), intorder=5)
+    assert np.array_equal(np.repeat(scalar.doflocs, 3, axis=1), vector.doflocs), "displacements of a node are together"
+    return scalar, vector, np.lexsort(np.round(scalar.doflocs[::-1], 9))
 
 
 def symmetric(matrix: csr_array) -> csr_array:

@@ -4,22 +4,27 @@
 
 needs scikit-fem (`pip install 'tisserand[test]'`). The beam lies along e1 and is twice as wide along e2 as it is thick
 along e3. It is meshed with quadratic bricks of 27 nodes. The arrays are those of block.npz without the stiffness
-matrix, which modes that are given do not need, and K0omega and K0F of geometric_stiffness.py, K0F for the node in the
-middle of each end. K0t and K0r of a free body vanish and are left out. Poisson's ratio is zero, so that the beam bends
-as the theory of beams assumes.
+matrix, which modes that are given do not need, and K0omega and K0F, the latter for the node in the middle of each end.
+K0t and K0r of a free body vanish and are left out. Poisson's ratio is zero, so that the beam bends as the theory of
+beams assumes.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
-import geometric_stiffness as stiffening
 import numpy as np
+from geometric_stiffness import brick_mesh
 from scipy.linalg import eigh
 from scipy.sparse import coo_array, csr_array, kron
 from skfem import Basis, ElementHex2, ElementVector, MeshHex
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 from skfem.models.poisson import mass
+
+from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables
+from derive.solids.stresses import SolidMesh
+from derive.spec.model.mesh import Mesh
 
 SIDES = (1.0, 0.02, 0.01)  # m
 BRICKS = (24, 1, 1)
@@ -27,19 +32,29 @@ YOUNG, POISSON, DENSITY = 70e9, 0.0, 2700.0  # Pa, 1, kg/m^3
 MODES = 8
 
 
-def solid(sides: tuple[float, ...] = SIDES, bricks: tuple[int, ...] = BRICKS) -> stiffening.Solid:
-    """The beam, with its centre in the origin."""
-    axes = (np.linspace(-side / 2, side / 2, n + 1) for side, n in zip(sides, bricks, strict=True))
-    basis = Basis(MeshHex.init_tensor(*axes), ElementVector(ElementHex2()), intorder=5)
-    return stiffening.Solid(basis, YOUNG, POISSON, DENSITY)
+class Beam(NamedTuple):
+    """Nodes as in the basis; the mass matrix of the nodes, the stiffness matrix, and the elements."""
+
+    positions: np.ndarray
+    mass: csr_array
+    stiffness: csr_array
+    mesh: Mesh
 
 
-def assembled(beam: stiffening.Solid) -> tuple[np.ndarray, csr_array, csr_array]:
-    """Positions of the nodes, mass matrix of the nodes, stiffness matrix; nodes as in the basis."""
-    scalar = Basis(beam.basis.mesh, ElementHex2(), intorder=5)
-    m = csr_array(mass.assemble(scalar)) * beam.density
-    k = csr_array(linear_elasticity(*lame_parameters(beam.young, beam.poisson)).assemble(beam.basis))
-    return np.round(scalar.doflocs.T, 12), symmetric(m), symmetric(k)
+def beam(
+    sides: tuple[float, ...] = SIDES,
+    bricks: tuple[int, ...] = BRICKS,
+    left: float = -SIDES[0] / 2,
+    poisson: float = POISSON,
+) -> Beam:
+    """The beam from x1 = left on, with its axis on that of x1."""
+    starts = (left, -sides[1] / 2, -sides[2] / 2)
+    axes = (np.linspace(a, a + side, n + 1) for a, side, n in zip(starts, sides, bricks, strict=True))
+    mesh = MeshHex.init_tensor(*axes)
+    scalar, vector = (Basis(mesh, element, intorder=5) for element in (ElementHex2(), ElementVector(ElementHex2())))
+    m = csr_array(mass.assemble(scalar)) * DENSITY
+    k = csr_array(linear_elasticity(*lame_parameters(YOUNG, poisson)).assemble(vector))
+    return Beam(np.round(scalar.doflocs.T, 12), symmetric(m), symmetric(k), brick_mesh(vector, YOUNG, poisson))
 
 
 def symmetric(matrix: csr_array) -> csr_array:
@@ -70,20 +85,25 @@ def ends(positions: np.ndarray) -> list[int]:
 
 def arrays() -> dict[str, np.ndarray]:
     """What goes into the file."""
-    beam = solid()
-    positions, m, k = assembled(beam)
-    modes, squares = lowest_modes(k, m, MODES)
-    solve = stiffening.free(k, csr_array(kron(m, np.eye(3))), positions)
-    geometric = stiffening.matrices(beam, modes, ends(positions), solve)
-    entries = coo_array(m)
-    row, col = entries.coords
+    made = beam()
+    modes, squares = lowest_modes(made.stiffness, made.mass, MODES)
+    phi = modes.reshape(MODES, -1, 3)
+    row, col = coo_array(made.mass).coords
     return {
-        "positions": positions,
-        **{"mass_row": row, "mass_col": col, "mass_value": entries.data},
-        "modes": modes.reshape(MODES, -1, 3),
+        "positions": made.positions,
+        **{"mass_row": row, "mass_col": col, "mass_value": coo_array(made.mass).data},
+        "modes": phi,
         "modal_stiffness": squares,
-        **{name: geometric[name] for name in ("K0omega", "K0F", "K0F_nodes")},
+        **geometric_stiffness(made, phi),
     }
+
+
+def geometric_stiffness(made: Beam, phi: np.ndarray) -> dict[str, np.ndarray]:
+    """K0omega and K0F of modes (N, nodes, 3)."""
+    tables = geometric_stiffness_tables(
+        SolidMesh(made.mesh, made.positions), made.mass, phi, ends(made.positions), free_response(*made[:3])
+    )
+    return {name: tables[name] for name in ("K0omega", "K0F", "K0F_nodes")}
 
 
 if __name__ == "__main__":

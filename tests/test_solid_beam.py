@@ -16,18 +16,19 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from skfem import Basis
 
 import derive
+from clamped_response import clamped_response
 from conftest import ROOT
 from derive import ModalBody
 from derive.backends.c.source import CBackend
 from derive.backends.python.backend import PythonBackend
+from derive.reduction.mesh_stiffening import geometric_stiffness_tables
 from derive.simulation.errors import MassMatrixNotDefinite
+from derive.solids.stresses import SolidMesh
 from free_block import drifts, march
 
 sys.path.insert(0, str(ROOT / "scenes"))
-import geometric_stiffness as stiffening
 import make_solid_beam as solid_beam
 
 FLAPWISE = {2: 4.1373, 4: 5.5850, 6: 7.3603, 8: 9.2568, 10: 11.2023}
@@ -54,23 +55,22 @@ def free_body(order: int) -> ModalBody:
 @cache
 def clamped_body(order: int) -> ModalBody:
     """Modes clamped at the left end, where the body frame is; the mesh is coarser than that of the file."""
-    beam = solid_beam.solid(bricks=(16, 1, 1))
-    positions, m, k = solid_beam.assembled(beam)
-    moved = Basis(beam.basis.mesh.translated((0.5, 0, 0)), beam.basis.elem, intorder=5)
-    beam, positions = beam._replace(basis=moved), positions + np.array([0.5, 0, 0])
-    fixed = np.flatnonzero(np.repeat(positions[:, 0] == 0, 3))
-    moving = np.setdiff1d(np.arange(k.shape[0]), fixed)
-    full = np.kron(m.toarray(), np.eye(3))
-    squares, vectors = eigh(k.toarray()[np.ix_(moving, moving)], full[np.ix_(moving, moving)], subset_by_index=(0, 9))
-    modes = np.zeros((10, k.shape[0]))
+    beam = solid_beam.beam(bricks=(16, 1, 1), left=0.0)
+    fixed = np.flatnonzero(np.repeat(beam.positions[:, 0] == 0, 3))
+    moving = np.setdiff1d(np.arange(beam.stiffness.shape[0]), fixed)
+    full = np.kron(beam.mass.toarray(), np.eye(3))
+    k = beam.stiffness.toarray()
+    squares, vectors = eigh(k[np.ix_(moving, moving)], full[np.ix_(moving, moving)], subset_by_index=(0, 9))
+    modes = np.zeros((10, len(k)))
     modes[:, moving] = vectors.T
-    tip = solid_beam.ends(positions)[1:]
+    phi, tip = modes.reshape(10, -1, 3), solid_beam.ends(beam.positions)[1:]
+    respond = clamped_response(beam.stiffness, fixed)
     arrays = {
-        "positions": positions,
-        "mass": m,
-        "modes": modes.reshape(10, -1, 3),
+        "positions": beam.positions,
+        "mass": beam.mass,
+        "modes": phi,
         "modal_stiffness": squares,
-        **stiffening.matrices(beam, modes, tip, stiffening.clamped(k, fixed)),
+        **geometric_stiffness_tables(SolidMesh(beam.mesh, beam.positions), beam.mass, phi, tip, respond),
     }
     keys = {"units": "SI", "frame": "given", "orthonormal": False, "markers": {"tip": tip[0]}}
     return derive.modal(derive.nodal_body("clamped", arrays, order=order, **keys))

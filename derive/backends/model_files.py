@@ -19,6 +19,7 @@ from derive.ir.model import JACOBIAN, Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
+from derive.spec.model.mesh import Mesh
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import InitialValues, SpatialStart
 from derive.spec.model.spatial_scene import SpatialScene
@@ -40,12 +41,12 @@ def emit(model: Model, spec: Specification, backends: Sequence[str] = ("c", "pyt
 
 
 def explicit_files(model: Model, spec: Specification) -> tuple[File, ...]:
-    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest.
+    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest, no batches.
 
     The iteration matrix of straight-line code is left out, if it is there, as only starts need it: it is interpreted in
     a hundredth of the time that the compiler takes.
     """
-    return _with_hash(BACKENDS["c"].files(_without_iteration_matrix(model), fingerprint(spec)))
+    return _with_hash(CBackend().files(_without_iteration_matrix(model), fingerprint(spec), batches=False))
 
 
 def _without_iteration_matrix(model: Model) -> Model:
@@ -68,11 +69,11 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 
 UNWRITTEN = (
     *("order", "ends", "masses", "axial", "lowering", "redundant"),
-    *("rigid_sets", "component_modes", "interface", "interface_markers"),
+    *("rigid_sets", "component_modes", "interface", "interface_markers", "loaded_nodes"),
 )
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
-OF_PICTURES = ("visuals", "ground_visuals")
+OF_PICTURES = ("visuals", "ground_visuals", "stress")
 """The fields on which no model depends."""
 
 KINDS = {
@@ -108,7 +109,7 @@ def _numbers_sha256(data: NodeData) -> str:
     digest = hashlib.sha256()
     for field in dataclasses.fields(data):
         value = getattr(data, field.name)
-        if value is None or isinstance(value, str):
+        if value is None or isinstance(value, str | Mesh):  # models do not depend on the mesh
             continue
         sparse = hasattr(value, "indptr")
         parts = (value.indices, value.indptr, value.data) if sparse else (value,)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.artifacts import File, check_folder, write
+from derive.cli.field_files import SERIES, expected_field_size, field_files, planned_fields
 from derive.cli.result_files import drawing, motion_page_path, picture_names
 from derive.cli.simulation_summary import (
     Pieces,
@@ -27,6 +28,7 @@ from derive.errors import SpecError
 from derive.progress_line import show_progress
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
+from derive.simulation.observables.fields import field_bodies
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.output_times import output_times
 from derive.simulation.prepared_run import PreparedRun
@@ -65,8 +67,10 @@ def simulated_files(options: argparse.Namespace) -> Plain:
     result = simulations.result(earlier, changes)
     with drawing(spec.name):
         files = _files(result.main, result.plots)
-        write(files, options.out)
-    return summary_data(options.spec, result, [str(options.out / file.path) for file in files])
+        fields = field_files(result.main, simulations.field_bodies, options.instants)
+        write([*files, *fields], options.out)
+    shown = [*files, *(file for file in fields if file.path.endswith(SERIES))]
+    return summary_data(options.spec, result, [str(options.out / file.path) for file in shown])
 
 
 @dataclass(frozen=True)
@@ -109,6 +113,8 @@ class Simulations:
 
     def __init__(self, spec: AnyScene | NodalBody, options: argparse.Namespace) -> None:
         self._spec, self._options = spec, options
+        with lines_of(options.spec):
+            self.field_bodies = field_bodies(spec, options.fields or ())
         self._variants = {_pieces(spec): self._prepared(spec)}
         self.main = self._variants[_pieces(spec)].run
         self.plots = in_file_order(self.main.plots, options.spec)
@@ -133,12 +139,18 @@ class Simulations:
         name = self._spec.name
         record, pictures = f"{name}/{name}.json", picture_names(self.plots).values()
         others = (record, motion_page_path(name), *(f"{name}/{picture}" for picture in pictures))
-        return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in others)]
+        fields = planned_fields(name, self.field_bodies, self._rows, self._options.instants)
+        return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in (*others, *fields))]
+
+    @property
+    def _rows(self) -> int:
+        return len(output_times(self.main.settings.simulation))
 
     def expected_size(self) -> int:
-        """The approximate size of all files, in bytes: that of the CSV, with the drift in the record, and 1 MB."""
-        columns, rows = len(self.main.units) + DRIFT_COLUMNS, len(output_times(self.main.settings.simulation))
-        return NUMBER_WIDTH * columns * rows + 1_000_000
+        """The approximate size of all files, in bytes: the CSV, with the drift in the record, fields, and 1 MB."""
+        columns = len(self.main.units) + DRIFT_COLUMNS
+        fields = expected_field_size(self.field_bodies, self._rows, self._options.instants)
+        return NUMBER_WIDTH * columns * self._rows + fields + 1_000_000
 
     def result(self, earlier: EarlierRun | None, changes: Sequence[SetValue]) -> SimulationResult:
         """Run all simulations, each once; the first one continues an earlier run, if there is one.

@@ -23,6 +23,8 @@ from derive.reduction.frames import (
     with_fixed_signs,
 )
 from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
+from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, solid_mesh
+from derive.reduction.mode_selection import with_selected_modes
 from derive.reduction.reasons import Parities, with_exact_zeros
 from derive.reduction.second_order import (
     SecondOrderFields,
@@ -34,7 +36,7 @@ from derive.reduction.second_order import (
     without_rounding,
 )
 from derive.reduction.symmetry import Mirror, made_symmetric, mirror_planes, separated_by_parity
-from derive.spec.model.body import Damping, NodalBody
+from derive.spec.model.body import Damping, NodalBody, NodeData
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +139,7 @@ def prepare(body: NodalBody) -> Prepared:
 def _prepared(body: NodalBody) -> Prepared:
     body = _with_its_modes(body)
     check_body(body)
+    body = with_selected_modes(body)
     mass = canonical_csr(body.data.mass)
     x = np.array(body.data.positions, dtype=np.float64)
     planes = mirror_planes(mass, x)
@@ -164,10 +167,28 @@ def second_order_fields(body: NodalBody, prepared: Prepared) -> SecondOrderField
     if not body.second_order:
         return None
     mass, raw, framed = prepared.mass, prepared.raw, prepared.framed
-    result = in_frame(fields_of(body.data, len(raw.phi)), mass, raw, framed, body.frame)
+    data = stiffened_data(replace(body, name="")) if body.computes_geometric_stiffness else body.data
+    result = in_frame(fields_of(data, len(raw.phi)), mass, raw, framed, body.frame)
     if body.orthonormal:
         result = combined(result, weights_of(mass, prepared.shapes.phi, framed.phi))
     return without_rounding(result)
+
+
+@lru_cache(2)
+def stiffened_data(body: NodalBody) -> NodeData:
+    """The data of a body with the geometric stiffness matrices of the modes that it uses, from its elements.
+
+    K0F is that of its markers and loads. Raises SpecError for elements that are distorted.
+    """
+    prepared, data = prepare(body), body.data
+    assert data.stiffness is not None, "a body of second order has matrices or a stiffness"
+    raw = prepared.raw
+    if not len(raw.phi):
+        return data
+    solid = solid_mesh(data, raw.x, raw.phi)
+    respond = free_response(raw.x, prepared.mass, data.stiffness, () if body.uses_given_modes else body.rigid_sets)
+    nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers)})
+    return replace(data, **geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond))
 
 
 def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> ModeShapes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from scipy.sparse import csr_array, identity
@@ -23,6 +24,7 @@ from derive.reduction.frames import (
 from derive.reduction.integrals import canonical_csr, mass_products
 from derive.reduction.second_order import stiffening_faults
 from derive.spec.model.body import NodalBody
+from derive.spec.model.mode_selection import ModeSelection
 
 DEPENDENCE_TOLERANCE = 1e-5
 """Modes are dependent if, without rigid motions, they have a singular value below this fraction of the largest."""
@@ -42,7 +44,7 @@ def check_body(body: NodalBody) -> None:
     problems = _array_faults(body)
     if not problems:
         problems = [*_mass_faults(body), *_stiffness_faults(body), *_frame_faults(body), *_marker_faults(body)]
-    if not problems and body.second_order:
+    if not problems and body.second_order and not body.computes_geometric_stiffness:
         problems = stiffening_faults(body)
     if not problems:
         problems = _mode_count_faults(body)
@@ -123,13 +125,16 @@ def _mass_faults(body: NodalBody) -> list[Problem]:
     return []
 
 
-def indefinite(mass: csr_array) -> str | None:
-    """The reason why a mass matrix is not positive semidefinite, or None; nodes without mass are allowed."""
+def indefinite(mass: csr_array, name_of: Callable[[int], object] = str) -> str | None:
+    """The reason why a mass matrix is not positive semidefinite, or None; nodes without mass are allowed.
+
+    name_of: what a node is called.
+    """
     diagonal = mass.diagonal()
     if diagonal.min() < 0:
         node = int(np.argmin(diagonal))
         hint = "if masses are row sums of a consistent mass matrix, give that matrix itself"
-        return f"the mass of node {node} is negative ({diagonal[node]:.3g} kg); {hint}"
+        return f"the mass of node {name_of(node)} is negative ({diagonal[node]:.3g} kg); {hint}"
     rows = np.flatnonzero(diagonal > 0)
     if np.count_nonzero(np.abs(mass).sum(axis=1)) > rows.size:
         return "a node without mass is coupled to others in the mass matrix, which then is negative for some motion"
@@ -148,8 +153,8 @@ def indefinite(mass: csr_array) -> str | None:
     worst = int(np.argmin(pivots))
     node = int(rows[np.flatnonzero(factors.perm_c == worst)[0]])
     return (
-        f"the mass matrix is indefinite: with its diagonal scaled to 1, a pivot is {pivots[worst]:.3g} (node {node}), "
-        "so that some motion has a negative kinetic energy; check its entries"
+        f"the mass matrix is indefinite: with its diagonal scaled to 1, a pivot is {pivots[worst]:.3g} (node "
+        f"{name_of(node)}), so that some motion has a negative kinetic energy; check its entries"
     )
 
 
@@ -197,8 +202,10 @@ def _marker_faults(body: NodalBody) -> list[Problem]:
 
 
 def _mode_count_faults(body: NodalBody) -> list[Problem]:
-    """Faults of the requested number of modes."""
+    """Faults of the requested number of modes; where modes are selected, their number is not known yet."""
     data = body.data
+    if isinstance(body.modes, ModeSelection):
+        return []
     if body.modes is not None and body.modes < 0:
         return [Problem("body.modes", "a number of modes is 0 or more")]
     if data.modes is None and body.modes is None:

@@ -18,6 +18,7 @@ K-orthogonal to the vibration modes of both kinds, so that the energy of a combi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -70,7 +71,7 @@ def component_modes(body: NodalBody, mass: csr_array, x: Array) -> ComponentMode
 
     mass: the canonical mass matrix. x (nodes, 3).
     """
-    assert body.data.stiffness is not None and body.modes is not None  # by check_body
+    assert body.data.stiffness is not None and isinstance(body.modes, int)  # by check_body
     x = from_centre_of_mass(mass, x)
     interface, basis = interface_of(body, x), rigid_basis(mass, x)
     k, m = symmetric_matrix(body.data.stiffness), mass_of_displacements(mass)
@@ -79,7 +80,7 @@ def component_modes(body: NodalBody, mass: csr_array, x: Array) -> ComponentMode
         static, vibration = _static_modes(k, interface), _held_modes(k, m, interface, body, count)
     else:
         loads = interface.motions.toarray()
-        static = balanced_responses(k, m, interface.coordinates, basis.reshape(len(basis), -1), loads)
+        static = inertia_relief(k, m, interface.coordinates, basis.reshape(len(basis), -1))(loads)
         vibration = _free_modes(body, mass, x, count).reshape(count, x.size)
     static, vibration = (fields.reshape(len(fields), *x.shape) for fields in (static, vibration))
     for _ in range(2):
@@ -126,18 +127,24 @@ def _held_modes(k: csr_array, m: csr_array, interface: HeldInterface, body: Noda
     return lowest_modes(k, m, 0.0, min(count + EXTRA_MODES, most), most, interface.held).T[:count]
 
 
-def balanced_responses(k: csr_array, m: csr_array, coordinates: csr_array, basis: Array, loads: Array) -> Array:
-    """The responses (c, displacements) to loads on the nodes that inertia forces of rigid motions balance.
+def inertia_relief(k: csr_array, m: csr_array, coordinates: csr_array, basis: Array) -> Callable[[Array], Array]:
+    """The responses (L, displacements) to loads (L, displacements) on the nodes, as a function of these.
 
-    coordinates (displacements, n): those that rigid sets leave. basis (6, displacements): the orthonormal rigid
-    motions. Six coordinates are held, whose reactions vanish, since the loads are balanced.
+    Inertia forces of rigid motions balance the loads. coordinates (displacements, n): those that rigid sets leave.
+    basis (6, displacements): the orthonormal rigid motions. Six coordinates are held, whose reactions vanish, since the
+    loads are balanced. Raises SpecError if the stiffness is singular beyond the six rigid motions.
     """
-    loads = loads - (loads @ basis.T) @ (m @ basis.T).T
     rigid = splu(csc_array(coordinates.T @ coordinates)).solve(np.asarray(coordinates.T @ basis.T))
     _, _, order = scipy.linalg.qr(rigid.T, mode="economic", pivoting=True)
     moving = np.sort(order[RIGID_MOTIONS:])
     own = csc_array(coordinates[:, moving])
-    return np.asarray(own @ _factorised(csc_array(own.T @ k @ own)).solve(np.asarray(own.T @ loads.T))).T
+    factors = _factorised(csc_array(own.T @ k @ own))
+
+    def responses(loads: Array) -> Array:
+        balanced = loads - (loads @ basis.T) @ (m @ basis.T).T
+        return np.asarray(own @ factors.solve(np.asarray(own.T @ balanced.T))).T
+
+    return responses
 
 
 def _free_modes(body: NodalBody, mass: csr_array, x: Array, count: int) -> Array:

@@ -85,7 +85,7 @@ class _MeanPoints:
 def _nodes_of_first_order(body: FlexibleBody) -> Iterator[Problem]:
     """Nodes of a body of second order whose displacements of second order are unknown."""
     known = set() if body.body.data.K0F_nodes is None else {int(node) for node in body.body.data.K0F_nodes}
-    if not body.body.second_order:
+    if not body.body.second_order or body.body.computes_geometric_stiffness:
         return
     own = [(f"markers.{marker.name}", marker.nodes) for marker in body.markers]
     for key, nodes in (*own, *((f"loads.{load.name}", load.nodes) for load in body.loads)):

@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, identity
 
 from derive.reduction.arithmetic import Array, symmetric_part
 from derive.reduction.body import prepare
-from derive.reduction.component_modes import balanced_responses
+from derive.reduction.component_modes import inertia_relief
 from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
 from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
 from derive.reduction.integrals import mass_products
@@ -46,7 +46,7 @@ def missed_responses(body: NodalBody, markers: Sequence[InterfaceMarker]) -> Mis
     modes = known.shapes.phi.reshape(len(known.shapes.phi), -1)
     inertia = -np.asarray((m @ modes.T).T)
     loads = np.concatenate([*(marker_motions(x, marker, 1.0) for marker in markers), inertia])
-    responses = balanced_responses(k, m, coordinates, basis.reshape(len(basis), -1), loads)
+    responses = inertia_relief(k, m, coordinates, basis.reshape(len(basis), -1))(loads)
     forces = np.asarray((k @ modes.T).T)
     responses -= np.linalg.solve(known.shapes.stiffness, forces @ responses.T).T @ modes
     fields = projected_out(known.mass, basis, responses.reshape(len(responses), *x.shape))

@@ -25,6 +25,7 @@ from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS, PASSIN
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.default_plots import default_plots, output_columns, plots_note
 from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.observables.stresses import stress_columns
 from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import foreseen, with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
@@ -88,7 +89,7 @@ class PreparedRun:
         check_drives(self.scene)
         self._compile, self._complete = INTEGRATORS[integrator], bool(self.body) or complete
         self._generate(foreseen(self.scene))
-        columns = column_units(self.scene, self.model)
+        columns = column_units(self.scene, self.model, self.body)
         self.units = dict(columns)
         problems = [
             *_repeated(self.scene, [name for name, _ in columns]),
@@ -99,7 +100,8 @@ class PreparedRun:
             raise SpecError((*problems, *wrong))
         self._spatial = spatial_state(self.model, self.body.start) if self.body else None
         self._notes = (*monitoring_note(self.scene), *plots_note(self.scene, self.model))
-        self.plots = (*self.scene.plots, *default_plots(self.scene, self.model))
+        stresses = tuple(stress_columns(self.scene, self.body))
+        self.plots = (*self.scene.plots, *default_plots(self.scene, self.model, stresses))
 
     def _generate(self, scene: AnyScene) -> None:
         """Generate the model, of `scene` in place of the scene that is simulated."""
@@ -150,7 +152,7 @@ class PreparedRun:
         foreseen += (*self._redundant(native, k, initial),)
 
         def row(solution: Solution) -> Row:
-            values = column_values(self.scene, native, k, solution)
+            values = column_values(self.scene, native, k, solution, self.body)
             return {name: float(column[0]) for name, column in zip(self.units, values, strict=True)}
 
         watched = scene_watch(self.scene, native, k, float(times[0]), q)

@@ -22,6 +22,7 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_unit, simulated_drive
 from derive.simulation.observables.outputs import port_values
+from derive.simulation.observables.stresses import stress_columns, stress_values
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs
 from derive.simulation.validity.monitors import Monitor, warnings
 from derive.spec.model.body import NodalBody
@@ -41,8 +42,11 @@ class RunSettings:
     step: float | None = None
 
 
-def column_units(scene: AnyScene, model: Model) -> list[tuple[str, str]]:
-    """The names of the columns of a trajectory in a scene, with their units, before it is computed."""
+def column_units(scene: AnyScene, model: Model, alone: NodalBody | None = None) -> list[tuple[str, str]]:
+    """The names of the columns of a trajectory in a scene, with their units, before it is computed.
+
+    alone: a body in space that is simulated alone, in an empty scene.
+    """
     return [
         ("t", "s"),
         *((drive.name, drive_unit(scene, drive)) for drive in scene.drives),
@@ -56,6 +60,7 @@ def column_units(scene: AnyScene, model: Model) -> list[tuple[str, str]]:
         *((f"u_{x.title}", x.unit) for x in model.inputs),
         *((name, x.unit) for x in model.outputs for name in x.columns),
         *((name, "J") for name in energy_names(scene, model)),
+        *((name, "Pa") for name in stress_columns(scene, alone)),
     ]
 
 
@@ -64,7 +69,9 @@ def energy_names(scene: AnyScene, model: Model) -> tuple[str, ...]:
     return () if scene.bodies else ENERGIES[: len(model.kernel("energy").outputs[0].elements)]
 
 
-def column_values(scene: AnyScene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
+def column_values(
+    scene: AnyScene, native: NativeScene, k: Vector, solution: Solution, alone: NodalBody | None = None
+) -> list[Vector]:
     """The values (n,) of the columns of a trajectory in a scene, in the order of `column_units`."""
     drives = [simulated_drive(native, drive, solution.t) for drive in scene.drives]
     monitors = {output.name for output in monitoring_outputs(scene)} if native.outputs else set[str]()
@@ -73,10 +80,10 @@ def column_values(scene: AnyScene, native: NativeScene, k: Vector, solution: Sol
     if not scene.bodies:
         states = zip(solution.q, solution.v, strict=True)
         columns += [*np.array([native.energy(q, v, k) for q, v in states]).T]
-    return columns
+    return [*columns, *stress_values(scene, native, solution.q, alone)]
 
 
-def column_docs(scene: AnyScene, model: Model) -> list[str]:
+def column_docs(scene: AnyScene, model: Model, alone: NodalBody | None = None) -> list[str]:
     """The description of each column of a trajectory in a scene, in the order of `column_units`."""
     return [
         "time",
@@ -86,6 +93,7 @@ def column_docs(scene: AnyScene, model: Model) -> list[str]:
         *(f"input: {x.doc}" for x in model.inputs),
         *(x.doc for x in model.outputs for _ in x.columns),
         *(name.replace("_", " ") for name in energy_names(scene, model)),
+        *("largest stress of von Mises" for _ in stress_columns(scene, alone)),
     ]
 
 
@@ -153,8 +161,8 @@ class Trajectory(Mapping[str, Vector]):
     @cached_property
     def table(self) -> tuple[Column, ...]:
         """All columns with their names, units and values (n,); the first is the time."""
-        values = column_values(self.scene, self.motion.native, self.motion.k, self.solution)
-        units = column_units(self.scene, self.model)
+        values = column_values(self.scene, self.motion.native, self.motion.k, self.solution, self.body)
+        units = column_units(self.scene, self.model, self.body)
         return tuple(Column(*named, column) for named, column in zip(units, values, strict=True))
 
     @property
@@ -218,7 +226,7 @@ class Trajectory(Mapping[str, Vector]):
             'm'
         """
         return data_set(
-            self.name, self.table, dict(zip(self.columns, column_docs(self.scene, self.model), strict=True))
+            self.name, self.table, dict(zip(self.columns, column_docs(self.scene, self.model, self.body), strict=True))
         )
 
     def __getitem__(self, name: str) -> Vector:

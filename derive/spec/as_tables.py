@@ -166,7 +166,8 @@ def _order(order: DisplacementOrder) -> Data:
 
 def _nodal_body(body: NodalBody) -> Data:
     table = {"units": "SI", **_declared(body)}
-    order = (2 if body.second_order else 1) if body.data.has_geometric_stiffness else None
+    stated = body.second_order or body.data.has_geometric_stiffness
+    order = (2 if body.second_order else 1) if stated else None
     return without_none(**{**table, "order": order})
 
 

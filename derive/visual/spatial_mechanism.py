@@ -158,7 +158,8 @@ def _shapes(body: DrawnBody, points: Array) -> Iterator[Shape]:
     for face in body.surface.faces:
         corners = points[list(face)]
         path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y, _ in corners) + "z"
-        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0]) * [1, -1, 1]
+        first, second, third = (corners[i * len(face) // 3] for i in range(3))  # on no line, also of quadratic elements
+        normal = np.cross(second - first, third - first) * [1, -1, 1]
         light = abs(float(normal @ LAMP)) / (float(np.linalg.norm(normal)) or 1.0)
         if body.smooth:
             shape = f'  <path class="s{round(light * (LEVELS - 1))}" d="{path}"/>'

@@ -14,11 +14,15 @@ from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import derive
+from clamped_response import clamped_response
 from conftest import ROOT
+from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
+from derive.reduction.mesh_stiffening import OMEGA_PRODUCTS, free_response, geometric_stiffness_tables
+from derive.solids.stresses import SolidMesh
 
 sys.path.insert(0, str(ROOT / "scenes"))
-import geometric_stiffness as stiffening
 import make_solid_beam as solid_beam
+from geometric_stiffness import brick_mesh, stiffened_block
 
 NODES = (3, 40)
 NAMES = ("K0t", "K0r", "K0omega", "K0F")
@@ -31,10 +35,7 @@ class Problem:
         mesh = MeshHex.init_tensor(np.linspace(0, 0.5, 4), np.linspace(0, 0.11, 2), np.linspace(0, 0.07, 2))
         mesh = mesh.translated((0.02, -0.04, 0.01))
         points = mesh.p + 0.01 * np.random.default_rng(3).uniform(-1, 1, mesh.p.shape)
-        self.solid = stiffening.Solid(
-            Basis(MeshHex(points, mesh.t), ElementVector(ElementHex2()), intorder=7), 3e9, 0.3, 900.0
-        )
-        basis = self.solid.basis
+        self.basis = basis = Basis(MeshHex(points, mesh.t), ElementVector(ElementHex2()), intorder=7)
         self.x = basis.doflocs[:, ::3].T
         self.k = csr_array(linear_elasticity(*lame_parameters(3e9, 0.3)).assemble(basis))
         self.m = csr_array(BilinearForm(lambda u, v, w: 900.0 * dot(u, v)).assemble(basis))
@@ -45,16 +46,25 @@ class Problem:
         self.modes = np.zeros((3, basis.N))
         self.squares, vectors = eigh(k, m, subset_by_index=(first, first + 2))
         self.modes[:, moving] = vectors.T
-        self.solve = stiffening.clamped(self.k, held) if fixed else stiffening.free(self.k, self.m, self.x)
+        self.scalar = csr_array(self.m[::3][:, ::3])
+        self.solve = clamped_response(self.k, held) if fixed else self.relieved
+
+    def relieved(self, loads: np.ndarray) -> np.ndarray:
+        """The static response of the free body in the mean frame."""
+        fields = free_response(self.x, self.scalar, self.k)(loads).reshape(len(loads), *self.x.shape)
+        x = from_centre_of_mass(self.scalar, self.x)
+        return projected_out(self.scalar, rigid_basis(self.scalar, x), fields).reshape(len(loads), -1)
 
     @property
     def k0(self) -> dict[str, np.ndarray]:
-        return stiffening.matrices(self.solid, self.modes, NODES, self.solve)
+        phi = self.modes.reshape(3, -1, 3)
+        mesh = brick_mesh(self.basis, 3e9, 0.3)
+        return geometric_stiffness_tables(SolidMesh(mesh, self.x), self.scalar, phi, NODES, self.solve)
 
     def fields(self) -> np.ndarray:
         """Psi_ij (3, 3, nodes, 3): the response to minus the stresses of the quadratic part of the strain."""
         lam, mu = lame_parameters(3e9, 0.3)
-        basis = self.solid.basis
+        basis = self.basis
         gradients = [basis.interpolate(mode).grad for mode in self.modes]
 
         def response(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -62,7 +72,7 @@ class Problem:
             strain = (strain + strain.swapaxes(0, 1)) / 2
             sigma = 2 * mu * strain + lam * np.einsum("kk...->...", strain) * np.eye(3)[..., None, None]
             load = LinearForm(lambda v, w: -np.einsum("kl...,kl...->...", sigma, v.grad)).assemble(basis)
-            return self.solve(load).reshape(-1, 3)
+            return self.solve(load[None]).reshape(-1, 3)
 
         return np.array([[response(a, b) for b in gradients] for a in gradients])
 
@@ -90,7 +100,7 @@ def test_stresses_of_unit_loads_are_the_work_of_second_order_fields(fixed: bool)
     expected = {
         "K0t": np.array([work(np.tile(e, (len(of.x), 1))) for e in axes]),
         "K0r": np.array([work(np.cross(e, of.x)) for e in axes]),
-        "K0omega": np.array([work(spin(a, b)) for a, b in stiffening.OMEGA_PRODUCTS]),
+        "K0omega": np.array([work(spin(a, b)) for a, b in OMEGA_PRODUCTS]),
         "K0F": -np.moveaxis(psi[:, :, list(NODES)], (2, 3), (0, 1)),
     }
     for name in NAMES:
@@ -102,8 +112,7 @@ def test_stresses_of_unit_loads_are_the_work_of_second_order_fields(fixed: bool)
 def test_a_free_body_needs_no_condition_of_the_mean_frame() -> None:
     """Inertia relief is the mean frame: its conditions change nothing of the second-order fields."""
     of = problem(False)
-    scalar = of.m[::3][:, ::3]
-    arrays = {"positions": of.x, "mass": scalar, "modes": of.modes.reshape(3, -1, 3), "modal_stiffness": of.squares}
+    arrays = {"positions": of.x, "mass": of.scalar, "modes": of.modes.reshape(3, -1, 3), "modal_stiffness": of.squares}
     keys = {"units": "SI", "orthonormal": False, "markers": {"end": NODES[1]}}
     given, mean = (derive.modal(derive.nodal_body("b", arrays | of.k0, frame=f, **keys)) for f in ("given", "mean"))
     assert np.allclose(given.points[0].second, mean.points[0].second, atol=1e-7 * np.abs(mean.points[0].second).max())
@@ -112,7 +121,7 @@ def test_a_free_body_needs_no_condition_of_the_mean_frame() -> None:
 
 def test_the_block_stiffens() -> None:
     """Its mirror planes leave as many integrals as without; spin about e2 and e3 stiffens, about e1 hardly."""
-    arrays = stiffening.stiffened_block()
+    arrays = stiffened_block()
     one, two = (derive.modal(derive.nodal_body("block", arrays, units="SI", modes=4, order=n)) for n in (1, 2))
     names = {name for name, why in one.zeros.items() if why.startswith("mirror")}
     assert names and names <= set(two.zeros) and not two.c9.any() and not two.c10.any()
@@ -124,12 +133,11 @@ def test_the_block_stiffens() -> None:
 def test_the_kept_file_is_what_the_script_makes() -> None:
     """The matrices of the modes in solid_beam.npz; the modes depend on the machine in their last digits."""
     kept = np.load(ROOT / "scenes/solid_beam.npz")
-    beam = solid_beam.solid()
-    positions, m, k = solid_beam.assembled(beam)
-    assert np.array_equal(kept["positions"], positions)
+    beam = solid_beam.beam()
+    assert np.array_equal(kept["positions"], beam.positions)
     modes = kept["modes"].reshape(len(kept["modes"]), -1)
-    assert np.allclose(np.einsum("ia,ia->i", modes, (k @ modes.T).T), kept["modal_stiffness"], rtol=1e-6)
-    solve = stiffening.free(k, csr_array(np.kron(m.toarray(), np.eye(3))), positions)
-    made = stiffening.matrices(beam, modes, solid_beam.ends(positions), solve)
+    stiffness = np.einsum("ia,ia->i", modes, (beam.stiffness @ modes.T).T)
+    assert np.allclose(stiffness, kept["modal_stiffness"], rtol=1e-6)
+    made = solid_beam.geometric_stiffness(beam, kept["modes"])
     for name in ("K0omega", "K0F", "K0F_nodes"):
         assert np.allclose(kept[name], made[name], rtol=0, atol=1e-7 * np.abs(made[name]).max()), name

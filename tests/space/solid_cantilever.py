@@ -14,18 +14,21 @@ from numpy.polynomial.legendre import Legendre, leggauss
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array, kron
 from scipy.sparse.linalg import eigsh
-from skfem import Basis, BilinearForm, ElementHex2, ElementQuad2, ElementVector, LinearForm, MeshHex, MeshQuad, condense
+from skfem import Basis, BilinearForm, ElementQuad2, LinearForm, MeshQuad, condense
 from skfem import solve as solved
 from skfem.helpers import dot, grad
 
 import derive
+import derive.spec.model.mesh as mesh_data
+from clamped_response import clamped_response
 from conftest import ROOT
 from derive.reduction.body import prepare
 from derive.reduction.frame_points import modal_frames
 from derive.reduction.frames import rigid_fields
+from derive.reduction.mesh_stiffening import geometric_stiffness_tables
+from derive.solids.stresses import SolidMesh
 
 sys.path.insert(0, str(ROOT / "scenes"))
-import geometric_stiffness as stiffening
 import make_solid_beam as solid_beam
 
 LENGTH, WIDTH, THICKNESS = 1.0, 0.06, 0.015
@@ -58,9 +61,9 @@ def torsion_constant() -> float:
 
 
 class Mesh(NamedTuple):
-    """The solid with its nodes, and the mass matrix of its displacements beside that of its nodes."""
+    """The solid with its elements and nodes, and the mass matrix of its displacements beside that of its nodes."""
 
-    solid: stiffening.Solid
+    elements: mesh_data.Mesh
     positions: np.ndarray
     node_mass: csr_array
     mass: csr_array
@@ -82,12 +85,9 @@ class Mesh(NamedTuple):
 
 @cache
 def mesh(poisson: float) -> Mesh:
-    axes = [np.linspace(0, LENGTH, BRICKS[0] + 1)]
-    axes += [np.linspace(-side / 2, side / 2, n + 1) for side, n in zip((WIDTH, THICKNESS), BRICKS[1:], strict=True)]
-    basis = Basis(MeshHex.init_tensor(*axes), ElementVector(ElementHex2()), intorder=5)
-    solid = stiffening.Solid(basis, YOUNG, poisson, DENSITY)
-    positions, m, k = solid_beam.assembled(solid)
-    return Mesh(solid, positions, m, csr_array(kron(m, np.eye(3))), k)
+    beam = solid_beam.beam((LENGTH, WIDTH, THICKNESS), BRICKS, left=0.0, poisson=poisson)
+    mass = csr_array(kron(beam.mass, np.eye(3)))
+    return Mesh(beam.mesh, beam.positions, beam.mass, mass, beam.stiffness)
 
 
 class Held(NamedTuple):
@@ -150,12 +150,13 @@ def clamped(modes: int) -> derive.ModalBody:
     lowest, shapes = np.argsort(squares), np.zeros((modes, own.stiffness.shape[0]))
     shapes[:, moving] = vectors.T[lowest]
     tip = min(own.section(LENGTH), key=lambda node: float(np.abs(own.positions[node, 1:]).sum()))
+    phi, respond = shapes.reshape(modes, -1, 3), clamped_response(own.stiffness, fixed)
     arrays = {
         "positions": own.positions,
         "mass": own.node_mass,
-        "modes": shapes.reshape(modes, -1, 3),
+        "modes": phi,
         "modal_stiffness": squares[lowest],
-        **stiffening.matrices(own.solid, shapes, [tip], stiffening.clamped(own.stiffness, fixed)),
+        **geometric_stiffness_tables(SolidMesh(own.elements, own.positions), own.node_mass, phi, [tip], respond),
     }
     keys: dict[str, Any] = {"units": "SI", "frame": "given", "orthonormal": False, "markers": {"tip": tip}}
     return derive.modal(derive.nodal_body("clamped", arrays, **keys))

@@ -32,7 +32,7 @@ def scene(**keys: Any) -> derive.SpatialScene:
         ({"modes": 6, "interface": ["left", "left"]}, "interface[1]", "name it once"),
         ({"modes": 6, "interface": ["left"], "component_modes": "free"}, "interface", "free modes have no interface"),
         ({"modes": 6, "component_modes": "craig_bampton"}, "component_modes", "need an interface"),
-        ({"modes": 6, "interface": ["left"], "order": 2}, "order", "write order = 1"),
+        ({"modes": 6, "interface": ["left"], "order": 2}, "order", "or elements with materials and a stiffness"),
     ],
 )
 def test_what_does_not_go_together_is_one_line(keys: dict[str, Any], path: str, text: str) -> None:

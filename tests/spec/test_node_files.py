@@ -279,6 +279,7 @@ LIES = npy(np.zeros(4)).replace(b"(4,)", b"(9,)")
 HUGE = npy(np.zeros(4)).replace(b"(4,), }            ", b"(4000000000000000,), }")
 TABLE = 'MatrixMarket files go in a table: { positions = "x.mtx", mass = "m.mtx" }'
 KNOWN = ", ".join(node_files.ARRAYS)
+WITH_MESH = ", ".join((*node_files.ARRAYS, *node_files.MESH))
 
 
 @pytest.mark.parametrize(
@@ -353,7 +354,7 @@ def test_unknown_arrays_are_named(tmp_path):
     save(tmp_path, **LUMPED_BODY, stifness=STIFFNESS, colour=STIFFNESS)
     assert faults(tmp_path / "b.npz") == [
         '.stifness: unknown key; did you mean "stiffness"?',
-        f".colour: unknown key; the keys here are {KNOWN}",
+        f".colour: unknown key; the keys here are {WITH_MESH}",
     ]
 
 

@@ -126,8 +126,8 @@ def test_order_two_needs_matrices(tmp_path) -> None:
         return [f"{problem.path}: {problem.message}" for problem in caught.value.problems]
 
     assert problems("order = 2") == [
-        "body.order: a body of order 2 needs geometric stiffness matrices, K0t, K0r, K0omega or K0F, among its arrays; "
-        "scenes/geometric_stiffness.py computes them from a mesh"
+        "body.order: a body of order 2 needs geometric stiffness matrices, K0t, K0r, K0omega or K0F, among its arrays, "
+        "or elements with materials and a stiffness, from which they are computed"
     ]
     assert problems("order = 3") == ["body.order: the order is 1 or 2, not 3"]
 

@@ -22,6 +22,7 @@ from derive.cli.arguments.types import (
     error_fraction,
     export_kind,
     function_names,
+    names,
     number,
     page_file,
     spec_file,
@@ -217,16 +218,60 @@ def _add_export(commands: Any) -> None:
 
 
 def _add_import(commands: Any) -> None:
-    importing = add_command(commands, "import", "write the specification of a robot from its description (URDF)")
-    importing.add_argument("robot", type=Path, metavar="ROBOT", help="description of a robot (.urdf)")
+    text = "write the specification of a robot (URDF), or of a part from a finite-element program"
+    importing = add_command(commands, "import", text)
+    importing.add_argument(
+        "file", type=Path, metavar="FILE", help="robot (.urdf), or input of CalculiX with its matrices beside it (.inp)"
+    )
     importing.add_argument(
         "--base",
         choices=("fixed", "free"),
-        default="fixed",
-        help="how the root link is held: fixed to the ground, or free (default: fixed)",
+        help="how the root link of a robot is held: fixed to the ground, or free (default: fixed)",
     )
     importing.add_argument(
-        "--out", type=Path, metavar="FILE", help="specification to write (default: the name of the robot, .toml)"
+        "--lock",
+        type=names,
+        default=(),
+        metavar="JOINTS",
+        help="joints of a robot that stay in their zero positions, separated by commas",
+    )
+    importing.add_argument(
+        "--repair-inertia",
+        action="store_true",
+        help="replace tensors of inertia that no body has by the nearest possible ones",
+    )
+    importing.add_argument(
+        "--keep-angles",
+        action="store_true",
+        help="take angles such as 1.57079632679 as they are written, and not for right angles",
+    )
+    importing.add_argument(
+        "--interface", type=names, metavar="SETS", help="sets of nodes of a part to which joints attach: left,right"
+    )
+    importing.add_argument(
+        "--modes",
+        type=count,
+        metavar="N",
+        help="modes of a part (default: 6, besides the static modes of the interface)",
+    )
+    importing.add_argument(
+        "--component-modes",
+        choices=("free", "craig_bampton", "attachment"),
+        metavar="KIND",
+        help="free, craig_bampton or attachment (default: craig_bampton with an interface, and free without)",
+    )
+    importing.add_argument(
+        "--units",
+        metavar="UNITS",
+        help="length, mass and time of the numbers of a part, such as mm,t,s (default: m,kg,s)",
+    )
+    importing.add_argument(
+        "--scene",
+        action="store_true",
+        help="write a scene with the part as a body, held at the first set of its interface",
+    )
+    importing.add_argument(
+        "--out", type=Path, metavar="FILE", help="specification to write (default: the name of the model, .toml)"
     )
     importing.add_argument("--json", action="store_true", help="print the notes as JSON")
 

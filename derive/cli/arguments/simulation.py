@@ -9,7 +9,9 @@ from derive.cli.arguments.types import (
     add_folder,
     add_no_cache,
     add_set,
+    count,
     integrator,
+    names,
     seconds,
     spec_file,
     tolerance,
@@ -41,6 +43,12 @@ def add_simulation(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--until", metavar="CONDITION", help='ends the simulation, such as "rod_phi > pi/2" or "slider_s = 0.2"'
+    )
+    command.add_argument(
+        "--fields", type=names, metavar="BODIES", help="write the displacements and stresses of bodies for ParaView"
+    )
+    command.add_argument(
+        "--instants", type=count, default=100, metavar="N", help="largest number of instants of --fields (default: 100)"
     )
     add_no_cache(command)
     command.add_argument("--json", action="store_true", help="print the summary as JSON")

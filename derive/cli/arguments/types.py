@@ -53,6 +53,14 @@ def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
+def names(text: str) -> tuple[str, ...]:
+    """Names between commas, each once."""
+    result = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
+    if "" in result:
+        raise argparse.ArgumentTypeError(f"expected names between commas, such as left,right, not {text!r}")
+    return result
+
+
 def function_names(text: str) -> tuple[str, ...]:
     """Names of functions that a model has on request, or `all`."""
     names = among(text, (*ON_REQUEST, "all"))

@@ -1,4 +1,4 @@
-"""The surface of a cloud of nodes, for drawings: the finite elements between them are not known."""
+"""The surface of a cloud of nodes, for drawings where the finite elements between them are not known."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Face = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Surface:
-    """The surface of a body by numbers of its nodes: faces with three or four corners, and edges of its cells."""
+    """The surface of a body by numbers of its nodes: faces with three or more corners, and edges of its cells."""
 
     faces: tuple[Face, ...]
     edges: tuple[Edge, ...]

@@ -37,17 +37,21 @@ MANY_CURVES, SELECTED = 60, 12
 """A plot of more coordinates than the first shows as many as the second, evenly spaced ones."""
 
 
-def default_plots(scene: AnyScene, model: Model) -> tuple[Plot, ...]:
+def default_plots(scene: AnyScene, model: Model, stresses: tuple[str, ...] = ()) -> tuple[Plot, ...]:
     """The plots over the time that a simulation draws by default: one for each output that no plot shows.
 
     A scene without outputs and plots has plots of its coordinates; a body in space alone also of its angular velocity
-    and its energies.
+    and its energies. stresses: the columns of largest stresses, which a plot of their own shows.
     """
+    shown = {y for plot in scene.plots if isinstance(plot.quantity, ColumnCurves) for y in plot.quantity.y}
+    largest = [name for name in stresses if name not in shown]
+    of_stresses = (_plot("stress", largest),) if largest else ()
     if scene.outputs or scene.plots:
-        return tuple(
-            _plot(_free_name(output, scene), output_columns(output, _in_space(scene))) for output in _unplotted(scene)
-        )
-    return tuple(_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items())
+        outputs = _unplotted(scene)
+        own = [_plot(_free_name(output, scene), output_columns(output, _in_space(scene))) for output in outputs]
+    else:
+        own = [_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items()]
+    return (*own, *of_stresses)
 
 
 def plots_note(scene: AnyScene, model: Model) -> tuple[str, ...]:

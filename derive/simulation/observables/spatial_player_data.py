@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from derive.reduction.body import prepare
 from derive.simulation.observables.body_surface import Surface, surface
 from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.mesh_surface import mesh_surface
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.player_data import (
     RESOLUTION,
@@ -25,11 +26,16 @@ from derive.simulation.observables.player_data import (
     rounded,
     speeds,
 )
+from derive.simulation.observables.stresses import modal_stresses
 from derive.simulation.observables.visual_surfaces import BOX_FACES, VisualSurface, box
+from derive.solids.stresses import von_mises
 from derive.spec.model.body import NodalBody
 
-MAX_NODES = 1000
-"""A body whose surface has more nodes is drawn as the box around it."""
+MAX_NODES, MAX_MESH_NODES = 1000, 3000
+"""A body whose surface, as guessed or by its elements, has more nodes is drawn as the box around it."""
+
+STRESS_STEPS = 5000
+"""The steps of the largest stress of a mode to which its stresses are rounded."""
 
 BOX_EDGES = tuple((i, i | 1 << axis) for i in range(8) for axis in range(3) if not i >> axis & 1)
 """The edges of a box by its corners, in the order of BOX_FACES."""
@@ -41,7 +47,8 @@ class DrawnBody:
 
     radius: of the body about the origin of its frame, m. markers: the names and the points of markers. links: pairs of
     points that a thick line connects, such as the markers of a rigid body. smooth: whether faces have no drawn edges.
-    triangles: how many faces are those of meshes, and how many triangles the files of these have.
+    triangles: how many faces are those of meshes, and how many triangles the files of these have. nodes: the nodes of a
+    finite-element body that the first points are. stresses (N, nodes, 6), Pa/m: those of the modes there, if known.
     """
 
     name: str
@@ -53,6 +60,8 @@ class DrawnBody:
     links: tuple[tuple[int, int], ...] = ()
     smooth: bool = False
     triangles: tuple[int, int] = (0, 0)
+    nodes: tuple[int, ...] = ()
+    stresses: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -81,13 +90,15 @@ def path_of(q: Array) -> BodyPath:
 
 
 def drawn_body(body: NodalBody) -> DrawnBody:
-    """The surface of a body of nodes with its markers; if it has more than MAX_NODES, the box around it, whose corners
-    move as the nearest nodes."""
+    """The surface of a body of nodes with its markers: that of its elements if the files have them, and otherwise a
+    guess. If it has more than MAX_NODES, the box around it, whose corners move as the nearest nodes, is drawn instead.
+    """
     shapes = prepare(body).shapes
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
-    whole = surface(shapes.x)
+    whole = _surface(body, shapes.x)
     marked = [marker.node for marker in body.markers]
-    if len(whole.nodes) > MAX_NODES:
+    nodes: tuple[int, ...] = ()
+    if len(whole.nodes) > (MAX_MESH_NODES if body.data.mesh and body.data.mesh.elements else MAX_NODES):
         corners = box(shapes.x.min(axis=0), shapes.x.max(axis=0))
         shown = [*cKDTree(shapes.x).query(corners)[1], *marked]
         x, drawn = np.concatenate([corners, shapes.x[marked]]), Surface(BOX_FACES, BOX_EDGES)
@@ -96,9 +107,26 @@ def drawn_body(body: NodalBody) -> DrawnBody:
         x, number = shapes.x[shown], {node: i for i, node in enumerate(whole.nodes)}
         faces = tuple(tuple(number[node] for node in face) for face in whole.faces)
         drawn = Surface(faces, tuple((number[i], number[j]) for i, j in whole.edges))
+        nodes = tuple(whole.nodes)
     first = len(shown) - len(marked)
     markers = tuple((marker.name, first + i) for i, marker in enumerate(body.markers))
-    return DrawnBody(body.name, x, shapes.phi[:, shown], drawn, radius, markers)
+    return DrawnBody(body.name, x, shapes.phi[:, shown], drawn, radius, markers, nodes=nodes)
+
+
+def with_stresses(drawn: DrawnBody, body: NodalBody) -> DrawnBody:
+    """The drawing of a body of nodes with the stresses of its modes, where the files have what these need."""
+    if not (drawn.nodes and body.data.has_stresses and len(drawn.phi)):
+        return drawn
+    return replace(drawn, stresses=modal_stresses(body)[:, list(drawn.nodes)])
+
+
+def _surface(body: NodalBody, x: Array) -> Surface:
+    """The surface of the elements of a body, by their corners alone where there are many; without elements a guess."""
+    mesh = body.data.mesh
+    if mesh is None or not mesh.elements:
+        return surface(x)
+    whole = mesh_surface(mesh.elements)
+    return whole if len(whole.nodes) <= MAX_NODES else mesh_surface(mesh.elements, middles=False)
 
 
 def beam_drawing(name: str, x: Array, phi: Array) -> DrawnBody:
@@ -145,7 +173,7 @@ def spatial_player_data(body: NodalBody, t: Array, q: Array, curves: Sequence[Co
 
     curves: columns with a value for each instant, which the page draws over time.
     """
-    drawn, paths = [drawn_body(body)], [path_of(q)]
+    drawn, paths = [with_stresses(drawn_body(body), body)], [path_of(q)]
     return {
         "name": body.name,
         **bodies_data(drawn),
@@ -172,6 +200,7 @@ def bodies_data(
                 "links": body.links,
                 "smooth": body.smooth,
                 "markers": [{"name": name, "node": node} for name, node in body.markers],
+                "stresses": [] if body.stresses is None else [_in_steps(mode) for mode in body.stresses],
             }
             for body in bodies
         ],
@@ -202,6 +231,7 @@ def bodies_motion_data(
         "reach": rounded(reach),
         "centre": _rounded(middle),
         "displacement": rounded(largest),
+        "stress": rounded(max(_largest_stress(body, path) for body, path in zip(bodies, shown, strict=True))),
         "measured": measured,
         "speeds": speeds(float(t[-1] - t[0])),
     }
@@ -222,7 +252,7 @@ def _path_data(path: BodyPath, step: float) -> Plain:
 
 def placed(body: DrawnBody, path: BodyPath) -> Array:
     """The places (n, points, 3), m, of the points of a deformed body in all instants."""
-    return _turned(path, body.x + np.tensordot(path.amplitudes, body.phi, axes=1))
+    return turned(path, body.x + np.tensordot(path.amplitudes, body.phi, axes=1))
 
 
 def _points(body: DrawnBody, path: BodyPath) -> Array:
@@ -232,10 +262,10 @@ def _points(body: DrawnBody, path: BodyPath) -> Array:
     """
     x = np.concatenate([body.x, np.zeros((1, 3))])
     x = box(x.min(axis=0), x.max(axis=0)) if len(x) > MAX_NODES else x
-    return _turned(path, x).reshape(-1, 3)
+    return turned(path, x).reshape(-1, 3)
 
 
-def _turned(path: BodyPath, x: Array) -> Array:
+def turned(path: BodyPath, x: Array) -> Array:
     """The places (n, points, 3), m, of points x (points, 3) or (n, points, 3), m, of a body frame."""
     e0, e = path.quaternion[:, None, :1], path.quaternion[:, None, 1:]
     turned: Array = path.position[:, None] + x + 2 * np.cross(e, np.cross(e, x) + e0 * x)
@@ -248,6 +278,20 @@ def _largest_displacement(body: DrawnBody, path: BodyPath) -> float:
         return 0.0
     moved = np.tensordot(path.amplitudes, body.phi, axes=1)
     return float(np.linalg.norm(moved, axis=2).max())
+
+
+def _largest_stress(body: DrawnBody, path: BodyPath) -> float:
+    """The largest stress of von Mises, Pa, at the points of a body in all instants; zero where it is not known."""
+    if body.stresses is None:
+        return 0.0
+    instants = (np.tensordot(amplitudes, body.stresses, axes=1) for amplitudes in path.amplitudes)
+    return max(float(von_mises(stresses).max()) for stresses in instants)
+
+
+def _in_steps(stresses: Array) -> Plain:
+    """The stresses (nodes, 6) of a mode as whole steps."""
+    step = float(np.abs(stresses).max()) / STRESS_STEPS or 1.0
+    return {"step": rounded(step), "values": np.rint(stresses / rounded(step)).astype(int).ravel().tolist()}
 
 
 def _rounded(values: Array) -> Any:

@@ -11,7 +11,6 @@ import numpy as np
 from derive.mechanics.bodies.modal_body import ModalFrame
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import spring_type
-from derive.mechanics.symbols import amplitude_of
 from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.csv_writer import Column
@@ -28,7 +27,9 @@ from derive.simulation.observables.spatial_player_data import (
     rigid_drawing,
     shown_frames,
     visual_drawing,
+    with_stresses,
 )
+from derive.simulation.observables.stresses import amplitude_places
 from derive.simulation.observables.visual_surfaces import VisualSurface, visual_surfaces
 from derive.simulation.space.beam_frames import beam_frames, drawn_points
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -43,7 +44,9 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
 
     curves: columns with a value for each instant, which the page draws over time below the scene.
     """
-    drawn, ground = drawn_bodies(scene), ground_points(scene)
+    flexible = {body.name: body.body for body in scene.bodies if isinstance(body, FlexibleBody)}
+    every, ground = drawn_bodies(scene), ground_points(scene)
+    drawn = [with_stresses(body, flexible[body.name]) if body.name in flexible else body for body in every]
     paths = body_paths(drawn, motion)
     content = bodies_motion_data(drawn, motion.t, paths)
     shown = curves_data(curves, shown_frames(motion.t, paths))
@@ -94,11 +97,15 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
         if body.name == GROUND:
             paths.append(fixed_path(len(motion.t)))
             continue
-        pose = motion.pose(body.name)
-        names = (amplitude_of(body.name, i).shown for i in range(1, len(body.phi) + 1))
-        places = [motion.native.coordinates.index(name) for name in names]
-        paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
+        paths.append(body_path(body.name, len(body.phi), motion))
     return paths
+
+
+def body_path(name: str, modes: int, motion: SceneMotion) -> BodyPath:
+    """The motion of the frame of a body with so many modes."""
+    pose = motion.pose(name)
+    amplitudes = motion.q[:, amplitude_places(motion.native, name, modes)]
+    return BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), amplitudes)
 
 
 def fixed_path(instants: int) -> BodyPath:

@@ -85,19 +85,21 @@ def _lack(spec: NodalBody | SpatialBeam) -> str:
 
 def _lacks_stiffening(spec: NodalBody) -> bool:
     """Whether a body is of first order, or of second order by files without the matrices of its spin."""
-    return not spec.second_order or spec.data.K0omega is None
+    return not spec.computes_geometric_stiffness and (not spec.second_order or spec.data.K0omega is None)
 
 
 def _remedy(spec: NodalBody | SpatialBeam) -> str:
     if isinstance(spec, SpatialBeam):
         return "write order = 2, with which it shortens as it bends"
     if spec.second_order:
-        return "add it, see scenes/geometric_stiffness.py"
+        return "add it, or elements with materials and a stiffness"
     if spec.uses_given_modes and spec.data.has_geometric_stiffness:
         return "write order = 2, which uses the geometric stiffness of its files"
+    if spec.data.gives_geometric_stiffness:
+        return "write order = 2, for which its geometric stiffness is computed from its elements"
     if spec.data.has_geometric_stiffness:
         return "use the modes of its files, whose geometric stiffness is there"
-    return "add K0t, K0r, K0omega and K0F to its files, see scenes/geometric_stiffness.py, or divide it into bodies"
+    return "add its elements and materials, or K0t, K0r, K0omega and K0F, to its files, or divide it into bodies"
 
 
 def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem, beams: bool) -> Iterator[Spinning]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Set
 
 from derive.errors import quoted
 from derive.spec.parsing import values
-from derive.spec.parsing.faults import Fault, did_you_mean, readable
+from derive.spec.parsing.faults import Fault, did_you_mean, names_text, readable
 
 STATIC = {"craig_bampton": "static modes without the six rigid motions", "attachment": "attachment modes"}
 
@@ -16,8 +16,11 @@ def asks_for_component_modes(body: Mapping[str, object]) -> bool:
     return "component_modes" in body or bool(body.get("interface"))
 
 
-def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Fault]:
-    """Faults of a kind of component modes and its interface. arrays: the names of those in the files."""
+def component_mode_faults(body: Mapping[str, object], arrays: Set[str], sets: Mapping[str, int]) -> Iterator[Fault]:
+    """Faults of a kind of component modes and its interface.
+
+    arrays: the names of those in the files. sets: how many nodes each set of the files has.
+    """
     if not asks_for_component_modes(body):
         return
     kind, names = body.get("component_modes", "craig_bampton"), body.get("interface")
@@ -25,9 +28,6 @@ def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Itera
         key = "component_modes" if "component_modes" in body else "interface"
         text = "component modes are computed from a stiffness matrix, which the files lack; add `stiffness`"
         yield Fault(("body", key), f"{text}, or leave this out to use the modes of the files")
-    if body.get("order") == 2:
-        text = "geometric stiffness matrices belong to the modes of the files, and component modes are others"
-        yield Fault(("body", "order"), f"{text}; write order = 1, or leave component modes out")
     if kind == "free":
         if names:
             text = "free modes have no interface; leave this out, or write another kind of component_modes"
@@ -39,28 +39,33 @@ def component_mode_faults(body: Mapping[str, object], arrays: Set[str]) -> Itera
         text = f'{kind} modes need an interface: the markers at which joints hold the body, interface = ["left"]'
         yield Fault(("body", "component_modes"), text)
     if isinstance(names, (list, tuple)):
-        yield from _interface_faults(body, str(kind), names)
+        yield from _interface_faults(body, str(kind), names, sets)
 
 
 def _interface_faults(
-    body: Mapping[str, object], kind: str, names: list[object] | tuple[object, ...]
+    body: Mapping[str, object], kind: str, names: list[object] | tuple[object, ...], sets: Mapping[str, int]
 ) -> Iterator[Fault]:
     """Faults of names of markers, and of a number of modes that does not suffice for them."""
     markers = body.get("markers")
-    known: Mapping[str, object] = markers if isinstance(markers, Mapping) else {}
+    known: Mapping[str, object] = {
+        **{name: {"set": name} for name in sets},
+        **(markers if isinstance(markers, Mapping) else {}),
+    }
     motions = 0
     for i, name in enumerate(names):
         if not isinstance(name, str):
             return
         if name not in known:
-            hint = did_you_mean(name, known, f"its markers are {', '.join(known)}") if known else "; it has none"
-            yield Fault(("body", "interface", i), f"the body has no marker {quoted(name)}{hint}")
+            of_file = " and no set" if sets else ""
+            hint = did_you_mean(name, known, f"there are {names_text(known)}") if known else "; it has none"
+            yield Fault(("body", "interface", i), f"the body has no marker{of_file} {quoted(name)}{hint}")
             return
         if name in names[:i]:
             yield Fault(("body", "interface", i), f"the marker {name} is named twice; name it once")
             return
         marker = known[name]
-        motions += 6 if isinstance(marker, Mapping) and "nodes" in marker else 3
+        several = isinstance(marker, Mapping) and ("nodes" in marker or sets.get(str(marker.get("set")), 0) > 1)
+        motions += 6 if several else 3
     least = motions - 6 if kind == "craig_bampton" else motions
     count = readable(values.mode_count, body.get("modes"))
     if count is not None and count < least:

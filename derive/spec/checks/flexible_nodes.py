@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from derive.errors import quoted
 from derive.mechanics.multibody.space.nodal_loads import load_points
 from derive.spec.model.body import NodeData
-from derive.spec.parsing.faults import Fault, KeyPath
+from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 from derive.spec.tables.shared import TomlTable
-from derive.spec.tables.spatial_bodies import kind_of_spatial_body
+from derive.spec.tables.spatial_bodies import LEAST_NODES, kind_of_spatial_body
 
 
 def flexible_nodes(
@@ -34,7 +35,8 @@ def flexible_nodes(
             if isinstance(file, str):
                 same = known.setdefault((file, repr(body.get("units"))), nodes)
             result[str(name)] = same
-            faults += _shared_nodes(str(name), body.get("markers"))
+            faults += _missing_sets(str(name), body.get("markers"), nodes)
+            faults += _shared_nodes(str(name), body.get("markers"), nodes)
             faults += _missing_nodes(str(name), "markers", body.get("markers"), len(nodes.positions))
             faults += _missing_nodes(str(name), "loads", body.get("loads"), len(nodes.positions))
             faults += _loads_like_markers(str(name), body)
@@ -71,12 +73,38 @@ def _missing_nodes(name: str, section: str, markers: object, count: int) -> Iter
                 break
 
 
-def _shared_nodes(name: str, markers: object) -> Iterator[Fault]:
+def _missing_sets(name: str, markers: object, data: NodeData) -> Iterator[Fault]:
+    """Faults of markers at sets that the file does not have, or whose nodes do not determine a rotation."""
+    sets = data.mesh.node_sets if data.mesh else {}
+    for marker, value in markers.items() if isinstance(markers, Mapping) else ():
+        wanted = value.get("set") if isinstance(value, Mapping) else None
+        if not isinstance(wanted, str):
+            continue
+        path = ("bodies", name, "markers", str(marker), "set")
+        if wanted not in sets:
+            hint = did_you_mean(wanted, sets, f"its sets are {names_text(sets)}") if sets else "; it has no sets"
+            yield Fault(path, f"the file has no set {quoted(wanted)}{hint}")
+        elif len(sets[wanted]) < LEAST_NODES:
+            text = "a set needs three nodes, not on a line, to have a rotation; name its node instead"
+            yield Fault(path, f"the set {wanted} has {len(sets[wanted])}: {text}")
+
+
+def _own_nodes(value: object, data: NodeData) -> list[int]:
+    """The nodes that the table of a marker names, those of its set among them."""
+    if not isinstance(value, Mapping):
+        return []
+    nodes, wanted = value.get("nodes"), value.get("set")
+    if isinstance(wanted, str) and data.mesh and wanted in data.mesh.node_sets:
+        return [int(node) for node in data.mesh.node_sets[wanted]]
+    return [node for node in nodes if isinstance(node, int)] if isinstance(nodes, (list, tuple)) else []
+
+
+def _shared_nodes(name: str, markers: object, data: NodeData) -> Iterator[Fault]:
     """Faults of rigid sets of nodes that have a node in common, and so are a single rigid set."""
     owner: dict[int, str] = {}
     for marker, value in markers.items() if isinstance(markers, Mapping) else ():
-        nodes = value.get("nodes") if isinstance(value, Mapping) and value.get("motion") == "rigid" else ()
-        own = [node for node in nodes if isinstance(node, int)] if isinstance(nodes, (list, tuple)) else []
+        rigid = isinstance(value, Mapping) and value.get("motion") == "rigid"
+        own = _own_nodes(value, data) if rigid else []
         shared = next((node for node in own if node in owner), None)
         if shared is not None:
             text = f"node {shared} is in the rigid set {owner[shared]} as well; make one rigid set of both"

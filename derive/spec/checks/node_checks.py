@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping, Set
 from pathlib import Path
 
 from derive.spec.checks.component_modes import asks_for_component_modes, component_mode_faults
+from derive.spec.files.mesh_arrays import set_sizes
 from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
 from derive.spec.model.body import NodeData
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, readable
 from derive.spec.parsing.values import MAX_MODES
@@ -30,10 +32,12 @@ def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) 
     faults = Faults([*arrays_found.faults, *checked.faults])
     if isinstance(body["nodes"], NodeData) and units != Units():
         faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
+    sets = set_sizes(arrays_found.arrays)
     if arrays_found.complete:
         faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
-        faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays})
-        faults += _order_faults(body, arrays_found.arrays.keys())
+        faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, sets)
+        faults += _order_faults(body, arrays_found.arrays.keys(), checked.data)
+    faults += _stress_faults(body, checked.data)
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
     return checked.data, faults
@@ -43,6 +47,9 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
     """Faults of a number of modes that the data cannot provide."""
     asked = readable(values.mode_count, body.get("modes"))
     if "modes" in arrays and not asks_for_component_modes(body):
+        if isinstance(body.get("modes"), (Mapping, ModeSelection)):
+            text = "an error selects computed modes, and the files have modes of their own"
+            yield Fault(("body", "modes"), f'{text}; write component_modes = "free" as well, or a number of modes')
         given = checked.modes
         count = given if asked is None else asked
         if given is not None and asked is not None and asked > given:
@@ -83,14 +90,25 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
         )
 
 
-def _order_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Fault]:
-    """Faults of a second order without geometric stiffness matrices."""
-    if readable(values.order, body.get("order")) == 2 and not arrays & {"K0t", "K0r", "K0omega", "K0F"}:
-        yield Fault(
-            ("body", "order"),
-            "a body of order 2 needs geometric stiffness matrices, K0t, K0r, K0omega or K0F, among its arrays; "
-            "scenes/geometric_stiffness.py computes them from a mesh",
-        )
+def _stress_faults(body: Mapping[str, object], data: NodeData | None) -> Iterator[Fault]:
+    """Faults of a largest stress of a body without elements or materials."""
+    if body.get("stress") is True and data is not None and not data.has_stresses:
+        text = "stresses are computed from elements with Young's modulus and Poisson's ratio, which the files lack"
+        yield Fault(("body", "stress"), f"{text}; add elements_tet10 or others and materials, or leave this out")
+
+
+def _order_faults(body: Mapping[str, object], arrays: Set[str], data: NodeData | None) -> Iterator[Fault]:
+    """Faults of a second order without geometric stiffness matrices and without elements to compute them."""
+    unknown = data is None and "materials" in arrays
+    if readable(values.order, body.get("order")) != 2 or unknown or (data and data.gives_geometric_stiffness):
+        return
+    needed = "elements with materials and a stiffness, from which they are computed"
+    if not arrays & {"K0t", "K0r", "K0omega", "K0F"}:
+        text = "a body of order 2 needs geometric stiffness matrices, K0t, K0r, K0omega or K0F, among its arrays"
+        yield Fault(("body", "order"), f"{text}, or {needed}")
+    elif asks_for_component_modes(body):
+        text = "geometric stiffness matrices belong to the modes of the files, and component modes are others"
+        yield Fault(("body", "order"), f"{text}; write order = 1, leave component modes out, or add {needed}")
 
 
 def _node_faults(body: Mapping[str, object], nodes: int) -> Iterator[Fault]:

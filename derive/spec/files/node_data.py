@@ -13,8 +13,9 @@ from scipy.sparse import coo_array, csr_array, diags_array, issparse
 
 from derive.spec.files.geometric_stiffness import geometric_stiffness, without_modes
 from derive.spec.files.matrices import NEARLY, Entries, misfit, of_nodes, square, symmetric
+from derive.spec.files.mesh_arrays import mesh_of
 from derive.spec.files.node_files import MAX_BYTES, NODES, PARTS, SPARSE, Array, FoundArrays
-from derive.spec.files.node_format import FILES, Units
+from derive.spec.files.node_format import FILES, Units, holds_indices
 from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Faults
 from derive.spec.parsing.values import WrongValueError
@@ -61,6 +62,7 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
     elif modes is not None:
         modal = _checked(faults, "modal_stiffness", arrays.get("modal_stiffness"), _modal_stiffness, len(modes))
         geometric = geometric_stiffness(arrays, len(modes[0]), len(modes), units, faults)
+    mesh = None if positions is None else mesh_of(arrays, len(positions), units, faults)
     data = None
     if not faults and positions is not None and mass is not None:
         data = NodeData(
@@ -70,6 +72,7 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
             modes=modes,
             modal_stiffness=None if modal is None else _scaled(modal, units.stiffness),
             sha256=read.sha256,
+            mesh=mesh,
             **geometric,
         )
     return CheckedNodes(
@@ -92,7 +95,7 @@ def _numbers(array: Array, key: str) -> Array:
     kind = array.dtype.kind
     if kind not in "iuf":
         raise WrongValueError(f"this holds {_KINDS.get(kind, 'no numbers')}; real numbers are needed")
-    if key.endswith(("_row", "_col", "_nodes")):
+    if holds_indices(key):
         if kind == "f":
             raise WrongValueError("these are decimals; whole numbers are needed, from 0: save them as integers")
         return array.astype(np.int64)

@@ -19,12 +19,14 @@ import scipy.sparse
 
 from derive.errors import printable, quoted
 from derive.spec.files.file_content import file_content
-from derive.spec.files.node_format import FILES
+from derive.spec.files.mesh_arrays import mesh_arrays
+from derive.spec.files.node_format import FILES, MESH, is_of_mesh
 from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, unknown_key
 from derive.spec.parsing.values import WrongValueError, kind_of
 
 MAX_BYTES = 200_000_000
+MAX_ARRAYS = 2000
 NODES = ("body", "nodes")
 SPARSE = ("mass", "stiffness")
 PARTS = ("row", "col", "value")
@@ -53,7 +55,8 @@ def read_nodes(nodes: object, folder: Path) -> FoundArrays:
     """The arrays of a .npz file, of a table of MatrixMarket files, or of arrays that are given in Python."""
     if isinstance(nodes, NodeData):
         given = {f.name: getattr(nodes, f.name) for f in fields(nodes) if f.name in FILES}
-        return FoundArrays({key: array for key, array in given.items() if array is not None}, nodes.sha256, Faults())
+        arrays = {key: array for key, array in given.items() if array is not None}
+        return FoundArrays(arrays | mesh_arrays(nodes.mesh), nodes.sha256, Faults())
     if isinstance(nodes, (str, os.PathLike)):
         return archive(nodes, folder)
     if isinstance(nodes, Mapping):
@@ -96,7 +99,8 @@ def _check_archive(content: bytes, name: str, known: tuple[str, ...]) -> None:
         )
     with zipfile.ZipFile(io.BytesIO(content)) as zipped:
         members = zipped.infolist()
-    if len(members) > 2 * len(known):
+    others = [member for member in members if not is_of_mesh(member.filename.removesuffix(".npy"))]
+    if len(others) > 2 * len(known) or len(members) > MAX_ARRAYS:
         raise WrongValueError(f"{name} holds {len(members)} arrays; those that are known are {', '.join(known)}")
     if sum(member.file_size for member in members) > MAX_BYTES:
         raise WrongValueError(f"{name} unpacks to more than {_MAX_MB} MB{_SMALLER}")
@@ -105,8 +109,8 @@ def _check_archive(content: bytes, name: str, known: tuple[str, ...]) -> None:
 def _members(file: Any, known: tuple[str, ...], path: KeyPath, arrays: dict[str, Array | None], faults: Faults) -> None:
     """Read the arrays of an opened file into `arrays`, with the faults of each."""
     for key in file.files:
-        if key not in known:
-            faults.append(Fault((*path, key), unknown_key(key, known)))
+        if key not in known and not (known == ARRAYS and is_of_mesh(key)):
+            faults.append(Fault((*path, key), unknown_key(key, (*known, *(MESH if known == ARRAYS else ())))))
             continue
         if key in arrays:
             faults.append(Fault((*path, key), "this array is in the file twice; keep one"))
@@ -140,10 +144,10 @@ def _table(nodes: Mapping[object, object], folder: Path) -> FoundArrays:
     arrays: dict[str, Array | None] = {}
     digest = hashlib.sha256()
     for key in nodes:
-        known = ARRAYS if _is_array(nodes[key]) else tuple(FILES)
-        if key not in known:
+        known = (*ARRAYS, *MESH) if _is_array(nodes[key]) else tuple(FILES)
+        if key not in known and not (_is_array(nodes[key]) and is_of_mesh(str(key))):
             faults.append(Fault((*NODES, str(key)), unknown_key(str(key), known)))
-    for key in ARRAYS:
+    for key in (*ARRAYS, *(str(key) for key in nodes if is_of_mesh(str(key)))):
         value = nodes.get(key)
         if _is_array(value):
             arrays[key] = value

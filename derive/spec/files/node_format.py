@@ -5,6 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
+from derive.spec.model.mesh import ElementKind
+
 FILES = {
     "positions": "Positions of the nodes, (nodes, 3).",
     "mass": "The mass of each node, or the consistent mass matrix.",
@@ -20,6 +22,36 @@ FILES = {
     "K0F_nodes": "The numbers of these nodes, counted from 0.",
 }
 """The arrays of a body, each a MatrixMarket file where `nodes` is a table; more than two indices are rows, stacked."""
+
+SET = "set_"
+ELEMENTS = "elements_"
+MATERIAL = "_material"
+MESH = {
+    "node_numbers": "The numbers of the nodes in the program that made the mesh, (nodes,).",
+    f"{SET}NAME": "The nodes of the set NAME, counted from 0, to which `set` and `interface` refer.",
+    **{
+        f"{ELEMENTS}{kind.value}": "The nodes of elements, counted from 0 and in the order of VTK, "
+        f"(elements, {kind.node_count})."
+        for kind in ElementKind
+    },
+    f"{ELEMENTS}KIND{MATERIAL}": "The material of each of these elements, counted from 0, or -1, (elements,).",
+    "materials": "Young's modulus, Poisson's ratio and density of each material, (materials, 3).",
+}
+"""The arrays of the mesh of a body, which pictures and stresses need; none of them is required."""
+
+
+def is_of_mesh(key: str) -> bool:
+    """Whether an array is one of the mesh."""
+    elements = key.removeprefix(ELEMENTS).removesuffix(MATERIAL) if key.startswith(ELEMENTS) else None
+    if elements is not None:
+        return any(elements == kind.value for kind in ElementKind)
+    return key in ("node_numbers", "materials") or (key.startswith(SET) and len(key) > len(SET))
+
+
+def holds_indices(key: str) -> bool:
+    """Whether an array holds whole numbers: rows, columns, nodes or elements."""
+    return key.endswith(("_row", "_col", "_nodes")) or (is_of_mesh(key) and key != "materials")
+
 
 LENGTHS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000), "in": Fraction("0.0254")}
 MASSES = {

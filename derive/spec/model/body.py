@@ -11,6 +11,7 @@ from derive.display import html
 from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.simulation import AT_REST, Simulation, SpatialStart
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
+
+    from derive.spec.model.mesh import Mesh
 
 
 class DisplacementOrder(Enum):
@@ -74,6 +77,7 @@ class NodeData:
         K0omega: (6, N, N), for unit products of angular velocities.
         K0F: (K, 3, N, N), for unit forces at nodes.
         K0F_nodes: (K,), the nodes of K0F.
+        mesh: elements, materials and sets of nodes; None if the files have none.
 
     Examples:
         >>> import derive
@@ -97,12 +101,23 @@ class NodeData:
     K0omega: NDArray[np.float64] | None = None
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
+    mesh: Mesh | None = None
     __repr__ = record_text
 
     @property
     def has_geometric_stiffness(self) -> bool:
         """Whether there are geometric stiffness matrices."""
         return any(k is not None for k in (self.K0t, self.K0r, self.K0omega, self.K0F))
+
+    @property
+    def has_stresses(self) -> bool:
+        """Whether there are elements with materials, from which stresses of modes are computed."""
+        return self.mesh is not None and self.mesh.is_elastic
+
+    @property
+    def gives_geometric_stiffness(self) -> bool:
+        """Whether geometric stiffness matrices of any modes are computed, from elements, materials and stiffness."""
+        return self.has_stresses and self.stiffness is not None
 
 
 @documented
@@ -218,6 +233,7 @@ class NodalBody:
         plots: plots of a simulation of the body alone.
         rigid_sets: sets of nodes that move as rigid bodies in all computed modes.
         interface_markers: the markers that `interface` names.
+        loaded_nodes: the nodes of markers and loads in a scene, whose displacements of second order are computed.
 
     Examples:
         >>> import derive
@@ -248,11 +264,13 @@ class NodalBody:
         ),
     ]
     modes: Annotated[
-        int | None,
+        int | ModeSelection | None,
         key(
-            KeyType.MODE_COUNT,
-            "Number of modes that are computed, or kept of the given ones; by default all given ones.",
+            ModeSelection,
+            "Number of modes that are computed, or kept of the given ones; by default all given ones. Or the error "
+            "within which as few as possible are computed.",
             optional=True,
+            example="12, or { error = 0.01, up_to = 500 }",
         ),
     ]
     frame: Annotated[
@@ -291,7 +309,8 @@ class NodalBody:
         key(
             KeyType.ORDER,
             "The order of the displacements in the amplitudes: 2 uses the geometric stiffness matrices of the files "
-            "(K0t, K0r, K0omega, K0F), 1 leaves them out; by default 2 if there are any.",
+            "(K0t, K0r, K0omega, K0F), or computes them where the files have elements with materials and a stiffness; "
+            "1 leaves them out. By default 2 if the files have matrices of the modes that are used.",
             optional=True,
         ),
     ] = DisplacementOrder.FIRST_ORDER
@@ -311,14 +330,24 @@ class NodalBody:
         tuple[str, ...],
         key(
             KeyType.MARKER_NAMES,
-            "Markers at which joints hold the body. Each adds static modes to `modes`, of its displacement and, if it "
-            "is a set of nodes, of its rotation; craig_bampton needs six fewer, which are rigid motion.",
+            "Markers, or sets of nodes of the file, at which joints hold the body. Each adds static modes to `modes`, "
+            "of its displacement and, if it is a set of nodes, of its rotation; craig_bampton needs six fewer, which "
+            "are rigid motion.",
             default=(),
             example='["left", "right"]',
         ),
     ] = ()
+    stress: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether simulations record the largest stress of von Mises in the body, Pa, as the column `stress` of a "
+            "body alone, and NAME_stress of a body of a scene; the files then have elements with materials.",
+        ),
+    ] = False
     rigid_sets: tuple[tuple[int, ...], ...] = ()
     interface_markers: tuple[InterfaceMarker, ...] = ()
+    loaded_nodes: tuple[int, ...] = ()
     section: ClassVar[str] = "body"
     __repr__ = nodal_text
     _repr_html_ = html
@@ -332,6 +361,11 @@ class NodalBody:
     def second_order(self) -> bool:
         """Whether displacements are quadratic in the amplitudes."""
         return self.order is not DisplacementOrder.FIRST_ORDER
+
+    @property
+    def computes_geometric_stiffness(self) -> bool:
+        """Whether the geometric stiffness of the modes comes from the elements, as the files have none of them."""
+        return self.second_order and not (self.uses_given_modes and self.data.has_geometric_stiffness)
 
 
 @documented

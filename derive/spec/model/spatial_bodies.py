@@ -137,6 +137,7 @@ class NodeFrame:
 
     Attributes:
         name: the name of the marker.
+        node_set: the set of the file that `nodes` come from; "" if they are given by numbers.
 
     Examples:
         >>> import derive
@@ -153,6 +154,7 @@ class NodeFrame:
             default=(),
         ),
         key(KeyType.COUNT, "A node, counted from 0; its marker has no rotation of its own.", name="node"),
+        key(KeyType.TEXT, "A set of nodes of the file, in place of `nodes`.", name="set", example='"left"'),
     ]
     weights: Annotated[tuple[Fraction, ...], key(KeyType.WEIGHTS, "Weights of the nodes; equal by default.")] = ()
     motion: Annotated[
@@ -172,6 +174,7 @@ class NodeFrame:
             shown=(1, 0, 0, 0),
         ),
     ] = NO_ROTATION
+    node_set: str = ""
     __repr__ = record_text
 
     @property
@@ -248,7 +251,8 @@ class FlexibleBody:
         tuple[NodeFrame, ...],
         key(
             KeyType.NODE_FRAMES,
-            "Named markers: the number of a node, or { nodes = [..] } for the weighted mean motion of a set of nodes.",
+            "Named markers: the number of a node, or, for the weighted mean motion of a set of nodes, { nodes = [..] } "
+            'or { set = "left" } with the name of a set of the file.',
             default=(),
         ),
     ] = ()

@@ -18,6 +18,7 @@ from derive.spec.model.body import (
     SymbolicBody,
 )
 from derive.spec.model.keys import KeyType, declared_keys, key
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.model.spatial_bodies import NodeFrame
 from derive.spec.parsing import choices
@@ -25,6 +26,7 @@ from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.beam import DAMPING
 from derive.spec.tables.declared_tables import TABLES, declare
 from derive.spec.tables.shared import TomlTable, one_of
+from derive.spec.tables.value_types import VALUE_TYPES
 
 _POINT = (
     "a point frame needs the node it is at, and turns with those in `around`, or with its nearest neighbours: "
@@ -58,6 +60,7 @@ declare(
     doc="The kind of the floating frame of a body, and its nodes.",
 )
 declare(SpatialStart, "SpatialStartTable")
+declare(ModeSelection, "ModeSelectionTable", plain=VALUE_TYPES[KeyType.MODE_COUNT])
 
 _keys = {key.name: key for key in declared_keys(NodalBody)}
 _first = tuple(
@@ -80,7 +83,7 @@ SYMBOLIC = declare(SymbolicBody, "SymbolicTable", keys=(_integrals, *declared_ke
 def nodal_body(table: TomlTable, data: NodeData, **others: Any) -> NodalBody:
     """The body of the nodes whose data have been read; `others` are its name, its simulation and its plots."""
     given = {key.field: getattr(table, key.name) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
-    markers = interface_markers(given["interface"], given["markers"])
+    markers = interface_markers(given["interface"], given["markers"], data)
     return NodalBody(data=data, interface_markers=markers, **nodal_keys(given, data, {}), **others)
 
 
@@ -90,7 +93,10 @@ def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, An
     if result["interface"] and result["component_modes"] is None:
         result["component_modes"] = "craig_bampton"
     given_modes = data.modes is not None and result["component_modes"] is None
-    second_order = given_modes and data.has_geometric_stiffness and result["order"] != 1
+    if given_modes and data.has_geometric_stiffness:
+        second_order = result["order"] != 1
+    else:
+        second_order = result["order"] == 2 and data.gives_geometric_stiffness
     if result["orthonormal"] is None:
         result["orthonormal"] = result["frame"].kind == "mean" or not given_modes
     result["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
@@ -98,10 +104,17 @@ def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, An
     return result
 
 
-def interface_markers(names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame]) -> tuple[InterfaceMarker, ...]:
-    """The markers of the interface, which `component_mode_faults` has checked, with their nodes."""
-    of_name = {marker.name: marker for marker in markers}
-    return tuple(InterfaceMarker(name, of_name[name].nodes, of_name[name].weights) for name in names)
+def interface_markers(
+    names: tuple[str, ...], markers: Iterable[NodeMarker | NodeFrame], data: NodeData
+) -> tuple[InterfaceMarker, ...]:
+    """The markers of the interface, or sets of the file, with their nodes; `component_mode_faults` has checked them."""
+    of_name = {marker.name: InterfaceMarker(marker.name, marker.nodes, marker.weights) for marker in markers}
+    return tuple(of_name[name] if name in of_name else InterfaceMarker(name, node_set(data, name)) for name in names)
+
+
+def node_set(data: NodeData, name: str) -> tuple[int, ...]:
+    """The nodes of a set of the file."""
+    return tuple(data.mesh.node_sets[name].tolist()) if data.mesh else ()
 
 
 def kind_of_body(value: Any) -> str:

@@ -17,7 +17,7 @@ from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoa
 from derive.spec.model.spatial_start import OF_BENT_BEAMS, SpatialInitialValues
 from derive.spec.model.visuals import NO_SCALE, Visual
 from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys
+from derive.spec.tables.body import NODAL_KEYS, interface_markers, nodal_keys, node_set
 from derive.spec.tables.declared_tables import TABLES, declare, keyed_model
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.spec.tables.shared import ElementName, by_name, one_of
@@ -45,8 +45,14 @@ def _check_inertia(body: SpatialRigidBody) -> None:
 
 def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
     """A marker of a finite-element body. Raises WrongValueError for what does not go together."""
-    if (node is None) == (not nodes):
-        raise WrongValueError("a marker is at a node, node = 17, or at a set of nodes, nodes = [17, 18, 30, 31]")
+    node_set = given.pop("set", None) or ""
+    if (node is not None) + bool(nodes) + bool(node_set) != 1:
+        text = "a marker is at a node, node = 17, or at a set of nodes, nodes = [17, 18, 30, 31]"
+        raise WrongValueError(f'{text}, or set = "left" of the file')
+    if node_set:
+        if given.get("weights"):
+            raise WrongValueError("the nodes of a set of the file have equal weights; list nodes that have others")
+        return NodeFrame("", (), node_set=node_set, **given)
     if given.get("motion", "mean") == "rigid" and node is not None:
         raise WrongValueError('a single node has no rotation; a rigid set, motion = "rigid", needs nodes = [..]')
     own = (node,) if node is not None else tuple(nodes)
@@ -116,10 +122,19 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     """The finite-element body that a table describes, with its data."""
     given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
     own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
-    rigid = tuple(marker.nodes for marker in table.markers if marker.motion == "rigid")
-    held = interface_markers(own["interface"], table.markers)
+    markers = tuple(_with_nodes(marker, data) for marker in table.markers)
+    rigid = tuple(marker.nodes for marker in markers if marker.motion == "rigid")
+    held = interface_markers(own["interface"], markers, data)
+    loaded = {node for element in (*markers, *table.loads) for node in element.nodes}
     nodal = NodalBody(name=name, data=data, rigid_sets=rigid, interface_markers=held, **own)
-    return FlexibleBody(name, nodal, table.markers, table.start, table.loads)
+    if nodal.computes_geometric_stiffness:
+        nodal = replace(nodal, loaded_nodes=tuple(sorted(loaded)))
+    return FlexibleBody(name, nodal, markers, table.start, table.loads)
+
+
+def _with_nodes(marker: NodeFrame, data: NodeData) -> NodeFrame:
+    """A marker with the nodes of its set, which `marker_set_faults` has checked."""
+    return replace(marker, nodes=node_set(data, marker.node_set)) if marker.node_set else marker
 
 
 MAX_VISUALS = 256

@@ -16,6 +16,7 @@ from derive.reduction.component_modes import static_mode_count
 from derive.reduction.eigen import max_elastic_modes
 from derive.reduction.integrals import canonical_csr
 from derive.reduction.interface import RIGID_MOTIONS
+from derive.reduction.mode_selection import with_selected_modes
 from derive.simulation.space.bent_beams import initial_curves, remainders_of
 from derive.spec.model.beam_parts import Polynomial
 from derive.spec.model.body import DisplacementOrder
@@ -91,7 +92,7 @@ def _component_modes(scene: SpatialScene, body: FlexibleBody, model: LadderModel
     """A finite-element body with modes of the kind of a model."""
     kind, held = COMPONENT_MODES[model.shapes], interface(scene, body) if model.shapes in STATIC else ()
     count = mode_count(scene, body, model)
-    markers = interface_markers(held, body.markers)
+    markers = interface_markers(held, body.markers, body.body.data)
     own = replace(body.body, component_modes=kind, interface=held, interface_markers=markers, modes=count)
     own = replace(own, order=model.order)
     return replace(body, body=own)
@@ -107,7 +108,7 @@ def mode_count(scene: SpatialScene, body: FlexibleBody, model: LadderModel) -> i
     """The number of modes of a finite-element body with a model, static ones of its interface included."""
     if model.shapes not in STATIC:
         return model.count
-    held = interface_markers(interface(scene, body), body.markers)
+    held = interface_markers(interface(scene, body), body.markers, body.body.data)
     return model.count + static_mode_count(str(COMPONENT_MODES[model.shapes]), held)
 
 
@@ -125,7 +126,7 @@ def can_have(scene: SpatialScene, body: SpatialBeam | FlexibleBody, model: Ladde
 
 def _is_held(scene: SpatialScene, body: FlexibleBody) -> bool:
     """Whether the interface of a body may hold it: a set of nodes does, and so do three nodes that are on no line."""
-    held = interface_markers(interface(scene, body), body.markers)
+    held = interface_markers(interface(scene, body), body.markers, body.body.data)
     return any(len(marker.nodes) > 1 for marker in held) or len(held) > 2
 
 
@@ -144,5 +145,5 @@ def coordinates(body: SpatialBody) -> int:
         return body.pieces * (RIGID_MOTIONS + len(section_shapes(body)))
     if not isinstance(body, FlexibleBody):
         return RIGID_MOTIONS
-    own, given = body.body.modes, body.body.data.modes
-    return RIGID_MOTIONS + (own if own is not None else 0 if given is None else len(given))
+    own, given = with_selected_modes(body.body).modes, body.body.data.modes
+    return RIGID_MOTIONS + (own if isinstance(own, int) else 0 if given is None else len(given))

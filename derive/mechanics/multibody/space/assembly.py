@@ -51,22 +51,22 @@ if TYPE_CHECKING:
 _PITCH = next(key for key in declared_keys(SpatialJoint) if key.name == "pitch")
 
 
-def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> SpatialMechanism:
+def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody], looped: bool) -> SpatialMechanism:
     """The mechanism of a scene in space, with equations once for each kind of body.
 
-    reduced: the finite-element bodies as numbers, by their names.
+    reduced: the finite-element bodies as numbers, by their names; looped: see `Flexible`.
 
     Raises SpecError with what does not go together, UnknownNameError for a body or joint that no registry knows.
     """
-    result: SpatialMechanism = _SpatialAssembly(in_pieces(scene), reduced).mechanism()
+    result: SpatialMechanism = _SpatialAssembly(in_pieces(scene), reduced, looped).mechanism()
     return result
 
 
 class _SpatialAssembly(SceneAssembly):
     """The state of joint elimination of a scene in space."""
 
-    def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> None:
-        self.reduced = reduced
+    def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody], looped: bool) -> None:
+        self.reduced, self.looped = reduced, looped
         self.links = trees(scene)
         self.of_trees = {link.body for link in self.links}
         super().__init__(scene)
@@ -224,7 +224,7 @@ class _SpatialAssembly(SceneAssembly):
         """The type of a body."""
         if body.name not in self.reduced:
             return SPATIAL_BODIES[body.kind]
-        return Flexible(self.reduced[body.name], self.scene.lowering == "instances")
+        return Flexible(self.reduced[body.name], self.looped)
 
     def _eliminated_joint(self, body: Any, joint: Any) -> SpatialEliminatedJoint:
         own, known = self._ends(body, joint)

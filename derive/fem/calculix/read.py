@@ -1,0 +1,116 @@
+"""`read_calculix`: a part from the input of CalculiX and the files that it has written beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.errors import Problem, SpecError
+from derive.fem.calculix.matrices import read_matrices
+from derive.fem.calculix.results import read_frequencies, read_modes
+from derive.fem.keyword_mesh import KeywordMesh, read_mesh
+from derive.fem.model import FiniteElementModel, Indices
+from derive.fem.node_names import node_list
+from derive.fem.with_nodes import MatricesOfNodes, in_order_of_nodes, mesh_of_nodes
+from derive.short_text import counted
+
+TIES = ("EQUATION", "MPC", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING COUPLING", "CYCLIC SYMMETRY MODEL", "EMBEDDED")
+"""The keywords by which displacements of nodes follow others."""
+
+
+def read_calculix(path: Path) -> FiniteElementModel:
+    """The part of a job of CalculiX. Raises SpecError with all faults.
+
+    Nodes without displacements of their own are left out: those of no element, and those that equations tie to others
+    in all three directions alike, whose mass and stiffness the matrices then hold at the others.
+    """
+    mesh = read_mesh(path)
+    problems: list[Problem] = []
+    matrices = read_matrices(path, problems)
+    if matrices is not None:
+        problems += _faults_of_displacements(mesh, matrices, path.stem)
+    if problems or matrices is None:
+        raise SpecError(tuple(problems), str(path))
+    kept = np.isin(mesh.numbers, matrices.node)
+    numbers = mesh.numbers[kept]
+    stiffness, mass = in_order_of_nodes(matrices, numbers)
+    frequencies = read_frequencies(path)
+    modes = read_modes(path, numbers, problems)
+    notes = [*_notes(mesh, kept), *(f"{problem.path}: {problem.message}" for problem in problems)]
+    if frequencies is not None and modes is not None:
+        modes = modes[-len(frequencies) :] if len(modes) >= len(frequencies) else None
+    return FiniteElementModel(
+        name=path.stem,
+        node_numbers=numbers,
+        positions=mesh.positions[kept],
+        stiffness=stiffness,
+        mass=mass,
+        frequencies=frequencies,
+        modes=modes,
+        notes=tuple(notes),
+        **mesh_of_nodes(mesh, numbers),
+    )
+
+
+def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: str) -> Iterator[Problem]:
+    """Faults of nodes that are not in the mesh, that are held, or that follow others in some directions alone."""
+    unknown = np.setdiff1d(matrices.node, mesh.numbers)
+    if unknown.size:
+        text = f"the nodes {node_list(unknown)} of the matrices are not in the mesh: shells and beams, which CalculiX"
+        yield Problem("", f"{text} expands to solids, cannot be read; mesh the part with solid elements")
+        return
+    if "RIGID BODY" in mesh.cards:
+        text = "nodes of a body have no rotations; leave it out, and make the set of nodes rigid in the scene"
+        yield Problem("*RIGID BODY", f'{text}: motion = "rigid"', mesh.cards["RIGID BODY"][0])
+        return
+    numbers, counts = np.unique(matrices.node, return_counts=True)
+    absent = np.setdiff1d(_nodes_of_elements(mesh), numbers)
+    partly = numbers[counts < 3]
+    if not (absent.size or partly.size):
+        return
+    if "BOUNDARY" in mesh.cards:
+        where = np.concatenate([partly, absent])
+        text = f"the part is held at the nodes {node_list(where)}; a body is stored without supports"
+        yield Problem("*BOUNDARY", f"{text}: leave them out of the step, and run ccx again", mesh.cards["BOUNDARY"][0])
+    elif partly.size:
+        text = f"displacements of the nodes {node_list(partly)} are missing in some directions"
+        yield Problem("", f"{text}{_ties(mesh)}; tie nodes in all three directions, or leave the ties out")
+    elif not any(card in mesh.cards for card in TIES):
+        yield Problem("", f"displacements of the nodes {node_list(absent)} are missing in {job}.dof; run ccx again")
+
+
+def _ties(mesh: KeywordMesh) -> str:
+    """The keywords that may be the cause, with their lines."""
+    given = [f"*{card} in line {mesh.cards[card][0]}" for card in TIES if card in mesh.cards]
+    return f" ({', '.join(given)})" if given else ""
+
+
+def _nodes_of_elements(mesh: KeywordMesh) -> Indices:
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *(block.nodes.ravel() for block in mesh.elements)]))
+
+
+def _notes(mesh: KeywordMesh, kept: NDArray[np.bool_]) -> Iterator[str]:
+    """What is left out or not read."""
+    left_out = mesh.numbers[~kept]
+    tied = np.intersect1d(left_out, _nodes_of_elements(mesh))
+    loose = np.setdiff1d(left_out, tied)
+    if loose.size:
+        yield f"{counted(loose.size, 'node')} of no element {_are(loose.size)} left out: {node_list(loose)}"
+    if tied.size:
+        yield (
+            f"{counted(tied.size, 'node')} that {'follows' if tied.size == 1 else 'follow'} others"
+            f"{_ties(mesh)} {_are(tied.size)} left out, with the elements there in pictures: {node_list(tied)}"
+        )
+    for name, count in mesh.other_elements.items():
+        yield f"{counted(count, 'line')} of elements of the type {name}: in the matrices, but not in pictures"
+    if mesh.unknown:
+        yield f"{counted(mesh.unknown, 'number')} in sets of nodes {_are(mesh.unknown)} not those of nodes"
+    if others := [f"{count} *{card}" for card, (_, count) in mesh.cards.items()]:
+        yield f"not read: {', '.join(others)}"
+
+
+def _are(count: int) -> str:
+    return "is" if count == 1 else "are"

@@ -1,0 +1,106 @@
+"""The TOML of a part: a body alone, or a scene that holds it at the first set of its interface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.errors import printable
+from derive.reduction.frames import centre_of_mass
+from derive.spec.model.body import NodalBody
+from derive.spec.parsing.names import free_name
+
+
+@dataclass(frozen=True)
+class FileUnits:
+    """The names of the units of a file."""
+
+    length: str = "m"
+    mass: str = "kg"
+    time: str = "s"
+
+    @property
+    def are_si(self) -> bool:
+        """Whether these are m, kg and s."""
+        return self == FileUnits()
+
+    def table(self) -> str | dict[str, str]:
+        """The value of the key `units`."""
+        return "SI" if self.are_si else {"length": self.length, "mass": self.mass, "time": self.time}
+
+    def __str__(self) -> str:
+        rows = ", ".join(f'{key} = "{unit}"' for key, unit in vars(self).items())
+        return '"SI"' if self.are_si else f"{{ {rows} }}"
+
+
+SI = FileUnits()
+
+
+@dataclass(frozen=True)
+class BodyTable:
+    """What the text is made of; `mesh` is that of the part in words."""
+
+    name: str
+    source: str
+    nodes_file: str
+    body: NodalBody
+    interface: tuple[str, ...]
+    component_modes: str | None
+    units: FileUnits
+    mesh: str
+
+
+def body_text(table: BodyTable) -> str:
+    """The specification of a body alone."""
+    return "\n".join([*_head(table), "[body]", *_keys(table, table.interface), ""])
+
+
+def scene_text(table: BodyTable) -> str:
+    """The specification of a scene in which the first set is fixed to the ground and gravity acts."""
+    names: dict[str, str] = {}
+    for name in table.interface:
+        names[name] = free_name(name, {*names.values(), "frame", "centre"})
+    held, *_ = names.values()
+    data, inertial = table.body.data, centre_of_mass(table.body.data.mass, table.body.data.positions)
+    at = data.positions[list(table.body.interface_markers[0].nodes)].mean(axis=0)
+    markers = [f"{own} = {{ set = {_text(name)} }}" for name, own in names.items()]
+    lines = [
+        *_head(table),
+        *("[scene]", "gravity = [0, 0, -9.81]", ""),
+        *("[ground.markers]", f"{held} = {_vector(at)}  # the mean of the nodes of this set", ""),
+        *(f"[bodies.{table.name}]", *_keys(table, tuple(names.values()))),
+        "damping = { ratio = 0.01 }  # of critical damping, in each mode",
+        f"start = {{ guess = true, position = {_vector(inertial)} }}  # the centre of mass",
+        *("", f"[bodies.{table.name}.markers]  # weighted means of the nodes of these sets", *markers, ""),
+        *(f"[joints.{held}]", 'kind = "fixed"', f'between = ["ground.{held}", "{table.name}.{held}"]', ""),
+        *("[simulation]", "duration = 0.1", "output = 1e-3", ""),
+    ]
+    return "\n".join(lines)
+
+
+def _head(table: BodyTable) -> Iterator[str]:
+    yield f"# {table.mesh}, imported from {printable(table.source)}."
+    yield f'name = "{table.name}"'
+    yield ""
+
+
+def _keys(table: BodyTable, interface: tuple[str, ...]) -> Iterator[str]:
+    yield f"nodes = {_text(table.nodes_file)}  # positions, mass, stiffness, sets of nodes, elements"
+    yield f"units = {table.units}"
+    yield f"modes = {table.body.modes}"
+    if table.component_modes:
+        yield f'component_modes = "{table.component_modes}"'
+    if interface:
+        yield f"interface = [{', '.join(map(_text, interface))}]"
+
+
+def _text(value: str) -> str:
+    """A basic string of TOML."""
+    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _vector(values: np.ndarray) -> str:
+    return f"[{', '.join(f'{value:.9g}' for value in values + 0.0)}]"

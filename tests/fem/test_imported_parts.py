@@ -1,0 +1,140 @@
+"""`tisserand import` of the bracket: the body builds with the frequencies of CalculiX, and the scene runs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh, null_space
+
+import derive
+from derive.cli.main import main
+from derive.fem.calculix.read import read_calculix
+from derive.reduction import body_properties
+from derive.spec.model.body import NodalBody
+from derive.spec.model.spatial_scene import SpatialScene
+from fem.part_files import bracket_files
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the files of the bracket, which is the current one."""
+    bracket_files(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def imported(*options: str) -> NodalBody | SpatialScene:
+    """The specification that the command writes for the bracket."""
+    assert main(["import", "bracket.inp", *options]) == 0
+    return derive.read("bracket.toml")  # type: ignore[return-value]
+
+
+def test_frequencies_of_the_body_are_those_of_the_program(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = imported("--modes", "14")
+    assert isinstance(body, NodalBody)
+    theirs = read_calculix(folder / "bracket.inp").frequencies
+    assert theirs is not None
+    own = body_properties(body).frequencies
+    assert [f"{value:.6E}" for value in own] == [f"{value:.6E}" for value in theirs[6:]]
+    assert "the 8 of the program differ by" in capsys.readouterr().out
+
+
+def test_the_body_of_an_interface_builds(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = imported("--interface", "left,right", "--modes", "12")
+    assert isinstance(body, NodalBody)
+    assert (body.interface, body.component_modes, body.modes) == (("left", "right"), "craig_bampton", 12)
+    assert [len(marker.nodes) for marker in body.interface_markers] == [8, 8]
+    mesh = body.data.mesh
+    assert mesh is not None
+    assert [block.nodes.shape for block in mesh.elements] == [(3, 20)]
+    assert mesh.node_numbers is not None and mesh.node_numbers.tolist() == list(range(1, 45))
+    assert main(["build", "bracket.toml", "--out", "generated"]) == 0
+    out = capsys.readouterr().out
+    assert "Craig-Bampton modes of the interface left, right (6 static, 6 vibration" in out
+    assert "704.61" in out
+
+
+def test_modes_by_default_are_six_besides_the_static_ones(folder: Path) -> None:
+    assert imported("--interface", "left", "--out", "bracket.toml").modes == 6  # type: ignore[union-attr]
+    (folder / "bracket.toml").unlink()
+    (folder / "bracket.npz").unlink()
+    body = imported("--interface", "left,right", "--component-modes", "attachment")
+    assert (body.modes, body.component_modes) == (18, "attachment")  # type: ignore[union-attr]
+
+
+def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
+    """Its first frequency is that of the full matrices with no mean motion of the set."""
+    scene = imported("--interface", "left,right", "--scene")
+    assert isinstance(scene, SpatialScene)
+    model = read_calculix(folder / "bracket.inp")
+    nodes = model.node_sets["left"]
+    levers = model.positions[nodes] - model.positions[nodes].mean(axis=0)
+    rows = np.zeros((6, len(model.positions), 3))
+    for axis, unit in enumerate(np.eye(3)):
+        rows[axis, nodes] = unit
+        rows[3 + axis, nodes] = np.cross(unit, levers)  # of equal weights: the sum of levers x displacements vanishes
+    free = null_space(rows.reshape(6, -1))
+    stiffness, mass = (free.T @ matrix @ free for matrix in (model.stiffness, model.mass))
+    full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
+    assert derive.modes(scene).frequencies[:2] == pytest.approx(full, rel=1e-4)
+    assert derive.simulate(scene, duration=1e-3).t[-1] == 1e-3
+
+
+def test_units_of_the_file(folder: Path) -> None:
+    body = imported("--units", "mm,kg,s")
+    assert isinstance(body, NodalBody)
+    assert float(np.ptp(body.data.positions[:, 0])) == pytest.approx(0.2e-3)
+    (folder / "bracket.toml").unlink()
+    (folder / "bracket.npz").unlink()
+    scene = imported("--units", "mm,kg,s", "--interface", "left,right", "--scene")
+    assert scene.bodies[0].body.data.mesh.materials["0"].young == pytest.approx(210e9 * 1e3)  # type: ignore
+
+
+def test_notes_as_json(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    imported("--interface", "left,right", "--json")
+    written = json.loads(capsys.readouterr().out)
+    assert (written["name"], written["files"]) == ("bracket", ["bracket.npz", "bracket.toml"])
+    assert written["notes"][0].startswith("44 nodes, 3 hex20; mass 2.3864 kg; stiffness of 132 displacements")
+
+
+def test_the_same_files_give_the_same_bytes(folder: Path) -> None:
+    imported()
+    first = (folder / "bracket.npz").read_bytes()
+    (folder / "bracket.toml").unlink()
+    (folder / "bracket.npz").unlink()
+    imported()
+    assert (folder / "bracket.npz").read_bytes() == first
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--interface", "lef,rght"], 'bracket.inp: --interface: there is no set of nodes "lef"; did you mean "left"?'),
+        (["--base", "fixed"], '--base: this is for a robot, which "bracket.inp" is not'),
+        (["--units", "mm,t"], '--units: length, mass and time are needed, such as mm,t,s, not "mm,t"'),
+        (["--units", "mm,ton,s"], '--units: there is no unit "ton"'),
+        (["--scene"], "bracket.inp: --scene: a scene holds the body at a set of nodes: name it with --interface"),
+        (["--interface", "left,right", "--modes", "5"], "bracket.inp: body.modes: 5 modes are too few for this"),
+        (["--modes", "127"], "bracket.inp: body.modes: 127 modes are too many"),
+    ],
+)  # fmt: skip
+def test_wrong_options(folder: Path, options: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["import", "bracket.inp", *options]) == 2
+    assert message in capsys.readouterr().err
+    assert not (folder / "bracket.toml").exists() and not (folder / "bracket.npz").exists()
+
+
+def test_options_of_parts_are_refused_for_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "r.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+    assert main(["import", "r.urdf", "--interface", "a", "--modes", "3"]) == 2
+    assert capsys.readouterr().err.count('this is for a part, which "r.urdf" is not') == 2
+
+
+def test_files_that_exist_are_left_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "bracket.npz").write_text("mine")
+    assert main(["import", "bracket.inp"]) == 2
+    assert "bracket.npz: this file exists and is left alone" in capsys.readouterr().err
+    assert (folder / "bracket.npz").read_text() == "mine"
