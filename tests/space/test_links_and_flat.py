@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from trees_of_bodies import KINDS, random_tree
 
 import derive
 import derive.lowering.trees.lower
@@ -14,7 +15,6 @@ from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.configurations import normalised
-from space.trees_of_bodies import KINDS, random_tree
 
 MATRICES = ("M", "G", "A", "jacobian")
 FUNCTIONS = ("inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum")
@@ -46,7 +46,13 @@ def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
     q = normalised(native, rng.normal(size=native.nq))
     v, vdot = rng.normal(size=(2, native.nv))
     given: dict[str, Any] = {
-        **{"q": q, "v": v, "vdot": vdot, "u": rng.normal(size=len(flat.inputs)), "lam": rng.normal(size=native.nlambda)},
+        **{
+            "q": q,
+            "v": v,
+            "vdot": vdot,
+            "u": rng.normal(size=len(flat.inputs)),
+            "lam": rng.normal(size=native.nlambda),
+        },
         **{"y": np.concatenate([q, v]), "r": rng.normal(size=native.nlambda)},
         **{"ydot": rng.normal(size=native.nq + native.nv)},
     }
@@ -123,6 +129,7 @@ def test_markers_in_loops_have_the_values_of_straight_line_code(seed: int, free:
 def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
     """Masses, lengths, gravity, stiffnesses and loads may be parameters; setup computes what follows from them."""
     tables = closed(0)
+
     def parameter(symbol: str, default: float, unit: str) -> dict[str, Any]:
         return {"symbol": symbol, "default": default, "unit": unit}
 

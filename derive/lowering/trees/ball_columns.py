@@ -1,4 +1,4 @@
-"""The mass matrix of trees with balls: an entry is one scalar product, for each pair of links of which one moves the other.
+"""The mass matrix of trees with balls: a scalar product for each pair of links of which one moves the other.
 
 What hangs on a ball does not turn with the links before this: they give all of it the velocity of the ball. The moment
 of its momentum that they feel is that of the momentum at the ball next to them.

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 from derive.algebra import sp
 from derive.lowering.trees.links import BodyPlace, Tree, marker_place
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, VirtualMotion
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 
+Joint = TypeVar("Joint", SpatialJointInstance, SpatialEliminatedJoint)
 VECTORS = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
 """The vectors of the motion of a frame."""
 
@@ -97,11 +100,13 @@ def conditions_of(mechanism: SpatialMechanism, tree: Tree) -> Conditions:
             frames[marker] = _moving(len(frames), place)
         return frames[marker].motion
 
-    def driven(joint):  # type: ignore[no-untyped-def]
+    def driven(joint: Joint) -> Joint:
         if joint.drive is None:
             return joint
-        made = [_symbol(joint.drive.name, k, value, definitions) for k, value in enumerate(joint.drive.motion)]
-        return replace(joint, drive=PrescribedMotion(joint.drive.name, tuple(made)))
+        first, second, third = (
+            _symbol(joint.drive.name, k, value, definitions) for k, value in enumerate(joint.drive.motion)
+        )
+        return replace(joint, drive=PrescribedMotion(joint.drive.name, (first, second, third)))
 
     of = replace(
         mechanism,

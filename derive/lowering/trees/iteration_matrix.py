@@ -1,7 +1,7 @@
-"""The iteration matrix dF/dy + cj dF/dydot of trees, column by column: the derivatives of all loops along a direction.
+"""The iteration matrix dF/dy + cj dF/dydot of trees, a column after the other: derivatives of loops along directions.
 
-Along the direction dy = e_j, dydot = cj e_j, the derivative of F is column j. The loops of the residual run once more for
-it, each with the derivatives of what it writes.
+Along the direction dy = e_j, dydot = cj e_j, the derivative of F is column j. The loops of the residual run once more
+for it, each with the derivatives of what it writes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def columns(loops: Sequence[tuple[LinkLoop, bool]], parts: Sequence[Part], size:
     tangents = [tangent for loop, backward in loops if (tangent := loop.tangent(backward, active)) is not None]
     works = [statement for *_, body in parts for statement in body if isinstance(statement, Work)]
     column = variable(COLUMN)
-    sizes = {name: (size, 0) for name in ("y", "ydot", "F")}
+    sizes = dict.fromkeys(("y", "ydot", "F"), (size, 0))
     sizes |= {work.array: (work.count, work.spacing) for work in works if work.array in active - sizes.keys()}
     declared: list[Statement] = [
         Work(tangent_of(name), count, spacing=spacing) for name, (count, spacing) in sizes.items()

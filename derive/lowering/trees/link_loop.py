@@ -46,7 +46,7 @@ Column = Sequence[Exact]
 class LinkArrays:
     """The arrays of a model with a slot for each link and one for the ground, and the constant arrays.
 
-    links: those of all trees. parametric: the names of the constants of setup whose values are expressions of parameters.
+    links: those of all trees. parametric: the names of the constants of setup that are expressions of parameters.
     made: all loops so far, and whether they run backward.
     """
 
@@ -205,7 +205,7 @@ class LinkLoop:
         """
         values = {self._targets[item.index]: item.value for item in self._items if isinstance(item, OutputValue)}
         while True:  # a link may read what the loop has written for another one
-            read = [(element, x) for element, x in self._read.items() if element.array in active]
+            read = [(element, x) for element, x in self._read.items() if element.array in active and element.index]
             if not read:
                 return None
             known = ca.vertcat(*(x for _, x in read))
@@ -217,12 +217,13 @@ class LinkLoop:
         result._read, result._names, result.symbols = dict(self._read), dict(self._names), self.symbols.copy()
         result._items, result._targets = [], []
         by = ca.vertcat(*(x for _, x in read))
-        along = ca.vertcat(*(result.element(tangent_of(element.array), element.index) for element, _ in read))
+        places = [(element.array, element.index) for element, _ in read if element.index]
+        along = ca.vertcat(*(result.element(tangent_of(array), index) for array, index in places))
         for item in self._items:
             if isinstance(item, OutputValue):
                 target, operator = self._targets[item.index]
                 value = ca.jtimes(item.value, by, along)
-                if not value.is_zero():
+                if not value.is_zero() and target.index:
                     result.store(tangent_of(target.array), target.index, value, operator)
         return result._statement(backward, independent=False) if result._items else None
 

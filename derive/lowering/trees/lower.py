@@ -58,7 +58,7 @@ def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equati
 
 
 def _check(context: TreeContext) -> None:
-    """Raise SpecError for constraints that no coordinate takes part in, and where multipliers of least norm are wanted."""
+    """Raise SpecError for constraints without coordinates, and where multipliers of least norm are wanted."""
     of, scene = context.conditions, context.mechanism.scene
     refuse_idle(of.every, scene.redundant, [(d.symbol, d.expr) for d in context.known.definitions])
     idle = [c.shown for c in of.every if not c.jacobian]

@@ -23,7 +23,7 @@ from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.links import BodyPlace, marker_in_body
-from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, TreeMotion, matrix
+from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, STILL, TreeMotion, matrix
 from derive.lowering.trees.tree_context import TreeContext
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
 from derive.mechanics.terms import MarkerEquations
@@ -33,8 +33,6 @@ NAME, NUMBER = "of_tree", "number"
 """The name of the class of all markers, and the argument that is the number of one."""
 UNITS = "unit_forces"
 """The array of the forces and torques on links that hold three unit forces at the marker."""
-STILL = "still"
-"""The local array of velocities that are all zero."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +91,12 @@ def load(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the generalised forces of a force at a marker: its products with the columns of the Jacobian."""
     of, motion, rows = markers_of(context), context.motion, len(context.rows)
     force = Argument("F", ("F1", "F2", "F3"), "force at the marker, in the inertial frame [N]")
-    still: list[Statement] = [Work(STILL, rows, cleared=True), Work("jacobian", 3 * rows), Work("x", 3), Work("xdot", 3)]
+    still: list[Statement] = [
+        Work(STILL, rows, cleared=True),
+        Work("jacobian", 3 * rows),
+        Work("x", 3),
+        Work("xdot", 3),
+    ]
     motion = replace(motion, v=(STILL, 0))
     loop = LinkLoop(motion.arrays, "load", range(rows))
     value = [loop.element("jacobian", ElementIndex(k, (IndexTerm(3, LINK),))) for k in range(3)]

@@ -67,9 +67,7 @@ def carried_accelerations(motion: TreeMotion, given: Given | None, array: str = 
     return loop.made()
 
 
-def free_accelerations(
-    motion: TreeMotion, upward: Sequence[Expr], given: Given | None, array: str = FOUND
-) -> ForEach:
+def free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given | None, array: str = FOUND) -> ForEach:
     """The loop of the accelerations of free bodies in an array, on a ground that accelerates upward."""
     loop = motion.loop("free_carried", motion.free)
     here = loop.of_links()
