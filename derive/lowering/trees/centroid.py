@@ -15,7 +15,7 @@ from derive.ir.expressions import Operator
 from derive.ir.indices import constant
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Clear, ForEach, Statement, Work
-from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, Pair, pairs_of
+from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, LinkPair, pairs_of
 from derive.lowering.trees.composite import HEAP
 from derive.lowering.trees.exact_numbers import Exact
 from derive.lowering.trees.invariants import of_links
@@ -142,7 +142,7 @@ def _of_pairs(
     motion: TreeMotion,
     output: str,
     number: dict[tuple[int, int], int],
-    pairs: Sequence[Pair],
+    pairs: Sequence[LinkPair],
     is_free: bool,
     across: bool,
 ) -> ForEach:

@@ -17,7 +17,7 @@ from derive.ir.expressions import Operator
 from derive.ir.indices import constant
 from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.instances.loop_code.context import ZERO
-from derive.lowering.trees.ball_columns import TWIST, Pair, pairs_of, unit_motion
+from derive.lowering.trees.ball_columns import TWIST, LinkPair, pairs_of, unit_motion
 from derive.lowering.trees.conditions import VECTORS, Conditions, frame_symbol
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.motion import FRAME, ORIGIN, SPEED, SPIN, TreeMotion, matrix
@@ -196,7 +196,7 @@ class ConditionLoops:
         self,
         array: str,
         position: Callable[[int, int], int],
-        some: Sequence[tuple[int, Pair]],
+        some: Sequence[tuple[int, LinkPair]],
         is_free: bool,
         across: bool,
     ) -> ForEach:

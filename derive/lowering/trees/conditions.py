@@ -27,7 +27,7 @@ VECTORS = ("position", "velocity", "acceleration", "angular_velocity", "angular_
 
 
 @dataclass(frozen=True)
-class MovingFrame:
+class FrameOnLink:
     """A marker frame with a place on a link; motion: its motion in symbols of its own."""
 
     place: BodyPlace
@@ -58,7 +58,7 @@ class Conditions:
     """The constraints of a tree; definitions: of the prescribed motions, which are functions of the time."""
 
     every: tuple[Constraint, ...]
-    frames: tuple[MovingFrame, ...]
+    frames: tuple[FrameOnLink, ...]
     rows: tuple[str, ...]
     definitions: tuple[Intermediate, ...]
 
@@ -88,7 +88,7 @@ class Conditions:
 
 def conditions_of(mechanism: SpatialMechanism, tree: Tree) -> Conditions:
     """The constraints of a mechanism."""
-    frames: dict[MarkerRef, MovingFrame] = {}
+    frames: dict[MarkerRef, FrameOnLink] = {}
     still = {c.symbol: c.value for c in mechanism.constants}
     definitions: list[Intermediate] = []
 
@@ -142,7 +142,7 @@ def _symbol(drive: str, k: int, value: sp.Expr, definitions: list[Intermediate])
     return symbol
 
 
-def _moving(number: int, place: BodyPlace) -> MovingFrame:
+def _moving(number: int, place: BodyPlace) -> FrameOnLink:
     """A frame with symbols for all that moves, and with six rows that move it."""
 
     def vector(what: str) -> sp.ImmutableMatrix:
@@ -158,7 +158,7 @@ def _moving(number: int, place: BodyPlace) -> MovingFrame:
             virtual.append(VirtualMotion(name, **{what: unit}))
     axes = sp.ImmutableMatrix(3, 3, lambda i, j: frame_symbol(number, "axes", 3 * i + j))
     vectors = {what: vector(what) for what in VECTORS}
-    return MovingFrame(place, FrameMotion((), axes=axes, virtual=tuple(virtual), **vectors), tuple(rows))
+    return FrameOnLink(place, FrameMotion((), axes=axes, virtual=tuple(virtual), **vectors), tuple(rows))
 
 
 def frame_symbol(frame: int, what: str, k: int) -> sp.Symbol:
