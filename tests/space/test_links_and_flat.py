@@ -182,3 +182,17 @@ def test_forms_in_loops_have_the_values_of_straight_line_code(
             found.append((rows, matrix[:, : len(q)] @ along, matrix[:, len(q) :]))
         for a, b in zip(*found, strict=True):
             assert np.max(np.abs(a - b)) < 1e-13 * np.max(np.abs(b)), form
+
+
+def test_what_loops_over_links_do_not_have_is_refused() -> None:
+    """Bodies that a drive moves, and constraints whose multipliers have to be of least norm, with what to write."""
+    tables = closed(0)
+    tables["bodies"]["alone"] = {**tables["bodies"]["body1"], "markers": {"o": {"at": [0, 0, 0]}}}
+    tables["joints"]["pivot"] = {"kind": "revolute", "between": ["ground.o", "alone.o"]}
+    scene = replace(derive.spatial_scene(tables), coordinates="relative", lowering="instances")
+    with pytest.raises(derive.SpecError, match="no multipliers of least norm, and scene.redundant"):
+        derive.lower(derive.derive(replace(scene, redundant="resolve")), explicit=True)
+    tables["drives"]["spin"] = {"joint": "pivot", "motion": "t"}
+    scene = replace(derive.spatial_scene(tables), coordinates="relative", lowering="instances")
+    with pytest.raises(derive.SpecError, match="drive spin prescribes one.*lowering = "):
+        derive.lower(derive.derive(scene), explicit=True)
