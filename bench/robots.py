@@ -2,10 +2,10 @@
 
 python bench/robots.py [--only NAME ...] [--yardsticks FOLDER] [--coordinates NAME] [--kept FOLDER] [--json]
 
-Robots are those of the package example-robot-data, in one URDF that all read; chains have 3 to 1000 revolute bodies with
-numbers of their own. Makers run alternately in one process, one call after the other for random states, with the same
-flags; each time is the least of many slices, and values are compared first: accelerations, forces and mass matrices
-agree to 1e-12 of the largest number in the coordinates of Pinocchio.
+Robots are those of the package example-robot-data, in one URDF that all read; chains have 3 to 1000 revolute bodies
+with numbers of their own. Makers run alternately in one process, one call after the other for random states, with the
+same flags; each time is the least of many slices, and values are compared first: accelerations, forces and mass
+matrices agree to 1e-12 of the largest number in the coordinates of Pinocchio.
 
 Pinocchio is compiled from the headers of its package with Eigen from `cmeel-eigen`, and takes its faster convention in
 each row (kept: a folder for its object, whose compilation takes minutes). Without these headers it is timed from Python

@@ -259,7 +259,7 @@ def lower(
             A scene that starts in equilibrium or in steady motion keeps the iteration matrix, which gives its start.
         functions: add kernels that few users need: "all", one or some of "inverse_dynamics", "gravity_compensation",
             "centre_of_mass", "centroidal_momentum" and "marker_rotations", and their derivatives if there are
-            sensitivities. Only straight-line code has them.
+            sensitivities. Loops over the links of trees have all but "marker_rotations", other loops none.
 
     Raises:
         SpecError: if the specification requires straight-line code that would be too long, or has loops where

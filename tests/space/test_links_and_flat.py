@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from trees_of_bodies import KINDS, random_tree
 
 import derive
+import derive.lowering.trees.lower
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.configurations import normalised
-from space.trees_of_bodies import KINDS, random_tree
 
 MATRICES = ("M", "G", "A", "jacobian")
 FUNCTIONS = ("inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum")
@@ -45,7 +46,13 @@ def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
     q = normalised(native, rng.normal(size=native.nq))
     v, vdot = rng.normal(size=(2, native.nv))
     given: dict[str, Any] = {
-        **{"q": q, "v": v, "vdot": vdot, "u": rng.normal(size=len(flat.inputs)), "lam": rng.normal(size=native.nlambda)},
+        **{
+            "q": q,
+            "v": v,
+            "vdot": vdot,
+            "u": rng.normal(size=len(flat.inputs)),
+            "lam": rng.normal(size=native.nlambda),
+        },
         **{"y": np.concatenate([q, v]), "r": rng.normal(size=native.nlambda)},
         **{"ydot": rng.normal(size=native.nq + native.nv)},
     }
@@ -122,6 +129,7 @@ def test_markers_in_loops_have_the_values_of_straight_line_code(seed: int, free:
 def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
     """Masses, lengths, gravity, stiffnesses and loads may be parameters; setup computes what follows from them."""
     tables = closed(0)
+
     def parameter(symbol: str, default: float, unit: str) -> dict[str, Any]:
         return {"symbol": symbol, "default": default, "unit": unit}
 
@@ -140,3 +148,51 @@ def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
     }
     found = differences(*models(tables))
     assert {name: error for name, error in found.items() if error > 1e-12} == {}
+
+
+@pytest.mark.parametrize(("seed", "free"), [(0, False), (2, True)])
+def test_forms_in_loops_have_the_values_of_straight_line_code(
+    seed: int, free: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Residuals of all forms, and the derivatives of their loops, column by column, with springs, balls, constraints.
+
+    Beside unit quaternions both have other derivatives: the directions are those of rates of coordinates. Iteration
+    matrices of straight-line code are those for mu = 0.
+    """
+    monkeypatch.setattr(derive.lowering.trees.lower, "MOST_UNROLLED", 5)
+    tables = closed(seed, free)
+    hinge = {"kind": "rotational", "between": tables["joints"]["joint5"]["between"]}
+    tables["springs"] = {"coil": {**hinge, "stiffness": 7, "damping": 2}}
+    scene = replace(derive.spatial_scene(tables), coordinates="relative")
+    pair = [derive.lower(derive.derive(replace(scene, lowering=name))) for name in ("instances", "flat")]
+    rng = np.random.default_rng(seed)
+    native = InterpretedScene(pair[1])
+    q, v = normalised(native, rng.normal(size=native.nq)), rng.normal(size=native.nv)
+    along = np.array([native.rates(q, other, native.setup()) for other in rng.normal(size=(3, native.nv))]).T
+    for form in ("", "_ggl", "_index1"):
+        size = pair[1].kernel(f"residual{form}").outputs[0].size
+        states = np.concatenate([q, v, rng.normal(size=native.nlambda), np.zeros(size)])[:size]
+        given = {"t": 0.3, "y": states, "ydot": rng.normal(size=size), "cj": 3.0, "u": []}
+        found = []
+        for model in pair:
+            state = {**given, "k": interpret(model.kernel("setup"), {"p": []})["k"]}
+            values = interpret(model.kernel(f"jacobian{form}"), state)["jac"]
+            matrix = model.pattern(f"jacobian{form}", "jac").dense(np.array(values, float))
+            rows = np.array(interpret(model.kernel(f"residual{form}"), state)["F"], float)
+            found.append((rows, matrix[:, : len(q)] @ along, matrix[:, len(q) :]))
+        for a, b in zip(*found, strict=True):
+            assert np.max(np.abs(a - b)) < 1e-13 * np.max(np.abs(b)), form
+
+
+def test_what_loops_over_links_do_not_have_is_refused() -> None:
+    """Bodies that a drive moves, and constraints whose multipliers have to be of least norm, with what to write."""
+    tables = closed(0)
+    tables["bodies"]["alone"] = {**tables["bodies"]["body1"], "markers": {"o": {"at": [0, 0, 0]}}}
+    tables["joints"]["pivot"] = {"kind": "revolute", "between": ["ground.o", "alone.o"]}
+    scene = replace(derive.spatial_scene(tables), coordinates="relative", lowering="instances")
+    with pytest.raises(derive.SpecError, match="no multipliers of least norm, and scene.redundant"):
+        derive.lower(derive.derive(replace(scene, redundant="resolve")), explicit=True)
+    tables["drives"]["spin"] = {"joint": "pivot", "motion": "t"}
+    scene = replace(derive.spatial_scene(tables), coordinates="relative", lowering="instances")
+    with pytest.raises(derive.SpecError, match="drive spin prescribes one.*lowering = "):
+        derive.lower(derive.derive(scene), explicit=True)

@@ -47,9 +47,7 @@ M, H, J, P = 0, 6, 15, 21
 COUNT = 27
 
 
-def articulated(
-    motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool, target: str = "vdot"
-) -> list[Part]:
+def articulated(motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool, target: str = "vdot") -> list[Part]:
     """The sections of the accelerations in an array, after those of the motion and of the inertias.
 
     Without an array the articulated bodies alone.

@@ -1,4 +1,4 @@
-"""The mass matrix of trees with balls: an entry is one scalar product, for each pair of links of which one moves the other.
+"""The mass matrix of trees with balls: a scalar product for each pair of links of which one moves the other.
 
 What hangs on a ball does not turn with the links before this: they give all of it the velocity of the ball. The moment
 of its momentum that they feel is that of the momentum at the ball next to them.
@@ -23,7 +23,7 @@ TWIST, MOMENTUM = "twist", "momentum_of"
 
 
 @dataclass(frozen=True)
-class Pair:
+class LinkPair:
     """A link that moves another one, and the ball between them that is next to it, if there is one."""
 
     link: int
@@ -31,7 +31,7 @@ class Pair:
     ball: int | None
 
 
-def pairs_of(tree: Tree, link: int) -> Iterator[Pair]:
+def pairs_of(tree: Tree, link: int) -> Iterator[LinkPair]:
     """Yield the pairs of a link with itself and all that hang on it."""
     balls: dict[int, int | None] = {link: None}
     for moved in range(link, tree.last[link] + 1):
@@ -39,7 +39,7 @@ def pairs_of(tree: Tree, link: int) -> Iterator[Pair]:
         if moved > link:
             before = balls[of.parent]
             balls[moved] = moved if before is None and not of.follows else before
-        yield Pair(link, moved, balls[moved])
+        yield LinkPair(link, moved, balls[moved])
 
 
 def by_pairs(motion: TreeMotion, shape: Pattern) -> Iterator[ForEach]:
@@ -71,13 +71,13 @@ def unit_motion(loop: LinkLoop) -> Vector:
     return [*plus(scaled(advances, e), cross(x, w)), *w]
 
 
-def _by_ball(name: str, pairs: Sequence[Pair]) -> Iterator[tuple[str, list[Pair]]]:
+def _by_ball(name: str, pairs: Sequence[LinkPair]) -> Iterator[tuple[str, list[LinkPair]]]:
     for across in (False, True):
         if some := [of for of in pairs if (of.ball is not None) == across]:
             yield f"{name}_across" if across else name, some
 
 
-def _momentum(motion: TreeMotion, name: str, pairs: Sequence[Pair]) -> tuple[LinkLoop, Vector, Vector]:
+def _momentum(motion: TreeMotion, name: str, pairs: Sequence[LinkPair]) -> tuple[LinkLoop, Vector, Vector]:
     loop = LinkLoop(motion.arrays, name, range(len(pairs)))
     moved = loop.place("moved", [motion.arrays.slot(of.moved) for of in pairs], motion.arrays.spacing)
     linear = loop.vector(MOMENTUM, moved)
@@ -92,7 +92,7 @@ def _store(
     motion: TreeMotion,
     loop: LinkLoop,
     number: Mapping[tuple[int, int], int],
-    pairs: Sequence[Pair],
+    pairs: Sequence[LinkPair],
     k: int,
     value: ca.SX,
 ) -> None:

@@ -15,7 +15,7 @@ from derive.ir.expressions import Operator
 from derive.ir.indices import constant
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Clear, ForEach, Statement, Work
-from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, Pair, pairs_of
+from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, LinkPair, pairs_of
 from derive.lowering.trees.composite import HEAP
 from derive.lowering.trees.exact_numbers import Exact
 from derive.lowering.trees.invariants import of_links
@@ -142,7 +142,7 @@ def _of_pairs(
     motion: TreeMotion,
     output: str,
     number: dict[tuple[int, int], int],
-    pairs: Sequence[Pair],
+    pairs: Sequence[LinkPair],
     is_free: bool,
     across: bool,
 ) -> ForEach:
@@ -159,14 +159,14 @@ def _of_pairs(
     else:
         twist = loop.vector(TWIST, own, 6)
         twists = [(twist[:3], twist[3:])]
-    for k, (v, w) in enumerate(twists):
+    for k, (origin, w) in enumerate(twists):
         if across:
             balls = [motion.arrays.slot(of.ball) for of in pairs if of.ball is not None]
-            v = plus(v, cross(w, loop.vector(ORIGIN, loop.place("ball", balls, motion.arrays.spacing))))
+            v = plus(origin, cross(w, loop.vector(ORIGIN, loop.place("ball", balls, motion.arrays.spacing))))
             linear = scaled(mass, v)
             angular = cross(plus(scaled(mass, x), s), v)
         else:
-            v = plus(v, cross(w, x))
+            v = plus(origin, cross(w, x))
             linear = plus(scaled(mass, v), cross(w, s))
             angular = plus(cross(x, linear), cross(s, v), applied(tensor, w))
         values = [*linear, *_moved(motion, loop, linear, angular)]

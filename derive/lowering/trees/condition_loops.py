@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import casadi as ca
 
 from derive.algebra import sp
-from derive.ir.expressions import Number, Operator
+from derive.ir.expressions import Operator
 from derive.ir.indices import constant
 from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.instances.loop_code.context import ZERO
-from derive.lowering.trees.ball_columns import TWIST, pairs_of, unit_motion
-from derive.lowering.trees.conditions import VECTORS, Conditions, FrameFactor, frame_symbol
+from derive.lowering.trees.ball_columns import TWIST, LinkPair, pairs_of, unit_motion
+from derive.lowering.trees.conditions import VECTORS, Conditions, frame_symbol
 from derive.lowering.trees.link_loop import LinkLoop
-from derive.lowering.trees.motion import BIAS, FRAME, LEVER, ORIGIN, SPEED, SPIN, TreeMotion, matrix
+from derive.lowering.trees.motion import FRAME, ORIGIN, SPEED, SPIN, TreeMotion, matrix
 from derive.lowering.trees.newton_euler import carried_accelerations
 from derive.lowering.trees.vectors import applied, cross, plus, product, scaled, transposed
 from derive.mechanics.terms import Constraint
@@ -41,17 +41,54 @@ class ConditionLoops:
     velocities: Sequence[sp.Symbol]
     parameters: frozenset[sp.Symbol]
 
-    def values(self, output: str, of: Callable[[Constraint], sp.Expr], moving: bool, biased: bool = False) -> ForEach:
-        """The loop, of one iteration, that writes a value of each constraint."""
+    def values(
+        self, output: str, of: Callable[[Constraint], sp.Expr], moving: bool, biased: bool = False, first: int = 0
+    ) -> ForEach:
+        """The loop, of one iteration, that writes a value of each constraint from an element of an array on."""
         loop = LinkLoop(self.motion.arrays, f"constraints_{output}", [0])
         for number, condition in enumerate(self.conditions.every):
-            loop.store(output, constant(number), self._value(loop, of(condition), moving, biased))
+            loop.store(output, constant(first + number), self._value(loop, of(condition), moving, biased))
         return loop.made()
+
+    def loads(self, multipliers: tuple[str, int], array: str) -> list[Statement]:
+        """The statements that subtract what multipliers exert from an array with a force and a torque of each link."""
+        if not self.conditions.of_frames:
+            return []
+        loop = LinkLoop(self.motion.arrays, f"exerted_{array}", [0])
+        for factor in self.conditions.of_frames:
+            by = loop.element(multipliers[0], constant(multipliers[1] + factor.condition))
+            values = [by * self._value(loop, x) for x in factor.values]
+            place = self.conditions.frames[factor.frame].place
+            slot = loop.place(
+                f"frame_{factor.frame}", [self.motion.arrays.slot(place.link)], self.motion.arrays.spacing
+            )
+            Q = matrix(loop.vector(FRAME, slot, 9))
+            lever = applied(Q, [loop.value(x) for x in place.origin])
+            force, torque = values[:3], values[3:]
+            for k, value in enumerate([*force, *plus(torque, cross(lever, force))]):
+                loop.store(array, slot.at(k), value, Operator.SUB)
+        return [loop.made()]
+
+    def on_rows(
+        self, factors: tuple[str, int], target: tuple[str, int], by_row: bool, operator: Operator
+    ) -> list[Statement]:
+        """The statements that add or subtract products of G's factors of rows, from elements of arrays on.
+
+        by_row: the target has an element for each row and `factors` one for each constraint; or the other way round.
+        """
+        if not self.conditions.of_rows:
+            return []
+        loop = LinkLoop(self.motion.arrays, f"on_rows_{target[0]}_{target[1]}", [0])
+        for of in self.conditions.of_rows:
+            to, by = (of.row, of.condition) if by_row else (of.condition, of.row)
+            value = self._value(loop, of.value) * loop.element(factors[0], constant(factors[1] + by))
+            loop.store(target[0], constant(target[1] + to), value, operator)
+        return [loop.made()]
 
     def _value(self, loop: LinkLoop, expr: sp.Expr, moving: bool = False, biased: bool = False) -> ca.SX:
         """The value of an expression; moving, biased: whether velocities, and accelerations, of frames are known."""
         present = expr.free_symbols
-        for number, frame in enumerate(self.conditions.frames):
+        for number in range(len(self.conditions.frames)):
             names = [(what, k) for what, count in (*((v, 3) for v in VECTORS), ("axes", 9)) for k in range(count)]
             if present & {frame_symbol(number, what, k) for what, k in names}:
                 known = self._frame(loop, number, moving, biased)
@@ -100,7 +137,9 @@ class ConditionLoops:
         if self.conditions.of_frames:
             result += [*motion.work((TWIST, 6)), Work(EXERTED, EACH * len(self.conditions.of_frames))]
             result += [self._exerted(), *([self._twists()] if motion.joints else [])]
-        found = [(n, pair) for n, link in self._moving() for pair in pairs_of(tree, link) if pair.moved == self._link(n)]
+        found = [
+            (n, pair) for n, link in self._moving() for pair in pairs_of(tree, link) if pair.moved == self._link(n)
+        ]
         for is_free in (False, True):
             for across in (False, True):
                 some = [
@@ -153,7 +192,14 @@ class ConditionLoops:
         loop.store_vector(TWIST, loop.of_links(), unit_motion(loop))
         return loop.made(independent=True)
 
-    def _entries(self, array, position, some, is_free, across) -> ForEach:  # type: ignore[no-untyped-def]
+    def _entries(
+        self,
+        array: str,
+        position: Callable[[int, int], int],
+        some: Sequence[tuple[int, LinkPair]],
+        is_free: bool,
+        across: bool,
+    ) -> ForEach:
         """The loop over links and loads of which a link moves the frame."""
         motion, tree = self.motion, self.motion.tree
         name = f"{'free_' * is_free}{array}{'_across' * across}"
@@ -163,7 +209,7 @@ class ConditionLoops:
         force = [loop.element(EXERTED, load.at(k)) for k in range(3)]
         moment = [loop.element(EXERTED, load.at(3 + k)) for k in range(3)]
         if across:
-            balls = [motion.arrays.slot(pair.ball) for _, pair in some]
+            balls = [motion.arrays.slot(pair.ball) for _, pair in some if pair.ball is not None]
             moment = cross(loop.vector(ORIGIN, loop.place("ball", balls, motion.arrays.spacing)), force)
         if is_free:
             x = loop.vector(ORIGIN, here)

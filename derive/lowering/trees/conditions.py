@@ -8,23 +8,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 from derive.algebra import sp
 from derive.lowering.trees.links import BodyPlace, Tree, marker_place
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, VirtualMotion
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 
+Joint = TypeVar("Joint", SpatialJointInstance, SpatialEliminatedJoint)
 VECTORS = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
 """The vectors of the motion of a frame."""
 
 
 @dataclass(frozen=True)
-class MovingFrame:
+class FrameOnLink:
     """A marker frame with a place on a link; motion: its motion in symbols of its own."""
 
     place: BodyPlace
@@ -55,7 +58,7 @@ class Conditions:
     """The constraints of a tree; definitions: of the prescribed motions, which are functions of the time."""
 
     every: tuple[Constraint, ...]
-    frames: tuple[MovingFrame, ...]
+    frames: tuple[FrameOnLink, ...]
     rows: tuple[str, ...]
     definitions: tuple[Intermediate, ...]
 
@@ -85,7 +88,7 @@ class Conditions:
 
 def conditions_of(mechanism: SpatialMechanism, tree: Tree) -> Conditions:
     """The constraints of a mechanism."""
-    frames: dict[MarkerRef, MovingFrame] = {}
+    frames: dict[MarkerRef, FrameOnLink] = {}
     still = {c.symbol: c.value for c in mechanism.constants}
     definitions: list[Intermediate] = []
 
@@ -97,11 +100,13 @@ def conditions_of(mechanism: SpatialMechanism, tree: Tree) -> Conditions:
             frames[marker] = _moving(len(frames), place)
         return frames[marker].motion
 
-    def driven(joint):  # type: ignore[no-untyped-def]
+    def driven(joint: Joint) -> Joint:
         if joint.drive is None:
             return joint
-        made = [_symbol(joint.drive.name, k, value, definitions) for k, value in enumerate(joint.drive.motion)]
-        return replace(joint, drive=PrescribedMotion(joint.drive.name, tuple(made)))
+        first, second, third = (
+            _symbol(joint.drive.name, k, value, definitions) for k, value in enumerate(joint.drive.motion)
+        )
+        return replace(joint, drive=PrescribedMotion(joint.drive.name, (first, second, third)))
 
     of = replace(
         mechanism,
@@ -137,7 +142,7 @@ def _symbol(drive: str, k: int, value: sp.Expr, definitions: list[Intermediate])
     return symbol
 
 
-def _moving(number: int, place: BodyPlace) -> MovingFrame:
+def _moving(number: int, place: BodyPlace) -> FrameOnLink:
     """A frame with symbols for all that moves, and with six rows that move it."""
 
     def vector(what: str) -> sp.ImmutableMatrix:
@@ -153,7 +158,7 @@ def _moving(number: int, place: BodyPlace) -> MovingFrame:
             virtual.append(VirtualMotion(name, **{what: unit}))
     axes = sp.ImmutableMatrix(3, 3, lambda i, j: frame_symbol(number, "axes", 3 * i + j))
     vectors = {what: vector(what) for what in VECTORS}
-    return MovingFrame(place, FrameMotion((), axes=axes, virtual=tuple(virtual), **vectors), tuple(rows))
+    return FrameOnLink(place, FrameMotion((), axes=axes, virtual=tuple(virtual), **vectors), tuple(rows))
 
 
 def frame_symbol(frame: int, what: str, k: int) -> sp.Symbol:

@@ -11,19 +11,19 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, Work
 from derive.lowering.instances.loop_code.context import Part, Result, kernel, whole
 from derive.lowering.model_functions import FunctionKind, ModelFunction
-from derive.lowering.trees import centroid, invariants, joint_outputs, loads
+from derive.lowering.trees import invariants, iteration_matrix, joint_outputs, loads, requested
 from derive.lowering.trees.articulated import articulated
-from derive.lowering.trees.condition_loops import ConditionLoops
 from derive.lowering.trees.composite import composite
+from derive.lowering.trees.condition_loops import ConditionLoops
+from derive.lowering.trees.forms import TreeForm
 from derive.lowering.trees.links import BodyPlace, marker_in_body
+from derive.lowering.trees.motion import STILL
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.reactions import G, Reactions
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.roles import Source
 
-STILL = "still"
-"""The local array of velocities that are all zero."""
 FREELY, WANTED = "freely", "wanted"
 """The local arrays of accelerations without multipliers, and of gamma."""
 
@@ -210,75 +210,28 @@ def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
 
 
 def residual(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of [qdot - v; M vdot + h]: all forms are one without constraints."""
-    count, size = context.coordinates, context.coordinates + len(context.rows)
-    motion = replace(context.motion, q=("y", 0), v=("y", count))
-    parts = [
-        ("rates", "(1)", "qdot - v", invariants.rates(motion, "F", "ydot")),
-        motion.frames(moving=True),
-        motion.inertias(moving=True),
-        *context.applied_at(motion),
-        *newton_euler(motion, context.gravity, ("F", count), context.applied_array, ("ydot", count)),
-    ]
-    results = {"F": Result(("coordinates and rows",), count=size)}
-    inputs = {"y": whole("y", size, "state [q; v]"), "ydot": whole("ydot", size, "time derivative of y")}
-    return kernel(context, function, results, *parts, inputs=inputs)
+    """The kernel of a form F(t, y, ydot)."""
+    form = TreeForm(context, function.variant)
+    results = {"F": Result(("coordinates, rows, and constraints",), count=form.size)}
+    return kernel(context, function, results, *form.parts(), inputs=_of_form(form.size))
 
 
-def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of the generalised forces f = M vdot + h of a motion."""
-    motion, target = context.motion, ("f", 0)
-    parts = [
-        motion.frames(moving=True),
-        motion.inertias(moving=True),
-        *context.applied,
-        *newton_euler(motion, context.gravity, target, context.applied_array, ("vdot", 0)),
-    ]
-    return kernel(context, function, context.counted("f"), *parts, inputs=_reactions(context))
+def jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
+    form, made = TreeForm(context, function.variant), context.motion.arrays.made
+    first = len(made)
+    parts: list[Part] = [(name, equation, text, [*body]) for name, equation, text, body in form.parts()]
+    columns = iteration_matrix.columns(made[first:], parts, form.size)
+    inputs = {**_of_form(form.size), "cj": Argument("cj", (), "factor of dF/dydot", scalar=True)}
+    local: list[Statement] = [Work("F", form.size)]
+    parts = [("residual", "", "the residual, whose loops have the derivatives", local), *parts]
+    parts.append(("jac", "", "derivatives of F, column by column", columns))
+    return kernel(context, function, {"jac": Result(pattern=iteration_matrix.dense(form.size))}, *parts, inputs=inputs)
 
 
-def gravity_compensation(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of the generalised forces h that hold a tree without velocities."""
-    motion = replace(context.motion, v=(STILL, 0))
-    still: list[Statement] = [Work(STILL, len(context.rows), cleared=True)]
-    parts = [
-        ("still", "", "no velocities", still),
-        motion.frames(moving=True),
-        motion.inertias(moving=True),
-        *context.applied_at(motion),
-        *newton_euler(motion, context.gravity, ("f", 0), context.applied_array),
-    ]
-    return kernel(context, function, context.counted("f"), *parts)
-
-
-def centre_of_mass(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of the centre of mass and of its velocity, with the derivative by the velocities."""
-    motion, labels = context.motion, {"x": "x{}", "xdot": "x{}dot"}
-    shape = centroid.shape_of(motion, 1, len(context.rows))
-    results = {name: Result(tuple(label.format(k) for k in (1, 2, 3))) for name, label in labels.items()}
-    body = [*centroid.centre(motion), *centroid.columns(motion, "jacobian", shape)]
-    parts = [*_momentum_parts(context), ("centre", "", "int rho x and int rho xdot, divided by the mass", body)]
-    return kernel(context, function, {**results, "jacobian": Result(pattern=shape), "m_total": Result(("m_total",))}, *parts)
-
-
-def centroidal_momentum(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of the momentum about the centre of mass as A(q) v."""
-    motion = context.motion
-    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in (1, 2, 3))
-    shape = centroid.shape_of(motion, 2, len(context.rows))
-    body = [*centroid.about_centre(motion), *centroid.columns(motion, "A", shape)]
-    parts = [*_momentum_parts(context), ("momentum", "", "int rho xdot and int rho (x - centre) x xdot", body)]
-    return kernel(context, function, {"momentum": Result(labels), "A": Result(pattern=shape)}, *parts)
-
-
-def _momentum_parts(context: TreeContext) -> list[Part]:
-    motion = context.motion
-    return [
-        motion.frames(moving=True, placed=True),
-        motion.inertias(moving=False),
-        ("sums", "(1)", "momenta and first moment of all links", centroid.sums(motion)),
-        *composite(motion, context.mass_pattern)[:2],
-    ]
+def _of_form(size: int) -> dict[str, Argument]:
+    doc = "state [q; v; multipliers]"
+    return {"y": whole("y", size, doc), "ydot": whole("ydot", size, "time derivative of y")}
 
 
 def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -286,7 +239,7 @@ def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
     body = [*joint_outputs.values(context.motion, context.outputs or ())]
     results = {"out": Result(("output by output",), count=len(context.outputs or ()))}
     section = "outputs", "", "motions of joints and their rates", body
-    return kernel(context, function, results, section, inputs=_reactions(context))
+    return kernel(context, function, results, section, inputs=context.reactions)
 
 
 def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -296,14 +249,7 @@ def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
     shape = joint_outputs.jacobian_pattern(context.outputs or (), sizes)
     body = joint_outputs.derivatives(context.motion, context.outputs or (), shape)
     section = "jacobian", "", "derivatives of the outputs", body
-    return kernel(context, function, {"jac": Result(pattern=shape)}, section, inputs=_reactions(context))
-
-
-def _reactions(context: TreeContext) -> dict[str, Argument]:
-    return {
-        "vdot": whole("vdot", len(context.rows), "accelerations, as from solve"),
-        "lam": whole("lam", context.multipliers, "constraint reactions, as from solve"),
-    }
+    return kernel(context, function, {"jac": Result(pattern=shape)}, section, inputs=context.reactions)
 
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]] = {
@@ -324,9 +270,10 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.OUTPUTS: outputs,
     FunctionKind.OUTPUTS_JACOBIAN: outputs_jacobian,
     FunctionKind.RESIDUAL: residual,
-    FunctionKind.INVERSE_DYNAMICS: inverse_dynamics,
-    FunctionKind.GRAVITY_COMPENSATION: gravity_compensation,
-    FunctionKind.CENTRE_OF_MASS: centre_of_mass,
-    FunctionKind.CENTROIDAL_MOMENTUM: centroidal_momentum,
+    FunctionKind.JACOBIAN: jacobian,
+    FunctionKind.INVERSE_DYNAMICS: requested.inverse_dynamics,
+    FunctionKind.GRAVITY_COMPENSATION: requested.gravity_compensation,
+    FunctionKind.CENTRE_OF_MASS: requested.centre_of_mass,
+    FunctionKind.CENTROIDAL_MOMENTUM: requested.centroidal_momentum,
 }
 """The functions of a tree, by their kinds."""

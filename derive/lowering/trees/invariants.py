@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 import casadi as ca
 
@@ -83,7 +84,7 @@ def _of_quaternion(motion: TreeMotion, loop: LinkLoop, first: int) -> list[ca.SX
     a, b, c, d = (motion.coordinate(loop, first + k) for k in range(4))
     x, y, z = (motion.velocity(loop, first + k) for k in range(3))
     turned = [-b * x - c * y - d * z, a * x - d * y + c * z, d * x + a * y - b * z, b * y - c * x + a * z]
-    return [of / 2 for of in turned]
+    return scaled(loop.value(Fraction(1, 2)), turned)  # CasADi would round the derivative of a quotient
 
 
 def _stored(motion: TreeMotion, loop: LinkLoop, output: str, of: str, values: Sequence[ca.SX]) -> None:

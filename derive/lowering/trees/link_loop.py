@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -45,13 +46,15 @@ Column = Sequence[Exact]
 class LinkArrays:
     """The arrays of a model with a slot for each link and one for the ground, and the constant arrays.
 
-    links: those of all trees. parametric: the names of the constants of setup whose values are expressions of parameters.
+    links: those of all trees. parametric: the names of the constants of setup that are expressions of parameters.
+    made: all loops so far, and whether they run backward.
     """
 
     links: tuple[TreeLink, ...]
     places: Places
     constants: Constants
     parametric: dict[sp.Expr, str] = field(default_factory=dict)
+    made: list[tuple[LinkLoop, bool]] = field(default_factory=list)
 
     @property
     def spacing(self) -> int:
@@ -191,6 +194,40 @@ class LinkLoop:
 
     def made(self, backward: bool = False, independent: bool = False) -> ForEach:
         """The loop."""
+        self.arrays.made.append((self, backward))
+        return self._statement(backward, independent)
+
+    def tangent(self, backward: bool, active: set[str]) -> ForEach | None:
+        """The loop of the derivatives of what it writes by those of what it reads, if any of these is `active`.
+
+        Derivatives are in arrays with names of their own, which hold zeros before; what has some becomes active. All
+        that the loop reads has to be what it was.
+        """
+        values = {self._targets[item.index]: item.value for item in self._items if isinstance(item, OutputValue)}
+        while True:  # a link may read what the loop has written for another one
+            read = [(element, x) for element, x in self._read.items() if element.array in active and element.index]
+            if not read:
+                return None
+            known = ca.vertcat(*(x for _, x in read))
+            found = {target.array for (target, _), value in values.items() if ca.depends_on(value, known)}
+            if found <= active:
+                break
+            active |= found
+        result = copy(self)
+        result._read, result._names, result.symbols = dict(self._read), dict(self._names), self.symbols.copy()
+        result._items, result._targets = [], []
+        by = ca.vertcat(*(x for _, x in read))
+        places = [(element.array, element.index) for element, _ in read if element.index]
+        along = ca.vertcat(*(result.element(tangent_of(array), index) for array, index in places))
+        for item in self._items:
+            if isinstance(item, OutputValue):
+                target, operator = self._targets[item.index]
+                value = ca.jtimes(item.value, by, along)
+                if not value.is_zero() and target.index:
+                    result.store(tangent_of(target.array), target.index, value, operator)
+        return result._statement(backward, independent=False) if result._items else None
+
+    def _statement(self, backward: bool, independent: bool) -> ForEach:
         step = Step(self.name, "", "", tuple(self._items))
         sections = schedule(Graph(self.arrays.constants), self.symbols, (), (step,))
         body: list[InstanceItem] = []
@@ -207,6 +244,11 @@ class LinkLoop:
             self.arrays.places.numbers(ConstantArray(self._array, values, False, len(self.links)))
         every = (*self.entries, *loads, *body)
         return ForEach(LINK, constant(0), constant(len(self.links)), every, backward, independent and not backward)
+
+
+def tangent_of(array: str) -> str:
+    """The name of the array of the derivatives of another one."""
+    return f"tangent_of_{array}"
 
 
 def opposite(leaf: Expr) -> Expr:

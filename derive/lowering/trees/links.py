@@ -2,7 +2,8 @@
 
 A link moves against the one before it by a rotation about, and a displacement along, its axis, which is the z axis of
 its frame. The frame of the last link of a body is that of its marker of the joint, turned so that z is the axis; bodies
-whose joint leaves several motions have links without mass before it. All numbers are exact, or expressions of parameters.
+whose joint leaves several motions have links without mass before it. All numbers are exact, or expressions of
+parameters.
 """
 
 from __future__ import annotations
@@ -11,11 +12,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TypeAlias
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
-from derive.lowering.trees.exact_numbers import Exact, exact
+from derive.lowering.trees.exact_numbers import (
+    ZERO,
+    Exact,
+    Matrix,
+    Vector,
+    applied,
+    exact,
+    plus,
+    product,
+    scalar_product,
+    transposed,
+)
 from derive.lowering.trees.row_loads import refused_actions
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
@@ -28,10 +39,7 @@ from derive.mechanics.symbols import Family, identity
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 
-Matrix: TypeAlias = tuple[tuple[Exact, ...], ...]
-Vector: TypeAlias = tuple[Exact, ...]
-
-ZERO, ONE = Fraction(0), Fraction(1)
+ONE = Fraction(1)
 AT_REST: Vector = (ZERO, ZERO, ZERO)
 UNIT: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 NO_INERTIA: Matrix = (AT_REST, AT_REST, AT_REST)
@@ -60,7 +68,7 @@ class LinkInertia:
         A, r = at.attitude, at.origin
         s = applied(A, self.moment)
         g = plus(plus(s, s), tuple(self.mass * x for x in r))  # m r^2 + 2 r . s = r . g
-        trace, tensor = _dot(r, g), product(product(A, self.tensor), transposed(A))
+        trace, tensor = scalar_product(r, g), product(product(A, self.tensor), transposed(A))
         moved = tuple(
             tuple(tensor[i][j] + (trace if i == j else ZERO) - (r[i] * g[j] + r[j] * g[i]) / 2 for j in range(3))
             for i in range(3)
@@ -205,15 +213,15 @@ class _Links:
         for k, c in enumerate(motions):
             turn = TURNED[AXES_OF[c.motion]]
             at = before.at(product(transposed(turned), turn), AT_REST)
-            advances = exact(c.along, {of.symbol: of.value for of in self.mechanism.constants}) if c.is_rotation else ONE
+            advances = (
+                exact(c.along, {of.symbol: of.value for of in self.mechanism.constants}) if c.is_rotation else ONE
+            )
             turns = ONE if c.is_rotation else ZERO
             yield TreeLink(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
             before, turned = BodyPlace(count + k), turn
         for axis in range(3) if is_ball else ():
             k = len(motions)
-            yield TreeLink(
-                before.link, first + k, row + k + axis, TURNED[axis], before.origin, turns=ONE, ball=axis
-            )
+            yield TreeLink(before.link, first + k, row + k + axis, TURNED[axis], before.origin, turns=ONE, ball=axis)
             before, turned = BodyPlace(count + k + axis), TURNED[axis]
         self._last_turn = turned
 
@@ -274,34 +282,6 @@ def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
     )
     for name in refused_actions(mechanism):
         yield f"{only} no springs but those about and along the axes of joints, and {name} is none"
-
-
-# ---- exact linear algebra ----
-
-
-def product(a: Matrix, b: Matrix) -> Matrix:
-    """The product of two matrices (3, 3)."""
-    columns = transposed(b)
-    return tuple(tuple(_dot(row, column) for column in columns) for row in a)
-
-
-def applied(a: Matrix, x: Vector) -> Vector:
-    """The product of a matrix (3, 3) and a vector (3,)."""
-    return tuple(_dot(row, x) for row in a)
-
-
-def transposed(a: Matrix) -> Matrix:
-    """The transpose of a matrix."""
-    return tuple(zip(*a, strict=True))
-
-
-def plus(a: Vector, b: Vector) -> Vector:
-    """The sum of two vectors."""
-    return tuple(x + y for x, y in zip(a, b, strict=True))
-
-
-def _dot(a: Vector, b: Vector) -> Exact:
-    return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
 
 
 def _matrix(values: sp.Matrix, numbers: Mapping[sp.Symbol, sp.Expr]) -> Matrix:

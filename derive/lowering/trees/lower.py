@@ -24,14 +24,14 @@ from derive.lowering.trees import joint_outputs
 from derive.lowering.trees.centroid import total_mass
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED
-from derive.lowering.trees.markers import marker, markers_of
+from derive.lowering.trees.markers import OF_MARKERS, markers_of
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.gathering import refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
-WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives"
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives by parameters and inputs"
 
 
 def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
@@ -58,7 +58,7 @@ def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equati
 
 
 def _check(context: TreeContext) -> None:
-    """Raise SpecError for constraints that no coordinate takes part in, and where multipliers of least norm are wanted."""
+    """Raise SpecError for constraints without coordinates, and where multipliers of least norm are wanted."""
     of, scene = context.conditions, context.mechanism.scene
     refuse_idle(of.every, scene.redundant, [(d.symbol, d.expr) for d in context.known.definitions])
     idle = [c.shown for c in of.every if not c.jacobian]
@@ -80,7 +80,7 @@ def _with_parameters(context: TreeContext, of: Context) -> Context:
 
 def _is_looped(context: TreeContext, kind: FunctionKind) -> bool:
     is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN)
-    has_form = kind is not FunctionKind.RESIDUAL or not context.multipliers
+    has_form = len(context.rows) > MOST_UNROLLED or kind not in (FunctionKind.RESIDUAL, FunctionKind.JACOBIAN)
     return kind in FUNCTIONS and has_form and (context.outputs is not None or not is_output)
 
 
@@ -100,13 +100,13 @@ def lower_trees(
         equations = replace(equations, markers=())
     kernels: list[Kernel] = []
     if others is None:
-        choice, explicit = f"{choice}; {WITHOUT}", True
-        if sensitivities or balanced or not {*requested} <= LOOPED:
+        choice = f"{choice}; {WITHOUT}"
+        if sensitivities or not {*requested} <= LOOPED:
             raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
-    every = functions_of(equations, sensitivities, explicit)
+    every = functions_of(equations, sensitivities, explicit, balanced and others is None)
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
-        if others is None and function.kind is FunctionKind.MARKER:
-            kernels.append(marker(context, function))
+        if others is None and function.kind in OF_MARKERS:
+            kernels.append(OF_MARKERS[function.kind](context, function))
         elif _is_looped(context, function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
         elif others is not None:

@@ -93,7 +93,11 @@ def acting(motion: TreeMotion, of: MarkerLoads) -> list[Statement]:
     result: list[Statement] = [Work(VALUES, 3 * len(of.names))]
     for n, (name, values) in enumerate(zip(of.names, of.components, strict=True)):
         for k, value in enumerate(values):
-            leaf = Number(Fraction(int(value.p), int(value.q))) if value.is_Rational else ScalarRef(str(_symbol(name, k + 1)))
+            leaf = (
+                Number(Fraction(int(value.p), int(value.q)))
+                if value.is_Rational
+                else ScalarRef(str(_symbol(name, k + 1)))
+            )
             result.append(StoreElement(Element(VALUES, constant(3 * n + k)), leaf))
     return [*result, _loop(motion, of.loads).made()]
 

@@ -6,24 +6,24 @@ the motion of a link is the factor of its velocity in that of the marker.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from derive.algebra import sp
-from derive.ir.expressions import Number, Operator
-from derive.ir.indices import constant, variable
+from derive.ir.expressions import Operator
+from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.model import MarkerClass, Variable
 from derive.ir.patterns import Pattern, pattern
-from derive.ir.statements import Clear, ForEach, Statement
-from derive.lowering.instances.loop_code.context import Part, Result, kernel
-from derive.lowering.model_functions import ModelFunction
+from derive.ir.statements import ForEach, Statement, Work
+from derive.lowering.instances.loop_code.context import ZERO, Part, Result, kernel
+from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees.articulated import axis
-from derive.lowering.trees.link_loop import LinkLoop
+from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.links import BodyPlace, marker_in_body
-from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, TreeMotion, matrix
+from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, STILL, TreeMotion, matrix
 from derive.lowering.trees.tree_context import TreeContext
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
 from derive.mechanics.terms import MarkerEquations
@@ -78,15 +78,54 @@ def marker(context: TreeContext, function: ModelFunction) -> Kernel:
     of, motion = markers_of(context), context.motion
     labels = tuple(f"x{k}" for k in (1, 2, 3))
     results = {"x": Result(labels), "xdot": Result(tuple(f"{label}dot" for label in labels))}
-    doc = f"number i of the marker, 0 .. {len(of.shown) - 1}"
-    number = Argument(NUMBER, (), doc, scalar=True, integer=True)
     parts: list[Part] = [
         motion.frames(moving=True, placed=True),
         ("marker", "(1)", "the marker on its link", [*motion.work((UNITS, 18), cleared=True), _at_marker(motion, of)]),
         ("jacobian", "(1)", "its velocity by unit rates of the links", [*_jacobian(motion, of)]),
     ]
-    timed = replace(function, arguments=(NUMBER, *function.arguments))
-    return kernel(context, timed, {**results, "jacobian": Result(pattern=of.pattern)}, *parts, inputs={NUMBER: number})
+    results |= {"jacobian": Result(pattern=of.pattern)}
+    return kernel(context, _of_number(function), results, *parts, inputs=_number(of))
+
+
+def load(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the generalised forces of a force at a marker: its products with the columns of the Jacobian."""
+    of, motion, rows = markers_of(context), context.motion, len(context.rows)
+    force = Argument("F", ("F1", "F2", "F3"), "force at the marker, in the inertial frame [N]")
+    still: list[Statement] = [
+        Work(STILL, rows, cleared=True),
+        Work("jacobian", 3 * rows),
+        Work("x", 3),
+        Work("xdot", 3),
+    ]
+    motion = replace(motion, v=(STILL, 0))
+    loop = LinkLoop(motion.arrays, "load", range(rows))
+    value = [loop.element("jacobian", ElementIndex(k, (IndexTerm(3, LINK),))) for k in range(3)]
+    loop.store("f", variable(LINK), dot(value, [loop.scalar(name) for name in force.elements]))
+    parts: list[Part] = [
+        ("still", "", "no velocities", still),
+        motion.frames(moving=True, placed=True),
+        ("marker", "(1)", "the marker on its link", [*motion.work((UNITS, 18), cleared=True), _at_marker(motion, of)]),
+        ("jacobian", "(1)", "its velocity by unit rates of the links", [*_jacobian(motion, of)]),
+        ("f", "(10)", "virtual work of the force", [loop.made()]),
+    ]
+    inputs = {**_number(of), "F": force}
+    return kernel(context, _of_number(function), {"f": Result(("row by row",), count=rows)}, *parts, inputs=inputs)
+
+
+OF_MARKERS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]] = {
+    FunctionKind.MARKER: marker,
+    FunctionKind.LOAD: load,
+}
+"""The functions of markers, by their kinds."""
+
+
+def _of_number(function: ModelFunction) -> ModelFunction:
+    return replace(function, arguments=(NUMBER, *function.arguments))
+
+
+def _number(of: TreeMarkers) -> dict[str, Argument]:
+    doc = f"number i of the marker, 0 .. {len(of.shown) - 1}"
+    return {NUMBER: Argument(NUMBER, (), doc, scalar=True, integer=True)}
 
 
 def _at_marker(motion: TreeMotion, of: TreeMarkers) -> ForEach:
@@ -107,8 +146,7 @@ def _at_marker(motion: TreeMotion, of: TreeMarkers) -> ForEach:
 
 
 def _jacobian(motion: TreeMotion, of: TreeMarkers) -> Iterator[Statement]:
-    yield from motion.at_ground(UNITS, [Number(of.places[0].origin[0] * 0)] * 18)
-    yield Clear("jacobian", 3 * of.rows)
+    yield from motion.at_ground(UNITS, [ZERO] * 18)
     if motion.joints:
         loop = motion.loop("marker_jacobian", motion.joints)
         here, before = loop.of_links(), loop.of_parents()

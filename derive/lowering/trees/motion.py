@@ -39,6 +39,8 @@ FRAME, SPIN, LEVER, BIAS = "frame", "spin", "lever", "bias"
 """The arrays of the axes of links by rows, their angular velocities, levers, and of c and gamma."""
 MOMENT, INERTIA, NEEDED = "moment", "inertia", "needed"
 """The arrays of first moments and inertias about the origins of links, and of the forces and torques for w."""
+STILL = "still"
+"""The array of velocities that are all zero."""
 ORIGIN, SPEED = "origin", "speed"
 """The arrays of the positions and velocities of the origins of links."""
 

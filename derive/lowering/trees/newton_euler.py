@@ -34,7 +34,7 @@ def newton_euler(
         *motion.at_ground(FORCE, [ZERO] * 6),
     ]
     if motion.free:
-        forward.append(_free_accelerations(motion, upward, given))
+        forward.append(free_accelerations(motion, upward, given))
     if motion.joints:
         forward.append(carried_accelerations(motion, given))
     forward.append(_forces(motion))
@@ -67,7 +67,8 @@ def carried_accelerations(motion: TreeMotion, given: Given | None, array: str = 
     return loop.made()
 
 
-def _free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given | None) -> ForEach:
+def free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given | None, array: str = FOUND) -> ForEach:
+    """The loop of the accelerations of free bodies in an array, on a ground that accelerates upward."""
     loop = motion.loop("free_carried", motion.free)
     here = loop.of_links()
     a, alpha = [loop.leaf(of) for of in upward], [ca.SX(0)] * 3
@@ -75,7 +76,7 @@ def _free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given
         a = plus(a, [_vdot(motion, loop, given, k) for k in range(3)])
         Q = matrix(loop.vector(FRAME, here, 9))
         alpha = applied(Q, [_vdot(motion, loop, given, 3 + k) for k in range(3)])
-    loop.store_vector(FOUND, here, [*a, *alpha])
+    loop.store_vector(array, here, [*a, *alpha])
     return loop.made()
 
 

@@ -15,7 +15,17 @@ import casadi as ca
 
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
-from derive.ir.statements import ForEach, InstanceItem, Let, Require, Requirement, ReturnCode, Statement, StoreElement, Work
+from derive.ir.statements import (
+    ForEach,
+    InstanceItem,
+    Let,
+    Require,
+    Requirement,
+    ReturnCode,
+    Statement,
+    StoreElement,
+    Work,
+)
 from derive.lowering.instances.loop_code.context import ZERO
 from derive.lowering.ldlt import VANISHING
 from derive.lowering.trees.articulated import SHARE, axis, carried, solved
@@ -69,7 +79,9 @@ class Reactions:
             Operator.ADD,
         )
         lower = ForEach(OTHER, constant(0), ElementIndex(1, (IndexTerm(1, COLUMN),)), (entry,))
-        products = ForEach(ROW, constant(0), constant(self.rows), (ForEach(COLUMN, constant(0), constant(m), (lower,)),))
+        products = ForEach(
+            ROW, constant(0), constant(self.rows), (ForEach(COLUMN, constant(0), constant(m), (lower,)),)
+        )
         return [*declared, column, products]
 
     def _cleared(self) -> ForEach:
@@ -131,7 +143,10 @@ class Reactions:
         """The statements of (G X) lambda = wanted - G free, by L D L^T; free: the array of accelerations, if any."""
         m, column = self.count, variable(COLUMN)
         pivot = Element(SCHUR, ElementIndex(0, (IndexTerm(m + 1, COLUMN),)))
-        start = (StoreElement(Element(REACTIONS, column), wanted(column)), StoreElement(Element(INVERSES, column), pivot))
+        start = (
+            StoreElement(Element(REACTIONS, column), wanted(column)),
+            StoreElement(Element(INVERSES, column), pivot),
+        )
         result: list[Statement] = [
             Work(REACTIONS, m),
             Work(INVERSES, m),

@@ -5,11 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import cached_property
 
+from derive.algebra import sp
 from derive.ir.expressions import Expr, Number, ScalarRef
+from derive.ir.kernel import Argument
 from derive.ir.patterns import Pattern
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
-from derive.lowering.instances.loop_code.context import Part, Result
+from derive.lowering.instances.loop_code.context import Part, Result, whole
 from derive.lowering.instances.places import Places
 from derive.lowering.trees import joint_outputs, loads, marker_loads
 from derive.lowering.trees.composite import mass_pattern
@@ -20,7 +22,6 @@ from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import Tree, tree_of
 from derive.lowering.trees.motion import TreeMotion
 from derive.lowering.trees.row_loads import row_loads
-from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
@@ -111,6 +112,14 @@ class TreeContext:
     def applied_array(self) -> str:
         """The array of the generalised forces, if there are any."""
         return loads.APPLIED if self.loads.any else ""
+
+    @property
+    def reactions(self) -> dict[str, Argument]:
+        """The arguments of accelerations and multipliers."""
+        return {
+            "vdot": whole("vdot", len(self.rows), "accelerations, as from solve"),
+            "lam": whole("lam", self.multipliers, "constraint reactions, as from solve"),
+        }
 
     def counted(self, *names: str) -> dict[str, Result]:
         """Outputs with an element for each row."""

@@ -113,10 +113,10 @@ class SpatialMechanism(InstancesOfKinds):
     def _trees(self) -> tuple[TreeBody, ...]:
         """The bodies that have coordinates of joints between bodies that move."""
         return tuple(
-            tree_body(name, of.component.group, of.coordinates.carried, of.component.body.constants)
+            tree_body(name, of.component.group, carried, of.component.body.constants)
             for name in self.order
             for of in [self.instances_by_name[name]]
-            if of.coordinates.is_carried
+            if of.coordinates.is_carried and (carried := of.coordinates.carried)
         )
 
     def _gravity(self) -> sp.Matrix:

@@ -190,27 +190,27 @@ class DerivedWhenNeeded(CoordinateMap):
         return derived()
 
     @cached_property
-    def values(self) -> Mapping[sp.Basic, sp.Basic]:  # type: ignore[override]
+    def values(self) -> Mapping[sp.Basic, sp.Basic]:
         """Each coordinate, velocity and acceleration of the free body."""
         return self._whole.values
 
     @cached_property
-    def weights(self) -> tuple[Mapping[str, sp.Expr], ...]:  # type: ignore[override]
+    def weights(self) -> tuple[Mapping[str, sp.Expr], ...]:
         """The factors of the equations of the free body."""
         return self._whole.weights
 
     @cached_property
-    def definitions(self) -> tuple[Intermediate, ...]:  # type: ignore[override]
+    def definitions(self) -> tuple[Intermediate, ...]:
         """The quantities of a prescribed motion."""
         return self._whole.definitions
 
     @cached_property
-    def attitude(self) -> sp.ImmutableMatrix | None:  # type: ignore[override]
+    def attitude(self) -> sp.ImmutableMatrix | None:
         """The rotation tensor of a body without quaternion."""
         return self._whole.attitude
 
     @cached_property
-    def carried(self) -> CarriedMotion | None:  # type: ignore[override]
+    def carried(self) -> CarriedMotion | None:
         """The motion of the body."""
         return self._whole.carried
 
