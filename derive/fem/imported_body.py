@@ -43,7 +43,7 @@ class BodyOptions:
 
     interface: the sets of nodes to which joints attach. modes: their number; None for VIBRATION_MODES besides the
     static ones. component_modes: their kind, if not the usual one. scene: whether a scene is written that holds the
-    body at the first set of the interface.
+    body at the first set of the interface. second_order: whether displacements are of second order in the amplitudes.
     """
 
     interface: tuple[str, ...] = ()
@@ -51,6 +51,7 @@ class BodyOptions:
     component_modes: ComponentModes | None = None
     units: FileUnits = SI
     scene: bool = False
+    second_order: bool = False
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     try:
         body = nodal_body(
             name, arrays, units=options.units.table(), modes=modes, component_modes=options.component_modes,
-            interface=interface or None,
+            interface=interface or None, order=2 if options.second_order else None,
         )  # fmt: skip
         show_progress("computing modes ...")
         frequencies = _elastic_frequencies(body, model, min(COMPARED, 3 * len(model.positions) - 6))

@@ -179,11 +179,11 @@ def stiffened_data(body: NodalBody) -> NodeData:
     K0F is that of its markers and loads. Raises SpecError for elements that are distorted.
     """
     prepared, data = prepare(body), body.data
-    assert data.stiffness is not None, "a body of second order has matrices or a stiffness"
+    assert data.stiffness is not None and data.mesh is not None, "a body of second order has matrices or elements"
     raw = prepared.raw
     if not len(raw.phi):
         return data
-    solid = solid_mesh(data, raw.x, raw.phi)
+    solid = solid_mesh(data.mesh, raw)
     respond = free_response(raw.x, prepared.mass, data.stiffness, () if body.uses_given_modes else body.rigid_sets)
     nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers)})
     return replace(data, **geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond))

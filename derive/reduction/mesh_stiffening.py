@@ -21,12 +21,11 @@ from scipy.sparse import csr_array, identity
 
 from derive.reduction.arithmetic import Array
 from derive.reduction.component_modes import inertia_relief
-from derive.reduction.eigen import mass_of_displacements, modal_stiffness, rigid_set_motions, symmetric_matrix
-from derive.reduction.frames import from_centre_of_mass, rigid_basis
+from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
+from derive.reduction.frames import ModeShapes, from_centre_of_mass, rigid_basis
 from derive.solids.stress_work import stress_work
 from derive.solids.stresses import SolidMesh, strain_energies
-from derive.spec.model.body import NodeData
-from derive.spec.model.mesh import ElementKind
+from derive.spec.model.mesh import ElementKind, Mesh
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The axes of the products w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3 of K0omega."""
@@ -34,6 +33,9 @@ OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 LOADS_AT_ONCE = 60
 """Unit loads whose displacements are in memory at a time."""
 
+
+ZERO_ENERGY = 1e-9
+"""The strain energy of a mode without stiffness, relative to the largest."""
 
 Response = Callable[[Array], Array]
 """The static displacements (L, displacements) of a body under loads (L, displacements)."""
@@ -54,19 +56,23 @@ def free_response(
     )
 
 
-def solid_mesh(data: NodeData, x: Array, phi: Array) -> SolidMesh:
-    """The elements of a body whose modes are phi (N, nodes, 3), with the points of integration of its stiffness.
+def solid_mesh(mesh: Mesh, shapes: ModeShapes) -> SolidMesh:
+    """The elements of a body with modes, with the points of integration of its stiffness.
 
     Those of bricks of 20 nodes are the eight or the 27 with which the modes have a strain energy nearer to that by the
-    stiffness; eight if there is none.
+    stiffness.
     """
-    assert data.mesh is not None
-    solids = [SolidMesh(data.mesh, x, full) for full in (False, True)]
-    bricks = any(block.kind is ElementKind.HEX20 for block in data.mesh.elements)
-    if data.stiffness is None or not bricks or not len(phi):
-        return solids[0]
-    energies = np.diag(modal_stiffness(data.stiffness, phi)) / 2
-    return min(solids, key=lambda solid: float(np.abs(strain_energies(solid, phi) - energies).sum()))
+    reduced, full = (SolidMesh(mesh, shapes.x, every) for every in (False, True))
+    if not len(shapes.phi) or all(block.kind is not ElementKind.HEX20 for block in mesh.elements):
+        return reduced
+    return min(reduced, full, key=lambda solid: float(np.abs(strain_energy_ratios(solid, shapes) - 1).sum()))
+
+
+def strain_energy_ratios(solid: SolidMesh, shapes: ModeShapes) -> Array:
+    """The strain energy (N,) of each mode by the elements, relative to that by the stiffness of the body."""
+    energies = np.diag(shapes.stiffness) / 2
+    least = ZERO_ENERGY * energies.max(initial=1.0)
+    return np.asarray(strain_energies(solid, shapes.phi) / np.maximum(energies, least))
 
 
 def geometric_stiffness_tables(

@@ -14,7 +14,7 @@ from derive.fem.calculix.read import read_calculix
 from derive.fem.imported_body import BodyOptions, imported_body
 from derive.fem.keyword_mesh import read_mesh
 from derive.fem.model import FiniteElementModel
-from derive.simulation.observables.mesh_surface import FACES
+from derive.solids.element_shapes import element_shape
 from derive.spec.model.mesh import ElementKind, Elements
 from fem.part_files import bracket_files, text_of
 
@@ -59,7 +59,7 @@ def test_nodes_sets_and_materials(model: FiniteElementModel) -> None:
 def test_middles_of_edges_are_at_the_edges_that_vtk_has_there(model: FiniteElementModel) -> None:
     (bricks,) = model.elements
     assert bricks.kind is ElementKind.HEX20
-    _, edges = FACES[ElementKind.HEX20]
+    edges = element_shape(ElementKind.HEX20).edges
     for i, (first, second) in enumerate(edges):
         at = model.positions[bricks.nodes]
         assert np.allclose(at[:, 8 + i], (at[:, first] + at[:, second]) / 2)

@@ -39,6 +39,7 @@ def consistent_mass(solid: SolidMesh) -> csr_array:
     """The matrix m of M = m (x) I3."""
     total = csr_array((len(solid.x), len(solid.x)))
     (density,) = {material.density for material in solid.mesh.materials.values()}
+    assert density is not None
     for part in element_points(solid):
         m = np.einsum("ep,pa,pb->eab", density * part.volumes, part.shape.values, part.shape.values, optimize=True)
         count = part.nodes.shape[1]

@@ -12,9 +12,15 @@ from scipy.sparse import csr_array, identity, kron
 from scipy.sparse.linalg import eigsh
 
 import derive
+from derive.notes.body_notes import body_notes
 from derive.reduction.body import prepare
 from derive.reduction.frame_points import modal_frames
-from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, solid_mesh
+from derive.reduction.mesh_stiffening import (
+    free_response,
+    geometric_stiffness_tables,
+    solid_mesh,
+    strain_energy_ratios,
+)
 from derive.solids.stress_work import stress_work
 from derive.solids.stresses import SolidMesh
 from derive.spec.files.mesh_arrays import mesh_arrays
@@ -74,8 +80,19 @@ def _middle(x: np.ndarray, along: float) -> int:
 def test_the_points_of_integration_are_those_of_the_stiffness(full: bool) -> None:
     arrays = beam_arrays(ElementKind.HEX20, (3, 2, 1), full)
     body = derive.nodal_body("beam", arrays, units="SI", modes=3)
-    raw = prepare(body).raw
-    assert solid_mesh(body.data, raw.x, raw.phi).full == full
+    solid = solid_mesh(body.data.mesh, prepare(body).shapes)
+    assert solid.full == full
+    assert strain_energy_ratios(solid, prepare(body).shapes) == pytest.approx(1, rel=1e-6)
+
+
+def test_a_stiffness_of_other_elements_is_noted() -> None:
+    """A wrong unit of Young's modulus, such as kPa for Pa."""
+    arrays = beam_arrays(ElementKind.TET10, (3, 1, 1))
+    keys = {"units": "SI", "modes": 3, "stress": True}
+    assert not any("strain energy" in note for note in body_notes(derive.nodal_body("beam", arrays, **keys)))
+    arrays["materials"] = arrays["materials"] * np.array([1e-3, 1, 1])
+    notes = body_notes(derive.nodal_body("beam", arrays, **keys))
+    assert any("has 0.001 times the strain energy by its elements" in note for note in notes)
 
 
 def test_a_compressed_plate_buckles() -> None:

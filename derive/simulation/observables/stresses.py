@@ -74,5 +74,6 @@ def modal_stresses(body: NodalBody) -> Array:
 
 @lru_cache(4)
 def _modal_stresses(body: NodalBody) -> Array:
-    shapes = prepare(body).shapes
-    return nodal_stresses(solid_mesh(body.data, shapes.x, shapes.phi), shapes.phi)
+    shapes, mesh = prepare(body).shapes, body.data.mesh
+    assert mesh is not None, "a body with stresses has elements"
+    return nodal_stresses(solid_mesh(mesh, shapes), shapes.phi)
