@@ -19,7 +19,7 @@ from derive.ir.model import JACOBIAN, Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
-from derive.spec.model.mesh import Mesh
+from derive.spec.model.mesh import SolidMesh
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import InitialValues, SpatialStart
 from derive.spec.model.spatial_scene import SpatialScene
@@ -109,7 +109,7 @@ def _numbers_sha256(data: NodeData) -> str:
     digest = hashlib.sha256()
     for field in dataclasses.fields(data):
         value = getattr(data, field.name)
-        if value is None or isinstance(value, str | Mesh):  # models do not depend on the mesh
+        if value is None or isinstance(value, str | SolidMesh):  # models do not depend on the mesh
             continue
         sparse = hasattr(value, "indptr")
         parts = (value.indices, value.indptr, value.data) if sparse else (value,)

@@ -39,7 +39,7 @@ AGREEMENT = 1e-5
 
 @dataclass(frozen=True)
 class BodyOptions:
-    """What is made of a part.
+    """The body that is made of a part.
 
     interface: the sets of nodes to which joints attach. modes: their number; None for VIBRATION_MODES besides the
     static ones. component_modes: their kind, if not the usual one. scene: whether a scene is written that holds the

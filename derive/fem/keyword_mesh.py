@@ -35,7 +35,7 @@ LARGEST_NUMBER = 2**53
 
 @dataclass
 class KeywordMesh:
-    """What the cards of a file contain: nodes by their numbers, in the order of the file.
+    """The contents of the cards of a file: nodes by their numbers, in the order of the file.
 
     sets: numbers of nodes by the names of sets in capital letters; names: these names as written. elements: blocks
     whose nodes are numbers of nodes. other_elements: how many elements of other types there are. cards: the keywords

@@ -1,4 +1,4 @@
-"""What a finite-element program knows of a part: its mesh, its sets of nodes, its matrices, and its modes."""
+"""A part as a finite-element program knows it: its mesh, its sets of nodes, its matrices, and its modes."""
 
 from __future__ import annotations
 

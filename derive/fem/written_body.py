@@ -40,7 +40,7 @@ SI = FileUnits()
 
 @dataclass(frozen=True)
 class BodyTable:
-    """What the text is made of; `mesh` is that of the part in words."""
+    """The parts of the text; `mesh` is that of the part in words."""
 
     name: str
     source: str

@@ -93,7 +93,7 @@ def _nodes_of_elements(mesh: KeywordMesh) -> Indices:
 
 
 def _notes(mesh: KeywordMesh, kept: NDArray[np.bool_]) -> Iterator[str]:
-    """What is left out or not read."""
+    """Yield notes on parts that are left out or not read."""
     left_out = mesh.numbers[~kept]
     tied = np.intersect1d(left_out, _nodes_of_elements(mesh))
     loose = np.setdiff1d(left_out, tied)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from derive.spec.model.mesh import Mesh
+    from derive.spec.model.mesh import SolidMesh
 
 
 class DisplacementOrder(Enum):
@@ -100,7 +100,7 @@ class NodeData:
     K0omega: NDArray[np.float64] | None = None
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
-    mesh: Mesh | None = None
+    mesh: SolidMesh | None = None
     __repr__ = record_text
 
     @property

@@ -54,8 +54,8 @@ class Elements:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
-    """What a file of nodes says on them besides their positions: elements, materials, and named sets.
+class SolidMesh:
+    """The mesh of a body of nodes: its elements, their materials, and named sets.
 
     elements: blocks of elements. materials: those of the elements by name. node_sets: indices of nodes, from 0, by the
     names of sets. node_numbers (n,): the numbers of the nodes in the finite-element program; None if not given.
