@@ -121,10 +121,10 @@ def _of_stresses(spec: NodalBody) -> Iterator[str]:
     if mesh is None or not mesh.is_elastic or not (spec.stress or spec.computes_geometric_stiffness):
         return
     from derive.reduction.body import prepare
-    from derive.reduction.mesh_stiffening import solid_mesh, strain_energy_ratios
+    from derive.reduction.mesh_stiffening import integrated_mesh, strain_energy_ratios
 
     shapes = prepare(spec).shapes
-    ratios = strain_energy_ratios(solid_mesh(mesh, shapes), shapes)
+    ratios = strain_energy_ratios(integrated_mesh(mesh, shapes), shapes)
     worst = int(np.argmax(np.abs(ratios - 1))) if len(ratios) else 0
     if len(ratios) and abs(ratios[worst] - 1) > DIFFERENT_ENERGY:
         yield (

@@ -23,7 +23,7 @@ from derive.reduction.frames import (
     with_fixed_signs,
 )
 from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
-from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, solid_mesh
+from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, integrated_mesh
 from derive.reduction.reasons import Parities, with_exact_zeros
 from derive.reduction.second_order import (
     SecondOrderFields,
@@ -183,7 +183,7 @@ def stiffened_data(body: NodalBody) -> NodeData:
     raw = prepared.raw
     if not len(raw.phi):
         return data
-    solid = solid_mesh(data.mesh, raw)
+    solid = integrated_mesh(data.mesh, raw)
     respond = free_response(raw.x, prepared.mass, data.stiffness, () if body.uses_given_modes else body.rigid_sets)
     nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers)})
     return replace(data, **geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond))

@@ -24,8 +24,8 @@ from derive.reduction.component_modes import inertia_relief
 from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
 from derive.reduction.frames import ModeShapes, from_centre_of_mass, rigid_basis
 from derive.solids.stress_work import stress_work
-from derive.solids.stresses import SolidMesh, strain_energies
-from derive.spec.model.mesh import ElementKind, Mesh
+from derive.solids.stresses import IntegratedMesh, strain_energies
+from derive.spec.model.mesh import ElementKind, SolidMesh
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The axes of the products w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3 of K0omega."""
@@ -56,19 +56,19 @@ def free_response(
     )
 
 
-def solid_mesh(mesh: Mesh, shapes: ModeShapes) -> SolidMesh:
+def integrated_mesh(mesh: SolidMesh, shapes: ModeShapes) -> IntegratedMesh:
     """The elements of a body with modes, with the points of integration of its stiffness.
 
     Those of bricks of 20 nodes are the eight or the 27 with which the modes have a strain energy nearer to that by the
     stiffness.
     """
-    reduced, full = (SolidMesh(mesh, shapes.x, every) for every in (False, True))
+    reduced, full = (IntegratedMesh(mesh, shapes.x, every) for every in (False, True))
     if not len(shapes.phi) or all(block.kind is not ElementKind.HEX20 for block in mesh.elements):
         return reduced
     return min(reduced, full, key=lambda solid: float(np.abs(strain_energy_ratios(solid, shapes) - 1).sum()))
 
 
-def strain_energy_ratios(solid: SolidMesh, shapes: ModeShapes) -> Array:
+def strain_energy_ratios(solid: IntegratedMesh, shapes: ModeShapes) -> Array:
     """The strain energy (N,) of each mode by the elements, relative to that by the stiffness of the body."""
     energies = np.diag(shapes.stiffness) / 2
     least = ZERO_ENERGY * energies.max(initial=1.0)
@@ -76,7 +76,7 @@ def strain_energy_ratios(solid: SolidMesh, shapes: ModeShapes) -> Array:
 
 
 def geometric_stiffness_tables(
-    solid: SolidMesh, mass: csr_array, phi: Array, nodes: Sequence[int], respond: Response
+    solid: IntegratedMesh, mass: csr_array, phi: Array, nodes: Sequence[int], respond: Response
 ) -> dict[str, Array]:
     """K0t, K0r (3, N, N), K0omega (6, N, N), K0F (K, 3, N, N) and K0F_nodes (K,) of modes phi (N, nodes, 3).
 

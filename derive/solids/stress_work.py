@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from derive.solids.element_shapes import Array
-from derive.solids.stresses import COMPONENTS, SolidMesh, element_points
+from derive.solids.stresses import COMPONENTS, IntegratedMesh, element_points
 
 MAX_PRODUCTS = 4_000_000
 """Products of gradients that are in memory at a time."""
 
 
-def stress_work(solid: SolidMesh, displacements: Array, phi: Array) -> Array:
+def stress_work(solid: IntegratedMesh, displacements: Array, phi: Array) -> Array:
     """The matrices K0_ij = int sigma : (grad Phi_i^T grad Phi_j), (L, N, N), of modes phi (N, nodes, 3).
 
     sigma is the stress of each of the displacements (L, nodes, 3), m.

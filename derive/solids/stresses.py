@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from derive.errors import Problem, SpecError
 from derive.solids.element_shapes import Array, ElementShape, element_shape
-from derive.spec.model.mesh import Elements, Material, Mesh
+from derive.spec.model.mesh import Elements, Material, SolidMesh
 
 CHUNK = 20_000
 """Points of integration whose gradients are in memory at a time."""
@@ -20,13 +20,13 @@ COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True, eq=False)
-class SolidMesh:
+class IntegratedMesh:
     """Elements that all have a material, with nodes at x (nodes, 3), m.
 
     full: whether bricks of 20 nodes have 27 points of integration.
     """
 
-    mesh: Mesh
+    mesh: SolidMesh
     x: Array
     full: bool = False
 
@@ -60,7 +60,7 @@ class ElementPoints:
         return np.stack(parts, axis=-1)
 
 
-def element_points(solid: SolidMesh) -> Iterator[ElementPoints]:
+def element_points(solid: IntegratedMesh) -> Iterator[ElementPoints]:
     """Yield the elements of a mesh, some at a time. Raises SpecError for distorted ones."""
     for block in solid.mesh.elements:
         shape, lame = element_shape(block.kind, solid.full), _lame(solid.mesh.materials[block.material])
@@ -76,7 +76,7 @@ def element_points(solid: SolidMesh) -> Iterator[ElementPoints]:
             yield ElementPoints(shape, nodes, gradients, sizes * shape.weights, lame)
 
 
-def nodal_stresses(solid: SolidMesh, u: Array) -> Array:
+def nodal_stresses(solid: IntegratedMesh, u: Array) -> Array:
     """The stresses (L, nodes, 6), Pa, at nodes, of displacements u (L, nodes, 3), m; zero at nodes without elements.
 
     Those of an element are extrapolated from its points, and a node has the mean of its elements.
@@ -90,7 +90,7 @@ def nodal_stresses(solid: SolidMesh, u: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(totals / np.maximum(counts, 1)[:, None, None], 1, 0))
 
 
-def strain_energies(solid: SolidMesh, u: Array) -> Array:
+def strain_energies(solid: IntegratedMesh, u: Array) -> Array:
     """The strain energies (L,), J, of displacements u (L, nodes, 3), m, by the elements."""
     result = np.zeros(len(u))
     for part in element_points(solid):
@@ -111,7 +111,7 @@ def von_mises(stresses: Array) -> Array:
 def _lame(material: Material) -> tuple[float, float]:
     """The parameters lambda and mu, Pa, of a material with both numbers."""
     young, poisson = material.young, material.poisson
-    assert young is not None and poisson is not None, "a SolidMesh has materials"
+    assert young is not None and poisson is not None, "a IntegratedMesh has materials"
     return young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
 
 

@@ -18,7 +18,7 @@ from clamped_response import clamped_response
 from conftest import ROOT
 from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
 from derive.reduction.mesh_stiffening import OMEGA_PRODUCTS, free_response, geometric_stiffness_tables
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 
 sys.path.insert(0, str(ROOT / "scenes"))
 import make_solid_beam as solid_beam
@@ -59,7 +59,7 @@ class Problem:
     def k0(self) -> dict[str, np.ndarray]:
         phi = self.modes.reshape(3, -1, 3)
         mesh = brick_mesh(self.basis, 3e9, 0.3)
-        return geometric_stiffness_tables(SolidMesh(mesh, self.x), self.scalar, phi, NODES, self.solve)
+        return geometric_stiffness_tables(IntegratedMesh(mesh, self.x), self.scalar, phi, NODES, self.solve)
 
     def fields(self) -> np.ndarray:
         """Psi_ij (3, 3, nodes, 3): the response to minus the stresses of the quadratic part of the strain."""

@@ -18,11 +18,11 @@ from derive.reduction.frame_points import modal_frames
 from derive.reduction.mesh_stiffening import (
     free_response,
     geometric_stiffness_tables,
-    solid_mesh,
+    integrated_mesh,
     strain_energy_ratios,
 )
 from derive.solids.stress_work import stress_work
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.model.mesh import ElementKind, Material
 
@@ -34,7 +34,7 @@ def beam_arrays(kind: ElementKind, counts: tuple[int, ...], full: bool = False) 
     """A beam along e1 with its centre in the origin, as a file of nodes with elements."""
     x, mesh = box_mesh(kind, SIDES, counts, material=SLENDER)
     x = x - np.array(SIDES) / 2
-    m, k = assembled(SolidMesh(mesh, x, full))
+    m, k = assembled(IntegratedMesh(mesh, x, full))
     return {"positions": x, "mass": m, "stiffness": k, **mesh_arrays(mesh)}
 
 
@@ -80,7 +80,7 @@ def _middle(x: np.ndarray, along: float) -> int:
 def test_the_points_of_integration_are_those_of_the_stiffness(full: bool) -> None:
     arrays = beam_arrays(ElementKind.HEX20, (3, 2, 1), full)
     body = derive.nodal_body("beam", arrays, units="SI", modes=3)
-    solid = solid_mesh(body.data.mesh, prepare(body).shapes)
+    solid = integrated_mesh(body.data.mesh, prepare(body).shapes)
     assert solid.full == full
     assert strain_energy_ratios(solid, prepare(body).shapes) == pytest.approx(1, rel=1e-6)
 
@@ -99,7 +99,7 @@ def test_a_compressed_plate_buckles() -> None:
     """A square plate that is simply supported: N = 4 pi^2 D/a^2. The load is that of a uniform stress, K u."""
     a, h, poisson = 1.0, 0.02, 0.3
     x, mesh = box_mesh(ElementKind.HEX20, (a, a, h), (8, 8, 1))
-    solid = SolidMesh(mesh, x)
+    solid = IntegratedMesh(mesh, x)
     m, k = assembled(solid)
     edges = np.array([(np.abs(x[:, i]) < 1e-9) | (np.abs(x[:, i] - a) < 1e-9) for i in range(2)])
     middle = np.flatnonzero(edges.any(axis=0) & (np.abs(x[:, 2] - h / 2) < 1e-9))
@@ -143,7 +143,7 @@ def test_tables_of_the_file_come_before_computed_ones() -> None:
     arrays = beam_arrays(ElementKind.HEX8, (3, 1, 1))
     computed = derive.nodal_body("beam", arrays, units="SI", modes=2)
     raw = prepare(computed).raw
-    solid = SolidMesh(computed.data.mesh, raw.x)
+    solid = IntegratedMesh(computed.data.mesh, raw.x)
     tables = geometric_stiffness_tables(
         solid, computed.data.mass, raw.phi, [3], free_response(raw.x, computed.data.mass, computed.data.stiffness)
     )

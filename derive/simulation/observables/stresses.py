@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from derive.mechanics.symbols import amplitude_of
 from derive.reduction.body import prepare
-from derive.reduction.mesh_stiffening import solid_mesh
+from derive.reduction.mesh_stiffening import integrated_mesh
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.motion import Array
 from derive.solids.stresses import nodal_stresses, von_mises
@@ -76,4 +76,4 @@ def modal_stresses(body: NodalBody) -> Array:
 def _modal_stresses(body: NodalBody) -> Array:
     shapes, mesh = prepare(body).shapes, body.data.mesh
     assert mesh is not None, "a body with stresses has elements"
-    return nodal_stresses(solid_mesh(mesh, shapes), shapes.phi)
+    return nodal_stresses(integrated_mesh(mesh, shapes), shapes.phi)
