@@ -54,20 +54,23 @@ def figures(case: str, flags: str, repeats: int) -> list[Figures]:
     """The figures of a case in both forms."""
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as directory:
         folder = Path(directory)
-        models = {form: _model(case, form, folder) for form in FORMS}
-        times = _times(models, flags, repeats, folder)
-        return [
-            Figures(
-                case,
-                form,
-                sum(v.size for v in model.velocities),
-                sum(m.size for m in model.multipliers),
-                len(model.pattern("mass", "M").entries) + len(model.pattern("constraint_jacobian", "G").entries),
-                sum(operations(node) for section in model.kernel("accel").sections for node in section.body),
-                round(ns, 1),
-            )
-            for (form, model), ns in zip(models.items(), times, strict=True)
-        ]
+        return figures_of(case, {form: _model(case, form, folder) for form in FORMS}, flags, repeats, folder)
+
+
+def figures_of(case: str, models: dict[str, Model], flags: str, repeats: int, folder: Path) -> list[Figures]:
+    """The figures of a case by its models in several forms."""
+    return [
+        Figures(
+            case,
+            form,
+            sum(v.size for v in model.velocities),
+            sum(m.size for m in model.multipliers),
+            len(model.pattern("mass", "M").entries) + len(model.pattern("constraint_jacobian", "G").entries),
+            sum(operations(node) for section in model.kernel("accel").sections for node in section.body),
+            round(ns, 1),
+        )
+        for (form, model), ns in zip(models.items(), _times(models, flags, repeats, folder), strict=True)
+    ]
 
 
 def _model(case: str, form: str, folder: Path) -> Model:
@@ -84,7 +87,8 @@ def _times(models: dict[str, Model], flags: str, repeats: int, folder: Path) -> 
     """The least times (ns) of an evaluation of the accelerations."""
     calls, declared, once = [], [], []
     arrays, scratch = {}, {}
-    for form, model in models.items():
+    for number, model in enumerate(models.values()):
+        form = f"form{number}"
         name = f"{model.name}_{form}"
         used = [argument.name for argument in model.kernel("accel").arguments]
         q, v = random_states(model)
@@ -109,7 +113,10 @@ def _times(models: dict[str, Model], flags: str, repeats: int, folder: Path) -> 
         once=" ".join(once),
         arrays=arrays,
         scratch=scratch,
-        objects=[compiled_accelerations(model, form, flags, folder) for form, model in models.items()],
+        objects=[
+            compiled_accelerations(model, f"form{number}", flags, folder)
+            for number, model in enumerate(models.values())
+        ],
         folder=folder,
         states=STATES,
         repeats=repeats,

@@ -1,14 +1,14 @@
 """Which lowering of a mechanism evaluates its accelerations faster: as measured, and as the cost model predicts.
 
 python bench/lowerings.py [FILE ...] [--chains 2 3 4 6 8 10 12] [--corpus 33 166 ...] [--graphs 0 5 ...]
-                          [--space 0 1 ...] [--held-out] [--flags FLAGS]
+                          [--space 0 1 ...] [--rows 0 1 ...] [--held-out] [--flags FLAGS]
 
 Straight-line code and loops over instances of the same scene run alternately in one process, and their values agree to
 1e-9 of the largest acceleration before they are timed; the least CPU time counts. The chains are welded and pinned
 beams with two shapes; without files those of `scenes` and `examples` are measured. --corpus, --graphs: seeds of random
 scenes of the tests; those of the corpus from 2000 on are in space. --space: seeds of graphs of rigid bodies in space.
---held-out: `HELD_OUT` alone, which no constant of the cost model was fitted to. Prints a table of Markdown, and what
-the choices have cost.
+--rows: seeds of rows of finite-element bodies. --held-out: `HELD_OUT` alone, which no constant of the cost model was
+fitted to. Prints a table of Markdown, and what the choices have cost.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from interleaved import TimedCall, interleaved
 from limited import limited
 from machine import OWN_OPTION, described
 from numpy.typing import NDArray
-from space_scenes import graph_of_rigid_bodies
+from space_scenes import graph_of_rigid_bodies, row_of_flexible_bodies
 
 import derive
 from derive.backends.c.source import CBackend
@@ -40,6 +40,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.roles import Role
 from derive.runtime.compiler import WITHOUT_BATCHES, compiler
+from derive.spec.model.scene import SceneLowering
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
@@ -50,6 +51,7 @@ STATES = 16
 HELD_OUT = {
     "corpus": (2162, 2169, 2186, 2226, 2228, 2235, 2236, 2253, 2265, 2287),
     "space": (0, 1, 2, 3, 4, 5, 6, 7, 8, 9),
+    "rows": (0, 1, 2, 3, 4, 5, 6, 7, 8, 9),
 }
 """The seeds of scenes in space on which the cost model is judged. They were drawn after it was fitted: keep it so."""
 TOLERANCE = 1e-9
@@ -91,13 +93,20 @@ def comparison(scene: AnyScene, flags: Sequence[str], repeats: int) -> Compariso
     if isinstance(mechanism, SpatialMechanism) and not is_predicted(mechanism):
         raise ArithmeticError("nothing is predicted for such bodies, or where joints leave coordinates")
     costs = estimate_mechanism_costs(mechanism)
+    unrolled, looped = (derive.derive(_lowered(scene, form)) for form in ("flat", "instances"))
+    assert isinstance(looped, (Mechanism, SpatialMechanism))
     models = {
-        "flat": lower_flat(mechanism.expanded(), explicit=True),
-        "instances": lower_instances(mechanism, explicit=True),
+        "flat": lower_flat(unrolled.expanded(), explicit=True),
+        "instances": lower_instances(looped, explicit=True),
     }
     bodies = sum(instance.moves for instance in mechanism.instances)
     times = zip(*(_times(models, options, repeats) for options in flags), strict=True)
     return Comparison(scene.name, bodies, costs, *map(tuple, times))
+
+
+def _lowered(scene: AnyScene, lowering: SceneLowering) -> AnyScene:
+    """The scene with a lowering, by which the equations of finite-element bodies have numbers or names."""
+    return replace(scene, lowering=lowering)
 
 
 def _times(models: dict[str, Model], flags: str, repeats: int) -> list[float]:
@@ -186,6 +195,7 @@ def scenes(options: argparse.Namespace) -> Iterator[AnyScene]:
         if options.held_out:
             yield from _corpus(HELD_OUT["corpus"], Path(folder))
             yield from (graph_of_rigid_bodies(seed, Path(folder)) for seed in HELD_OUT["space"])
+            yield from (row_of_flexible_bodies(seed, Path(folder)) for seed in HELD_OUT["rows"])
             return
         for kind in ("weld", "revolute"):
             yield from (chain(count, kind) for count in options.chains)
@@ -199,6 +209,7 @@ def scenes(options: argparse.Namespace) -> Iterator[AnyScene]:
             yield from (graph(seed, most=12).scene for seed in options.graphs)
         yield from _corpus(options.corpus, Path(folder))
         yield from (graph_of_rigid_bodies(seed, Path(folder)) for seed in options.space)
+        yield from (row_of_flexible_bodies(seed, Path(folder)) for seed in options.rows)
 
 
 def _corpus(seeds: Sequence[int], folder: Path) -> Iterator[AnyScene]:
@@ -217,6 +228,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--corpus", type=int, nargs="*", default=())
     parser.add_argument("--graphs", type=int, nargs="*", default=())
     parser.add_argument("--space", type=int, nargs="*", default=())
+    parser.add_argument("--rows", type=int, nargs="*", default=())
     parser.add_argument("--held-out", action="store_true")
     parser.add_argument("--flags", nargs="+", default=FLAGS)
     parser.add_argument("--repeats", type=int, default=41)

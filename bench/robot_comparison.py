@@ -50,7 +50,7 @@ class Figures:
 def without_markers(model: Model) -> Model:
     """A model without the functions of markers, which are more than half of the code of a chain of 30 bodies."""
     kernels = tuple(kernel for kernel in model.kernels if not kernel.name.startswith("marker_"))
-    return replace(model, markers=(), kernels=kernels)
+    return replace(model, markers=(), marker_classes=(), kernels=kernels)
 
 
 class Comparison:

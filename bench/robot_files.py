@@ -165,7 +165,7 @@ def scene_of(case: str, folder: Path, coordinates: str) -> tuple[Path, SpatialSc
     chain = case.startswith("chain_")
     path = folder / f"{case}.urdf"
     path.write_text(chain_text(chain_count(case)) if chain else robot_text(case, ROBOTS[case]))
-    scene = parse(written_scene(read_robot(path), "fixed").text)
+    scene = parse(written_scene(read_robot(path, keep_angles=True), "fixed").text)  # no maker rounds angles
     assert isinstance(scene, SpatialScene)
     if chain:
         scene = replace(scene, inputs=(), torques=())

@@ -6,6 +6,7 @@ markers `left` and `right`. A flexible body is a cloud of point masses with rand
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,24 +48,24 @@ def rigid_link(seed: int) -> RigidLink:
     return RigidLink(rng.uniform(0.5, 2), 0.05 * (np.trace(moments) * np.eye(3) - moments), left, right)
 
 
-def cloud(seed: int) -> dict[str, Array]:
+def cloud(seed: int, count: int = MODES) -> dict[str, Array]:
     """The arrays of a file with a body of point masses and random modes."""
     rng = np.random.default_rng(seed)
     index = np.arange(POINTS, dtype=np.int32)
-    modes = rng.uniform(-1, 1, (MODES + 6, POINTS, 3))
+    modes = rng.uniform(-1, 1, (count + 6, POINTS, 3))
     return {
         "positions": rng.uniform(-0.3, 0.3, (POINTS, 3)),
         "mass_row": index,
         "mass_col": index,
         "mass_value": rng.uniform(0.5, 1.5, POINTS) / POINTS,
-        "modes": modes[:MODES],
-        "modal_stiffness": rng.uniform(50, 100, MODES),
+        "modes": modes[:count],
+        "modal_stiffness": rng.uniform(50, 100, count),
     }
 
 
 def chain_of_rigid_bodies(count: int, kind: str, folder: Path) -> SpatialScene:
     """A chain of rigid bodies that keep all coordinates."""
-    return _scene(f"rigid_{kind}_{count}", [*_rigid_links(count), *_joints(count, kind)], folder)
+    return _scene(f"rigid_{kind}_{count}", [*_rigid_links(count), *_joints([kind] * count)], folder)
 
 
 def _rigid_links(count: int) -> list[str]:
@@ -102,15 +103,30 @@ def graph_of_rigid_bodies(seed: int, folder: Path) -> SpatialScene:
 
 def chain_of_flexible_bodies(count: int, kind: str, folder: Path) -> SpatialScene:
     """A chain of flexible bodies with MODES modes each; a single body without joints if there is no `kind`."""
+    parts = [*_flexible_links([MODES] * count, folder), *(_joints([kind] * count) if kind else ())]
+    return _scene(f"flexible_{kind or 'free'}_{count}", parts, folder, bool(kind))
+
+
+def row_of_flexible_bodies(seed: int, folder: Path) -> SpatialScene:
+    """A chain of 3 to 5 flexible bodies with up to 6 modes, as many each or not, and one or two kinds of joints."""
+    rng = np.random.default_rng(seed)
+    count, most = int(rng.integers(3, 6)), int(rng.integers(2, 7))
+    modes = [most] * count if rng.random() < 0.7 else [int(n) for n in rng.integers(1, most + 1, count)]
+    kinds = rng.permutation(("revolute", "spherical", "universal", "fixed", "cylindrical"))[: rng.integers(1, 3)]
+    parts = [*_flexible_links(modes, folder), *_joints([str(kinds[i % len(kinds)]) for i in range(count)])]
+    return _scene(f"row_{seed}", parts, folder)
+
+
+def _flexible_links(modes: Sequence[int], folder: Path) -> list[str]:
+    """The tables of flexible bodies of a chain with so many modes, whose files are written."""
     bodies = []
-    for i in range(count):
-        np.savez(folder / f"cloud_{i}.npz", **cloud(i))
+    for i, number in enumerate(modes):
+        np.savez(folder / f"cloud_{i}.npz", **cloud(i, number))
         bodies.append(
             f'[bodies.link{i}]\nnodes = "cloud_{i}.npz"\nunits = "SI"\n'
             "markers = { left = { nodes = [0, 1, 2] }, right = { nodes = [17, 18, 19] } }\n"
         )
-    parts = [*bodies, *(_joints(count, kind) if kind else ())]
-    return _scene(f"flexible_{kind or 'free'}_{count}", parts, folder, bool(kind))
+    return bodies
 
 
 def free_rod(folder: Path) -> SpatialScene:
@@ -229,9 +245,13 @@ def _quaternion(R: Array) -> Array:
     return e
 
 
-def _joints(count: int, kind: str) -> list[str]:
-    ends = ["ground.base", *(f"link{i}.right" for i in range(count - 1))]
-    return [f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)]
+def _joints(kinds: Sequence[str]) -> list[str]:
+    """The joints of a chain, that to the ground first."""
+    ends = ["ground.base", *(f"link{i}.right" for i in range(len(kinds) - 1))]
+    return [
+        f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n'
+        for i, (kind, end) in enumerate(zip(kinds, ends, strict=True))
+    ]
 
 
 def _scene(name: str, parts: list[str], folder: Path, joined: bool = True) -> SpatialScene:

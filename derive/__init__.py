@@ -14,7 +14,7 @@ The public interface, by stages:
 
     specification   read, validated; scene, spatial_scene, planar_beam, nodal_body, symbolic_body
                     bodies: PlanarBeam with AttachedMass and BeamDamping, SymbolicBody, NodalBody with NodeData,
-                    NodeMarker, BodyFrame, Damping
+                    NodeMarker, BodyFrame, Damping, ModeSelection
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, JointInitialValues,
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve

@@ -84,6 +84,7 @@ from derive.spec.model.forces import (
     Torque as Torque,
 )
 from derive.spec.model.markers import MarkerRef as MarkerRef, PointMarker as PointMarker
+from derive.spec.model.mode_selection import ModeSelection as ModeSelection
 from derive.spec.model.plots import Deflection as Deflection, Plot as Plot, ReferenceCurve as ReferenceCurve
 from derive.spec.model.quantity import Parameter as Parameter
 from derive.spec.model.scene import (

@@ -24,7 +24,7 @@ from derive.lowering import cost_model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.mechanism_costs import LONG, MechanismCosts, estimate_mechanism_costs, is_predicted
+from derive.lowering.mechanism_costs import LONG, TWO, MechanismCosts, estimate_mechanism_costs, is_predicted
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
@@ -83,13 +83,23 @@ def derive(spec: Specification) -> IndexedEquations | AnyMechanism:
         case Scene():
             return assembly.mechanism(spec)
         case SpatialScene():
-            return spatial_mechanism(spec, reduced_bodies(spec))
+            return _spatial_mechanism(spec)
         case SymbolicBody():
             return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
         case NodalBody():
             return derive_modal(modal(spec), spec.gravity, spec.lowering)
         case _ as never:
             assert_never(never)
+
+
+def _spatial_mechanism(scene: SpatialScene) -> SpatialMechanism:
+    """The mechanism of a scene in space, with one code for finite-element bodies where these get loops."""
+    reduced = reduced_bodies(scene)
+    if scene.lowering == "auto" and len(scene.bodies) == len(reduced) > TWO:
+        looped = spatial_mechanism(scene, reduced, looped=True)
+        if is_predicted(looped) and estimate_mechanism_costs(looped).lowering == "instances":
+            return looped
+    return spatial_mechanism(scene, reduced, looped=scene.lowering == "instances")
 
 
 def modal(spec: NodalBody) -> ModalBody:
@@ -339,7 +349,7 @@ def _lower_spatial(
     balanced = mechanism.scene.start is not None
     looped = requested == "instances"
     choice = "looped over instances, as the specification asks" if looped else ""
-    in_trees = any(of.coordinates.carried for of in mechanism.instances)
+    in_trees = any(of.coordinates.is_carried for of in mechanism.instances)
     if requested == "auto" and in_trees and not sensitivities and not balanced:
         from derive.lowering.trees.choice import chosen
 

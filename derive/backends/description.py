@@ -269,10 +269,10 @@ def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
     """The pattern of a symmetric matrix with named rows; of many shapes the first and the last."""
     if len(names) < pattern.rows:
         return _blocks(pattern, names)
-    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
-    width = max(map(len, names))
     if len(names) > MOST_ROWS:
         names = []
+    present = {*pattern.entries, *((j, i) for i, j in pattern.entries)} if names else set()
+    width = max(map(len, names), default=0)
     rows = (
         f"{name:<{width}}  " + " ".join("x" if (i, j) in present else "." for j in range(pattern.cols))
         for i, name in enumerate(names)

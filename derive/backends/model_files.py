@@ -41,12 +41,12 @@ def emit(model: Model, spec: Specification, backends: Sequence[str] = ("c", "pyt
 
 
 def explicit_files(model: Model, spec: Specification) -> tuple[File, ...]:
-    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest.
+    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest, no batches.
 
     The iteration matrix of straight-line code is left out, if it is there, as only starts need it: it is interpreted in
     a hundredth of the time that the compiler takes.
     """
-    return _with_hash(BACKENDS["c"].files(_without_iteration_matrix(model), fingerprint(spec)))
+    return _with_hash(CBackend().files(_without_iteration_matrix(model), fingerprint(spec), batches=False))
 
 
 def _without_iteration_matrix(model: Model) -> Model:

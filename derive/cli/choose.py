@@ -11,14 +11,23 @@ from derive.artifacts import File, check_folder
 from derive.cli.arguments.keywords import keywords
 from derive.cli.specifications import read_scene
 from derive.errors import SpecError, TisserandError
+from derive.spec.model.specification import AnyScene
 from derive.spec.toml.read import parse, with_lines
 from derive.study.choice.choice_text import choice_data, choice_text
 from derive.study.choice.choose import choose
 from derive.study.choice.search import Choice
 from derive.study.choice.written_specification import WrittenSpecification, chosen_specification
+from derive.study.studied_scene import has_flexible_body
 
 EXPECTED_SIZE = 100_000
 """The approximate size that a specification has at most, in bytes."""
+
+
+RIGID = (
+    "nothing to choose, and no file written: all bodies are rigid, so that there is one model; [scene] coordinates and "
+    "lowering change how fast its code is and not its motion, and `tisserand build` tells which are taken and why"
+)
+"""The line on a scene of rigid bodies."""
 
 
 class ExistingFile(TisserandError):
@@ -26,8 +35,15 @@ class ExistingFile(TisserandError):
 
 
 def run(options: argparse.Namespace) -> int:
-    """Search, print the result, and write the specification. The exit code is 1 if no model is accurate enough."""
+    """Search, print the result, and write the specification. The exit code is 1 if no model is accurate enough.
+
+    Of rigid bodies there is one model, which is no error: a line says so.
+    """
     scene = read_scene(options.spec)
+    if isinstance(scene, AnyScene) and not has_flexible_body(scene):
+        data = {"name": scene.name, "notes": [RIGID]}
+        print(json.dumps(data, indent=2) if options.json else f"{scene.name}: {RIGID}")
+        return 0
     target = options.out or options.spec.with_name(f"{options.spec.stem}_chosen.toml")
     if os.path.lexists(target):
         raise ExistingFile(f"{target} exists, and is not overwritten; move it, or give another file with --out")

@@ -18,9 +18,10 @@ from derive.spec.files.node_format import LENGTHS, MASSES, TIMES
 from derive.spec.parsing.faults import did_you_mean
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot
+from derive.urdf.repairs import with_locked_joints
 from derive.urdf.written_scene import written_scene
 
-OF_ROBOTS = ("base",)
+OF_ROBOTS = ("base", "lock", "repair_inertia", "keep_angles")
 OF_PARTS = ("interface", "modes", "component_modes", "units", "scene", "second_order")
 """The options that one of both kinds of files has alone."""
 
@@ -84,7 +85,9 @@ def _check_options(options: argparse.Namespace, others: tuple[str, ...], kind: s
 
 def _robot(options: argparse.Namespace) -> Imported:
     folder = options.out.parent if options.out else Path()
-    scene = written_scene(read_robot(options.file), options.base or "fixed", str(options.file), folder)
+    source = str(options.file)
+    robot = with_locked_joints(read_robot(options.file, options.keep_angles), options.lock, source)
+    scene = written_scene(robot, options.base or "fixed", source, folder, options.repair_inertia)
     return Imported(scene.name, scene.doc, scene.text, scene.notes, ("run", "--open"))
 
 

@@ -37,6 +37,7 @@ TITLES = {
     "FrameMarkerTable": "Marker frame",
     "VisualTable": "Visual of a rigid body or of the ground",
     "UnitsTable": "Units of files of nodes",
+    "ModeSelectionTable": "Error that selects the modes of a finite-element body",
     "BodyFrameTable": "Frame of a finite-element body",
     "DampingTable": "Damping of a finite-element body",
     "SpatialForceTable": "`[forces.NAME]` in space",

@@ -107,7 +107,7 @@ class _Move:
         steps = [_piece(into, a, b) for a, b in pieces]
         here = steps[1]
         names = {node.name for node in here.body if isinstance(node, Let)}
-        moved = tuple(_renamed(self._lines(loop, into), names, loop.variable))
+        moved = tuple(_renamed(self._lines(loop, into), names))
         body = (*moved, *here.body) if self.to > self.number else (*here.body, *moved)
         divided = [part for part in (steps[0], replace(here, body=body), steps[2]) if iterations(part)]
         changed: dict[int, Sequence[Node]] = {self.number: left, self.to: divided}
@@ -146,13 +146,13 @@ def _piece(loop: For, first: int, stop: int) -> For:
     return replace(loop, start=constant(bounds[0]), stop=constant(bounds[1]), body=body)
 
 
-def _renamed(lines: Iterable[Node], taken: set[str], suffix: str) -> Iterator[Node]:
-    """Lines with other names of their values where these are taken."""
+def _renamed(lines: Iterable[Node], taken: set[str]) -> Iterator[Node]:
+    """The lines of an instance, with other names of their values where these are taken."""
     lines = tuple(lines)
     own = {node.name for node in lines if isinstance(node, Let)}
     names: dict[str, str] = {}
     for name in sorted(own & taken):
-        new = f"{name}_{suffix}"
+        new = f"{name}_instance"
         while new in own | taken:
             new += "_"
         names[name] = new

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING, assert_never
 
@@ -73,7 +73,7 @@ class Pattern:
     symmetric: bool
     groups: tuple[ColumnGroup, ...] = ()
 
-    @property
+    @cached_property
     def entries(self) -> tuple[tuple[int, int], ...]:
         """(row, column) of each stored value, in the order of the values."""
         return tuple((self.rowidx[k], j) for j in range(self.cols) for k in range(self.colptr[j], self.colptr[j + 1]))
@@ -133,10 +133,11 @@ class Pattern:
 
 def pattern(rows: int, cols: int, entries: set[tuple[int, int]], symmetric: bool = False) -> Pattern:
     """The compressed columns of a set of (row, column)."""
-    ordered = sorted(entries, key=lambda entry: (entry[1], entry[0]))
-    lengths = Counter(j for _, j in ordered)
-    colptr = tuple(accumulate((lengths[j] for j in range(cols)), initial=0))
-    return Pattern(rows, cols, colptr, tuple(i for i, _ in ordered), symmetric)
+    columns: list[list[int]] = [[] for _ in range(cols)]
+    for i, j in entries:
+        columns[j].append(i)
+    colptr = tuple(accumulate(map(len, columns), initial=0))
+    return Pattern(rows, cols, colptr, tuple(i for column in columns for i in sorted(column)), symmetric)
 
 
 def block_pattern(rows: int, groups: tuple[ColumnGroup, ...], symmetric: bool = False) -> Pattern:

@@ -71,8 +71,10 @@ def _repeats(columns: Columns, first: int, period: int) -> int:
     while first + (repeats + 1) * period <= len(columns):
         for j in range(first + repeats * period, first + (repeats + 1) * period):
             rows, before = columns[j], columns[j - period]
-            moved = [row - old for row, old in zip(rows, before, strict=False)]
-            if len(rows) != len(before) or distances.setdefault((j - first) % period, moved) != moved:
+            if len(rows) != len(before):
+                return repeats
+            moved = [row - old for row, old in zip(rows, before, strict=True)]
+            if distances.setdefault((j - first) % period, moved) != moved:
                 return repeats
         repeats += 1
     return repeats

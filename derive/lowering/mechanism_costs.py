@@ -20,8 +20,11 @@ eliminates these along the joints, and takes 95 ns for each body and 5 for each 
 the ground. Times in space are some 0.6 of those predicted on an AMD EPYC, family 26. Of 20 scenes there (chains, trees,
 stars and closed loops of 2 to 8 bodies with balls, hinges, crosses and welds) the form that is chosen takes at most
 1.09 of the time of the other one; of 19 scenes that were not fitted (`--held-out`) at most 1.17, and in 16 it is the
-faster one. How much straight-line code leaves the instruction cache depends on its joints: chains of five hinges take
-twice their time, eight welds 1.3 times; this is left out.
+faster one. In an open row of finite-element bodies, a body with N modes and c constraints takes some 30 N + 40 c ns in
+straight-line code, and in loops four of a class take 2.2 of that, one alone 1.4. The compiler's time is not predicted
+for them. How much straight-line code leaves
+the instruction cache depends on its joints: chains of five hinges take twice their time, eight welds 1.3 times; this is
+left out.
 The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
 than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
 where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +
@@ -43,7 +46,7 @@ from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.spec.model.markers import GROUND
-from derive.spec.model.spatial_bodies import SpatialRigidBody
+from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 
 LONG = 30.0
 """The predicted time (s) of the compiler for straight-line code from which on this is too long."""
@@ -63,7 +66,8 @@ LOOPS_IN_CACHE, LOOPS_TWICE = 300.0, 550.0
 class MechanismCosts:
     """The predicted times of both lowerings of a mechanism.
 
-    flat, instances: of an evaluation of the accelerations (ns); compiler: of the compiler for straight-line code (s).
+    flat, instances: of an evaluation of the accelerations (ns); compiler: of the compiler for straight-line code (s), 0
+    where it is not predicted.
     """
 
     flat: float
@@ -102,8 +106,11 @@ class MechanismCosts:
 def is_predicted(mechanism: SpatialMechanism) -> bool:
     """Whether the predictions hold for a mechanism in space: rigid bodies that keep their coordinates, without gears.
 
-    Where joints have eliminated coordinates, they hold for a row of bodies with ball joints alone.
+    Where joints have eliminated coordinates, they hold for a row of bodies with ball joints alone. They also hold for
+    an open row of three or more finite-element bodies.
     """
+    if _is_flexible_row(mechanism):
+        return True
     rigid = all(isinstance(body, SpatialRigidBody) for body in mechanism.scene.bodies)
     if not rigid or not mechanism.joints or mechanism.gears:
         return False
@@ -114,6 +121,8 @@ def is_predicted(mechanism: SpatialMechanism) -> bool:
 
 def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
     """The predicted costs of both lowerings of a mechanism, in space of one that `is_predicted`."""
+    if isinstance(mechanism, SpatialMechanism) and _is_flexible_row(mechanism):
+        return _of_flexible_row(mechanism)
     rows = [joint.multipliers for joint in mechanism.joints]
     classes = body_classes(mechanism)
     flat = sum(len(of.members) * _body_times(mechanism, of, rows)[0] for of in classes)
@@ -133,6 +142,34 @@ def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
     if varying:
         flat = 95.0 * len(mechanism.instances) + 5.0 * _pairs_to_ground(mechanism)
     return MechanismCosts(flat, looped, _of_compiler(IN_SPACE * flat))
+
+
+def _is_flexible_row(mechanism: SpatialMechanism) -> bool:
+    """Whether a mechanism is an open row of three or more finite-element bodies."""
+    flexible = all(isinstance(body, FlexibleBody) for body in mechanism.scene.bodies)
+    if (
+        not flexible
+        or len(mechanism.instances) <= TWO
+        or not mechanism.joints
+        or mechanism.gears
+        or mechanism.eliminated_joints
+    ):
+        return False
+    system = _system(body_classes(mechanism), [joint.multipliers for joint in mechanism.joints])
+    return system.is_path and not system.closes_loops
+
+
+def _of_flexible_row(mechanism: SpatialMechanism) -> MechanismCosts:
+    """The times of an open row of finite-element bodies."""
+    rows = [joint.multipliers for joint in mechanism.joints]
+    classes = body_classes(mechanism)
+    flat = looped = 0.0
+    for of in joined_classes(mechanism, classes, _system(classes, rows)):
+        modes = mechanism.kinds[of.first.instance.kind].equations.body.modes
+        time, count = 30.0 * modes + 40.0 * sum(rows) / len(mechanism.instances), len(of.members)
+        flat += count * time
+        looped += time * (1.4 if count == 1 else 2.2 * -(-count // LANES))
+    return MechanismCosts(flat, looped, 0.0)
 
 
 def _of_compiler(flat: float) -> float:

@@ -208,9 +208,24 @@ class FreeRotation:
     Q: sp.ImmutableMatrix
 
 
+@dataclass(frozen=True)
+class OwnAxes:
+    """The motion of a frame of a free body, along the axes of this body.
+
+    `work` is the virtual work of `load_symbols` along these axes by the names of the rows, where the translations of
+    the origin, which come first, are along them too. `acceleration` and `angular_acceleration` are without those of the
+    coordinates. `Q` is the rotation tensor of the body.
+    """
+
+    Q: sp.ImmutableMatrix
+    work: tuple[tuple[str, sp.Expr], ...]
+    acceleration: sp.ImmutableMatrix
+    angular_acceleration: sp.ImmutableMatrix
+
+
 @cache
 def load_symbols() -> tuple[sp.Symbol, ...]:
-    """The components of any force and torque on a frame, in the inertial frame."""
+    """The components of any force and torque on a frame."""
     return tuple(local(f"load_{kind}", k) for kind in ("force", "torque") for k in (1, 2, 3))
 
 
@@ -224,7 +239,8 @@ class ConstrainedFrame:
 
     A unit multiplier exerts `force` at the point and `torque` on the frame; `work` is the virtual work of any such
     `load_symbols` by the names of the rows, and equal for all constraints on the frame. `acceleration` and
-    `angular_acceleration` are those of the frame.
+    `angular_acceleration` are those of the frame. `carrier` is its body if that is one of a tree, and `place` the point
+    in the frame of this body; `own` is the motion along the axes of its body if that keeps all coordinates.
     """
 
     rotation: FreeRotation | None
@@ -235,6 +251,9 @@ class ConstrainedFrame:
     work: tuple[tuple[str, sp.Expr], ...]
     acceleration: sp.ImmutableMatrix
     angular_acceleration: sp.ImmutableMatrix
+    carrier: str = ""
+    place: sp.ImmutableMatrix | None = None
+    own: OwnAxes | None = None
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from derive.errors import quoted
-from derive.short_text import counted
+from derive.notes.component_mode_notes import component_mode_notes
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -26,7 +25,7 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
     from derive.reduction import body_properties, residuals, zero_stiffness_modes
 
     properties = body_properties(spec)
-    notes = [*_of_properties(properties), *_of_component_modes(spec), *_of_geometric_stiffness(spec)]
+    notes = [*_of_properties(properties), *component_mode_notes(spec), *_of_geometric_stiffness(spec)]
     notes += _of_first_order(spec, properties)
     notes += _of_stresses(spec)
     frame = residuals(spec)
@@ -55,42 +54,6 @@ def alike_bodies(scene: SpatialScene) -> dict[NodalBody, list[str]]:
         if isinstance(body, FlexibleBody):
             names.setdefault(replace(body.body, name=""), []).append(body.name)
     return names
-
-
-def _of_component_modes(spec: NodalBody) -> Iterator[str]:
-    """Yield what the modes are if they are computed by choice, and the frequency of each beside that of the free body.
-
-    Frequencies of the modes are not below those of the full matrices, in their order.
-    """
-    if spec.component_modes is None:
-        return
-    if spec.data.modes is not None:
-        left_out = " with their geometric stiffness" if spec.data.has_geometric_stiffness else ""
-        count = len(spec.data.modes)
-        yield (
-            f"component_modes = {quoted(spec.component_modes)}: the {counted(count, 'mode')} of the files "
-            f"{'is' if count == 1 else 'are'} left out{left_out}, and modes are computed from mass and stiffness"
-        )
-    if not spec.interface_markers:
-        return
-    from derive.reduction.component_mode_table import component_mode_table
-
-    rows = component_mode_table(spec)
-    interface = ", ".join(spec.interface)
-    counts = ", ".join(f"{sum(row.kind == kind for row in rows)} {kind}" for kind in ("static", "vibration"))
-    yield (
-        f"{COMPONENT_MODES[spec.component_modes]} of the interface {interface} ({counts}, by the larger "
-        "part of the strain energy); frequencies in Hz, and those of the free body by its full matrices:"
-    )
-    for number, row in enumerate(rows, 1):
-        yield f"  mode {number}: {row.kind:9} {row.frequency:10.5g}  full matrices {row.full:10.5g}  {row.excess}"
-
-
-COMPONENT_MODES = {
-    "free": "free modes",
-    "craig_bampton": "Craig-Bampton modes",
-    "attachment": "attachment modes with inertia relief, and free modes,",
-}
 
 
 def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:

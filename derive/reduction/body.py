@@ -24,6 +24,7 @@ from derive.reduction.frames import (
 )
 from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, integrated_mesh
+from derive.reduction.mode_selection import with_selected_modes
 from derive.reduction.reasons import Parities, with_exact_zeros
 from derive.reduction.second_order import (
     SecondOrderFields,
@@ -138,6 +139,7 @@ def prepare(body: NodalBody) -> Prepared:
 def _prepared(body: NodalBody) -> Prepared:
     body = _with_its_modes(body)
     check_body(body)
+    body = with_selected_modes(body)
     mass = canonical_csr(body.data.mass)
     x = np.array(body.data.positions, dtype=np.float64)
     planes = mirror_planes(mass, x)

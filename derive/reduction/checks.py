@@ -24,6 +24,7 @@ from derive.reduction.frames import (
 from derive.reduction.integrals import canonical_csr, mass_products
 from derive.reduction.second_order import stiffening_faults
 from derive.spec.model.body import NodalBody
+from derive.spec.model.mode_selection import ModeSelection
 
 DEPENDENCE_TOLERANCE = 1e-5
 """Modes are dependent if, without rigid motions, they have a singular value below this fraction of the largest."""
@@ -201,8 +202,10 @@ def _marker_faults(body: NodalBody) -> list[Problem]:
 
 
 def _mode_count_faults(body: NodalBody) -> list[Problem]:
-    """Faults of the requested number of modes."""
+    """Faults of the requested number of modes; where modes are selected, their number is not known yet."""
     data = body.data
+    if isinstance(body.modes, ModeSelection):
+        return []
     if body.modes is not None and body.modes < 0:
         return [Problem("body.modes", "a number of modes is 0 or more")]
     if data.modes is None and body.modes is None:

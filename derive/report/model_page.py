@@ -14,7 +14,6 @@ from derive.report.document.page import Block, Heading, Math, Page, Paragraph, T
 from derive.report.notation.expressions import Notation, notation
 from derive.report.sections.beam_shapes import beam_shape_picture
 from derive.report.sections.code import code_blocks, operation_blocks, targets
-from derive.report.sections.component_modes import component_mode_blocks
 from derive.report.sections.files import SpecificationText, calling_blocks, manifest_blocks, specification_blocks
 from derive.report.sections.frame import (
     beam_subtitle,
@@ -27,6 +26,7 @@ from derive.report.sections.frame_comparison import frames_blocks, variants
 from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.kinematics import beam_kinematics_blocks, space_kinematics_blocks
 from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
+from derive.report.sections.modes import mode_blocks
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.state import state_blocks
@@ -97,7 +97,7 @@ def _of_kind(built: Built, written: Notation) -> _OfKind:
                 frames_blocks(variants(spec, equations, model), written),
             )
         case NodalBody():
-            frame = (*node_frame_blocks(spec), *component_mode_blocks(spec))
+            frame = (*node_frame_blocks(spec), *mode_blocks(spec))
             return _OfKind((model.doc,), space_kinematics_blocks(equations, written), frame)
         case SymbolicBody():
             frame = mode_frame_blocks(BodyFrame(spec.frame))

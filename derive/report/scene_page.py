@@ -19,7 +19,6 @@ from derive.report.sections.alike_bodies import shown_once
 from derive.report.sections.alike_joints import constraints_once
 from derive.report.sections.beam_shapes import beam_shapes_of_scene
 from derive.report.sections.code import code_blocks, targets
-from derive.report.sections.component_modes import component_modes_of_scene
 from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.initial_state import initial_state_blocks
 from derive.report.sections.instance_rows import enumeration_of_instances
@@ -28,6 +27,7 @@ from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.mass_matrix import SMALL as NAMED
 from derive.report.sections.mass_matrix import MassPattern, mass_blocks
 from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, kkt_blocks, mechanism_blocks
+from derive.report.sections.modes import modes_of_scene
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.second_order import scene_second_order_blocks
@@ -81,7 +81,7 @@ def scene_page(
         *_results(results, warnings),
         *body_blocks(spec, model, equations),
         *beam_shapes_of_scene(spec),
-        *component_modes_of_scene(spec),
+        *modes_of_scene(spec),
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
         *state_blocks(model, equations, written),

@@ -37,10 +37,15 @@ def flexible_scene(scene: S, reason: str) -> S:
     Raises what `studied_scene` raises.
     """
     whole = studied_scene(scene)
-    if not any(isinstance(body, (BeamBody, SpatialBeam, FlexibleBody)) for body in whole.bodies):
+    if not has_flexible_body(whole):
         missing = "no beam and no finite-element body" if isinstance(whole, SpatialScene) else "no beam"
         raise SpecError((Problem("bodies", f"there is {missing} here, and {reason}"),))
     return whole
+
+
+def has_flexible_body(scene: AnyScene) -> bool:
+    """Whether a scene has a beam or a finite-element body, of which there are several models."""
+    return any(isinstance(body, (BeamBody, SpatialBeam, FlexibleBody)) for body in scene.bodies)
 
 
 def studied_scene(scene: S, needs_beam: str = "") -> S:

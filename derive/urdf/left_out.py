@@ -1,4 +1,4 @@
-"""Lines on what the scene of a robot does not have of it, and on what its user may not expect."""
+"""Lines on what the scene of a robot does not have of it or has otherwise, and on what its user may not expect."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 
 from derive.errors import printable
-from derive.urdf.rigid_bodies import locked_joints
+from derive.short_text import counted
 from derive.urdf.robot import JointKind, Robot, RobotJoint
 
 COLLISION = "collision"
@@ -15,7 +15,10 @@ COLLISION = "collision"
 
 def left_out(robot: Robot, moving: Sequence[RobotJoint]) -> Iterator[str]:
     """The lines on a robot; `moving` are the joints that move bodies of its scene."""
-    locked = locked_joints(robot)
+    if robot.roundings:
+        angles, most = counted(len(robot.roundings), "angle"), max(robot.roundings)
+        yield f"taken for right angles, within {most:.1e} rad: {angles} (--keep-angles leaves them as they are)"
+    locked = robot.locked
     following = [j for j in robot.joints.values() if j.name in locked and j.kind is not JointKind.FIXED]
     several = [j for j in moving if j.damping and not j.kind.has_one_motion]
     for text, joints in {

@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from typing import TypeVar
 
 from derive.errors import Problem, SpecError, quoted
+from derive.spec.files.xml_tree import XmlElement, read_xml
 from derive.urdf.robot import Inertia, JointKind, Limits, Link, LinkShape, Mimic, Origin, Robot, RobotJoint
 from derive.urdf.tree import root_of_tree
-from derive.urdf.xml_tree import XmlElement, read_xml
 
 Named = TypeVar("Named", Link, RobotJoint)
 
@@ -27,20 +27,30 @@ READ = {
 SHAPES = ("visual", "collision")
 """The elements that describe the shapes of a link."""
 
+SEVERAL = ("link", "joint", *SHAPES)
+"""The elements that are read of which there may be more than one."""
+
+RIGHT_ANGLE = math.pi / 2
+ROUNDED_ANGLE = 1e-8
+"""The largest difference, rad, from a multiple of a right angle that counts as rounding, as in 1.57079632679."""
+
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def read_robot(path: str | os.PathLike[str]) -> Robot:
-    """The robot of a URDF file. Raises SpecError with all faults of the file and their lines."""
-    return robot_of(read_xml(path), os.fsdecode(path))
+def read_robot(path: str | os.PathLike[str], keep_angles: bool = False) -> Robot:
+    """The robot of a URDF file. Raises SpecError with all faults of the file and their lines.
+
+    keep_angles: take angles such as 1.57079632679 as they are written, and not for the right angles that they round.
+    """
+    return robot_of(read_xml(path), os.fsdecode(path), keep_angles)
 
 
-def robot_of(root: XmlElement, source: str | None = None) -> Robot:
-    """The robot of an XML tree; `source` is the file that errors show. Raises SpecError."""
+def robot_of(root: XmlElement, source: str | None = None, keep_angles: bool = False) -> Robot:
+    """The robot of an XML tree, as of `read_robot`; `source` is the file that errors show. Raises SpecError."""
     if root.tag != "robot":
         message = f"a URDF is needed, whose outermost element is <robot>, not <{root.tag[:40]}>"
         raise SpecError((Problem("", message, root.line),), source)
-    reader = _Reader()
+    reader = _Reader(keep_angles)
     name = reader.text(root, "name", "robot")
     links = reader.by_name(reader.link(e) for e in root.all("link"))
     joints = reader.by_name(reader.joint(e) for e in root.all("joint"))
@@ -48,21 +58,36 @@ def robot_of(root: XmlElement, source: str | None = None) -> Robot:
         reader.fault(root, "", "these are macros of xacro; write their result to a file first: xacro FILE > robot.urdf")
     if not links:
         reader.fault(root, "", "there is no <link>")
+    reader.check_counts(root)
     tree_root = root_of_tree(links, joints, reader.problems)
     if reader.problems:
         raise SpecError(tuple(sorted(reader.problems, key=lambda p: p.line or 0)), source)
-    return Robot(name, tree_root, links, joints, dict(sorted(_unread(root).items())))
+    return Robot(name, tree_root, links, joints, dict(sorted(_unread(root).items())), tuple(reader.roundings))
 
 
 class _Reader:
     """Reads elements and collects their faults; what cannot be read is replaced, so that reading goes on."""
 
-    def __init__(self) -> None:
+    def __init__(self, keep_angles: bool) -> None:
+        self.keep_angles = keep_angles
         self.problems: list[Problem] = []
+        self.roundings: list[float] = []
 
     def fault(self, element: XmlElement, path: str, message: str) -> None:
         """Note a fault at the line of an element."""
         self.problems.append(Problem(path, message, element.line))
+
+    def check_counts(self, around: XmlElement) -> None:
+        """Note elements of which only the first would be read."""
+        tags = set[str]()
+        for element in around.children:
+            if element.tag in READ.get(around.tag, ()):
+                if element.tag in tags and element.tag not in SEVERAL:
+                    self.fault(
+                        element, "", f"a second <{element.tag}> in the <{around.tag}> of line {around.line}; remove one"
+                    )
+                tags.add(element.tag)
+                self.check_counts(element)
 
     def text(self, element: XmlElement, attribute: str, path: str) -> str:
         """An attribute that is required."""
@@ -101,7 +126,17 @@ class _Reader:
     def origin(self, element: XmlElement, path: str) -> Origin:
         """The placement of a joint or of a centre of mass."""
         origin = element.first("origin")
-        return Origin(*(self.triple(origin, key, path, (0.0, 0.0, 0.0)) for key in ("xyz", "rpy")))
+        xyz, (roll, pitch, yaw) = (self.triple(origin, key, path, (0.0, 0.0, 0.0)) for key in ("xyz", "rpy"))
+        return Origin(xyz, (self.angle(roll), self.angle(pitch), self.angle(yaw)))
+
+    def angle(self, value: float) -> float:
+        """An angle, or the multiple of a right angle that it rounds."""
+        right = round(value / RIGHT_ANGLE) * RIGHT_ANGLE
+        difference = abs(value - right)
+        if self.keep_angles or not 0 < difference <= ROUNDED_ANGLE:
+            return value
+        self.roundings.append(difference)
+        return right
 
     def by_name(self, elements: Iterable[Named]) -> dict[str, Named]:
         """Links or joints by their names, which have to be different."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from derive.urdf.robot import HERE, JointKind, Link, Matrix, Placement, Robot, RobotJoint, Vector
+from derive.urdf.robot import HERE, Link, Matrix, Placement, Robot, RobotJoint, Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def _centre(part: LinkPart) -> Vector:
 
 def rigid_bodies(robot: Robot) -> list[RobotBody]:
     """The rigid bodies from the root on, each behind the one that carries it, limb by limb."""
-    locked = locked_joints(robot)
+    locked = robot.locked
     waiting = [RobotBody(None, [LinkPart(robot.links[robot.root], HERE)])]
     bodies = []
     while waiting:
@@ -89,25 +89,11 @@ def rigid_bodies(robot: Robot) -> list[RobotBody]:
 
 def joints_on(robot: Robot, body: RobotBody) -> Iterator[tuple[RobotJoint, LinkPart]]:
     """The joints that move other bodies on this one, with the link that carries each."""
-    locked = locked_joints(robot)
+    locked = robot.locked
     for part in body.parts:
         for joint in robot.joints_behind(part.link.name):
             if joint.name not in locked:
                 yield joint, part
-
-
-def locked_joints(robot: Robot) -> Mapping[str, float]:
-    """The joints without motion, with the position in which they stay: fixed ones, and those that follow these."""
-    locked = {joint.name: 0.0 for joint in robot.joints.values() if joint.kind is JointKind.FIXED}
-    before = -1
-    while len(locked) > before:
-        before = len(locked)
-        for joint in robot.joints.values():
-            if joint.mimic and joint.name not in locked and joint.mimic.joint in locked:
-                locked[joint.name] = joint.mimic.multiplier * locked[joint.mimic.joint] + joint.mimic.offset
-            elif joint.mimic and joint.mimic.multiplier == 0:
-                locked[joint.name] = joint.mimic.offset
-    return locked
 
 
 def _locked_placement(joint: RobotJoint, position: float) -> Placement:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -44,7 +46,14 @@ class Placement:
 
     def of(self, inner: Placement) -> Placement:
         """The placement of a frame that `inner` places in this one."""
-        return Placement(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
+        position = self.position + self.rotation @ inner.position
+        return Placement(np.round(position, 15), without_noise(self.rotation @ inner.rotation))
+
+
+def without_noise(rotation: Matrix) -> Matrix:
+    """A rotation matrix in which rounding errors of zeros and ones are gone."""
+    whole = np.round(rotation)
+    return np.where(abs(rotation - whole) < 1e-15, whole, rotation) + 0.0  # no negative zeros
 
 
 HERE = Placement(np.zeros(3), np.eye(3))
@@ -60,10 +69,9 @@ class Origin:
 
     @property
     def placement(self) -> Placement:
-        """Its position and its rotation matrix, in which rounding errors of right angles are zeros."""
+        """Its position and its rotation matrix."""
         rotation = Rotation.from_euler("xyz", self.rpy).as_matrix() if any(self.rpy) else np.eye(3)
-        rotation[abs(rotation) < 1e-15] = 0
-        return Placement(np.array(self.xyz), rotation)
+        return Placement(np.array(self.xyz), without_noise(rotation))
 
 
 @dataclass(frozen=True)
@@ -143,7 +151,7 @@ class RobotJoint:
     def direction(self) -> Vector:
         """The unit vector of its axis in its frame."""
         axis = np.array(self.axis)
-        return np.asarray(axis / np.linalg.norm(axis))
+        return np.asarray(axis / math.hypot(*self.axis))  # of which no square is too small for a number
 
     def moved(self, position: float) -> Placement:
         """The placement of the child in the frame of a joint with one motion, at a position, rad or m."""
@@ -154,14 +162,41 @@ class RobotJoint:
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot, with the link that is the root of its tree; `unread`: what is not read of the file, with its number."""
+    """A robot, with the link that is the root of its tree.
+
+    unread: what is not read of the file, with its number. roundings: by how much angles of the file differ from the
+    right angles that they are taken for, rad.
+    """
 
     name: str
     root: str
     links: dict[str, Link]
     joints: dict[str, RobotJoint]
     unread: dict[str, int]
+    roundings: tuple[float, ...] = ()
 
-    def joints_behind(self, link: str) -> list[RobotJoint]:
+    @cached_property
+    def joints_of_parents(self) -> Mapping[str, Sequence[RobotJoint]]:
+        """The joints on each link that carries others, in the order of the file."""
+        result: dict[str, list[RobotJoint]] = {}
+        for joint in self.joints.values():
+            result.setdefault(joint.parent, []).append(joint)
+        return result
+
+    def joints_behind(self, link: str) -> Sequence[RobotJoint]:
         """The joints whose parent is this link, in the order of the file."""
-        return [joint for joint in self.joints.values() if joint.parent == link]
+        return self.joints_of_parents.get(link, ())
+
+    @cached_property
+    def locked(self) -> Mapping[str, float]:
+        """The joints without motion, with the position in which they stay: fixed ones, and those that follow these."""
+        locked = {joint.name: 0.0 for joint in self.joints.values() if joint.kind is JointKind.FIXED}
+        before = -1
+        while len(locked) > before:
+            before = len(locked)
+            for joint in self.joints.values():
+                if joint.mimic and joint.name not in locked and joint.mimic.joint in locked:
+                    locked[joint.name] = joint.mimic.multiplier * locked[joint.mimic.joint] + joint.mimic.offset
+                elif joint.mimic and joint.mimic.multiplier == 0:
+                    locked[joint.name] = joint.mimic.offset
+        return locked

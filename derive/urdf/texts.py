@@ -1,4 +1,4 @@
-"""Numbers, vectors and rotations of robots as text: with all their digits, and without rounding where there is none."""
+"""Numbers, vectors and rotations of robots as text: with all their digits, and without those of rounding errors."""
 
 from __future__ import annotations
 
@@ -14,9 +14,15 @@ def number_text(value: float) -> str:
     return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
+NOISE = 1e-14
+"""The part of the largest number of an array below which the others are rounding errors of zero."""
+
+
 def list_text(values: Iterable[float] | Vector) -> str:
-    """Numbers as an array of TOML."""
-    return f"[{', '.join(number_text(float(x)) for x in values)}]"
+    """Numbers as an array of TOML, without rounding errors of zeros."""
+    numbers = [float(x) for x in values]
+    least = NOISE * max(map(abs, numbers), default=0.0)
+    return f"[{', '.join(number_text(x if abs(x) > least else 0.0) for x in numbers)}]"
 
 
 def axes_text(rotation: Matrix) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from derive.errors import Problem, quoted
+from derive.spec.parsing.faults import did_you_mean
 from derive.urdf.robot import JointKind, Link, RobotJoint
 
 
@@ -15,7 +16,7 @@ def root_of_tree(links: Mapping[str, Link], joints: Mapping[str, RobotJoint], pr
     for joint in joints.values():
         path = f"joint {joint.name}"
         problems += (
-            Problem(path, f"there is no link {quoted(name)}", joint.line)
+            Problem(path, f"there is no link {quoted(name)}{did_you_mean(name, links)}", joint.line)
             for name in (joint.parent, joint.child)
             if name and name not in links
         )
@@ -59,7 +60,8 @@ def _check_mimics(joints: Mapping[str, RobotJoint], problems: list[Problem]) -> 
             continue
         path, leader = f"joint {joint.name}.mimic", joints.get(joint.mimic.joint)
         if leader is None:
-            problems.append(Problem(path, f"there is no joint {quoted(joint.mimic.joint)}", joint.line))
+            hint = did_you_mean(joint.mimic.joint, joints)
+            problems.append(Problem(path, f"there is no joint {quoted(joint.mimic.joint)}{hint}", joint.line))
         elif name in _followed(joints, leader):
             problems.append(Problem(path, "the joint follows itself", joint.line))
         elif any(j.kind in (JointKind.FLOATING, JointKind.PLANAR) for j in (joint, leader)):

@@ -20,8 +20,9 @@ from derive.spec.parsing.names import free_name
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.urdf.left_out import left_out
-from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, locked_joints, rigid_bodies
-from derive.urdf.robot import HERE, JointKind, Placement, Robot, RobotJoint
+from derive.urdf.repairs import nearest_tensor
+from derive.urdf.rigid_bodies import LinkPart, RobotBody, joints_on, rigid_bodies
+from derive.urdf.robot import HERE, JointKind, Matrix, Placement, Robot, RobotJoint
 from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, number_text
 from derive.urdf.visuals import WrittenVisuals
 
@@ -52,26 +53,33 @@ class WrittenScene:
 
 
 def written_scene(
-    robot: Robot, base: Base = "fixed", source: str | None = None, folder: str | os.PathLike[str] = "."
+    robot: Robot,
+    base: Base = "fixed",
+    source: str | None = None,
+    folder: str | os.PathLike[str] = ".",
+    repair_inertia: bool = False,
 ) -> WrittenScene:
     """The scene of a robot whose root is fixed to the ground or free.
 
     The frame of a body is that of its first link; a body consists of the links that fixed joints connect. The z axis of
     the markers of a joint is its axis. Each joint with a single motion has an input, its torque or force, and an
     output, its position. `source` is the file that errors show, beside which meshes are; `folder` is that of the
-    specification, to which their paths are relative. Raises SpecError where a body moves without mass.
+    specification, to which their paths are relative. With `repair_inertia`, a tensor of inertia that no body has is
+    replaced by the nearest one, with a note. Raises SpecError where a body moves without mass or has such a tensor.
     """
-    return _Writer(robot, base, source, Path(folder)).scene()
+    return _Writer(robot, base, source, Path(folder), repair_inertia).scene()
 
 
 class _Writer:
     """Collects the tables of a scene and the notes on them."""
 
-    def __init__(self, robot: Robot, base: Base, source: str | None, folder: Path) -> None:
-        self.robot, self.base, self.source = robot, base, source
+    def __init__(self, robot: Robot, base: Base, source: str | None, folder: Path, repair_inertia: bool) -> None:
+        self.robot, self.base, self.source, self.repair_inertia = robot, base, source, repair_inertia
+        self.repaired: dict[str, Matrix] = {}
+        self.singular: list[str] = []
         self.visuals = WrittenVisuals(Path(source or ".").parent, folder)
         self.bodies = rigid_bodies(robot)
-        self.locked = locked_joints(robot)
+        self.locked = robot.locked
         self.notes: list[str] = []
         self.taken: set[str] = {"ground", "scene"}
         self.renamed: list[str] = []
@@ -145,26 +153,42 @@ class _Writer:
         if len(self.bodies) == self.held:
             text = "nothing moves: all links are fixed to the root, and this to the ground; import it with --base free"
             problems.append(Problem("", text))
+        if len(self.singular) > 1:
+            problems.append(Problem("", f"to make these joints fixed: --lock {','.join(self.singular)}"))
         if problems:
             raise SpecError(tuple(problems), self.source)
 
     def why_no_body(self, body: RobotBody) -> str:
         """The reason why a body of a scene cannot be this one; empty if it can."""
         if not body.mass:
+            if body.tensor.any():
+                return "it moves, has a tensor of inertia and no mass; give it a mass, or make its joint fixed (--lock)"
             if body.joint and self.carries_mass(body):
                 return ""
-            where = f"joint {quoted(body.joint.name)} becomes" if body.joint else "the free base is"
-            return (
-                f"it moves, has no mass and carries none, so that {where} singular; give it an <inertial>, or make its "
-                "joint fixed"
-            )
+            why = "it moves, has no mass and carries none, so that"
+            if not body.joint:
+                return f"{why} the free base is singular; give it an <inertial>"
+            self.singular.append(body.joint.name)
+            name = quoted(body.joint.name)
+            return f"{why} joint {name} becomes singular; give it an <inertial>, or make the joint fixed (--lock)"
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor.tolist()
         try:
             check_tensor(tuple(map(Fraction, (xx, yy, zz, xy, xz, yz))))
         except WrongValueError as error:
+            if self.repair_inertia:
+                self.repair(body)
+                return ""
             parts = " and what is fixed to it" if len(body.parts) > 1 else ""
-            return f"{error}; correct the <inertia> of this link{parts}"
+            return f"{error}; correct the <inertia> of this link{parts}, or import it with --repair-inertia"
         return ""
+
+    def repair(self, body: RobotBody) -> None:
+        """Replace the tensor of inertia of a body by the nearest one that a body of its mass has."""
+        tensor = self.repaired[body.name] = nearest_tensor(body.tensor, body.mass)
+        before, after = (", ".join(f"{x:.4g}" for x in np.linalg.eigvalsh(t)) for t in (body.tensor, tensor))
+        self.notes.append(
+            f"inertia of {printable(body.name)} repaired: principal moments of {after} kg m^2 instead of {before}"
+        )
 
     def carries_mass(self, body: RobotBody) -> bool:
         """Whether bodies behind it have mass."""
@@ -199,7 +223,7 @@ class _Writer:
     def body_tables(self) -> Iterator[str]:
         """The bodies that move."""
         for body in self.bodies[self.held :]:
-            name, tensor = self.links[body.name], body.tensor
+            name, tensor = self.links[body.name], self.repaired.get(body.name, body.tensor)
             (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
             if len(body.parts) > 1 and "," in _heavy(body):
                 yield f"# one body: {_heavy(body)}"
@@ -304,7 +328,8 @@ def _heavy(body: RobotBody) -> str:
 def _frame_of_joint(joint: RobotJoint, part: LinkPart) -> str:
     """The marker of a joint on the body that carries it, by the angles of the robot where no others are added."""
     axes = axes_along(joint.direction)
-    if part.placement is HERE and any(joint.origin.rpy) and np.array_equal(axes, np.eye(3)):
+    exact = np.isin(joint.origin.placement.rotation, (-1, 0, 1)).all()  # as axes, of which no digit is rounded
+    if part.placement is HERE and not exact and np.array_equal(axes, np.eye(3)):
         roll, pitch, yaw = joint.origin.rpy
         angles = f'{{ angles = {list_text((yaw, pitch, roll))}, sequence = "zyx" }}'
         return f"{{ at = {list_text(joint.origin.xyz)}, rotation = {angles} }}"

@@ -32,7 +32,7 @@ GROUPS = {
         "the [TOML files](../reference_toml.md).",
         {
             "Bodies": "PlanarBeam AttachedMass BeamDamping Frame Marker SymbolicBody NodalBody NodeData NodeMarker "
-            "BodyFrame Damping Parameter",
+            "BodyFrame Damping ModeSelection Parameter",
             "Scenes in the plane": "Scene RigidBody BeamBody CustomBody PointMarker MarkerRef Joint CustomJoint Drive "
             "Force Torque Spring Bushing DistributedLoad CustomForce InitialValues JointInitialValues",
             "Scenes in space": "SpatialScene SpatialRigidBody FlexibleBody FrameMarker NodeFrame Visual SpatialJoint "

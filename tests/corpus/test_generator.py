@@ -40,6 +40,10 @@ NOT_USED = {
         ),
         "rotations by axes and by three angles: tests/space/test_rotation_forms.py",
     ),
+    **dict.fromkeys(
+        (name for name in all_features(schema_of(specification_table())) if "ModeSelectionTable" in name),
+        "modes that an error selects: tests/reduction/test_mode_selection.py",
+    ),
 }
 """The features of specifications that no scene of the corpus uses, with the reasons."""
 

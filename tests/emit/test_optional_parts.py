@@ -107,13 +107,14 @@ def test_a_simulation_compiles_what_it_needs(path: Path, integrator: str, monkey
 def test_an_explicit_model_has_the_same_bits_and_names_what_it_does_not_have(
     path: Path, files: tuple[File, ...], tmp_path: Path
 ) -> None:
-    """The model that studies run: no iteration matrices, loads or derivatives of outputs, and no Python."""
+    """The model that studies run: no iteration matrices, loads, derivatives of outputs or batches, and no Python."""
     scene = derive.read(path)
     assert isinstance(scene, derive.Scene)
     model, own = generated_explicit(scene)
     assert [file.path for file in own] == [f"{NAME}/{NAME}.h", f"{NAME}/{NAME}.c"]
     write(own, tmp_path)
     compile_c([tmp_path / own[1].path], tmp_path / "model.so", [*C99, *WARNINGS, "-O0", "-shared", "-fPIC"])
+    assert not any(name.endswith("_batch") for name in functions(tmp_path / "model.so"))
     native, complete = derive.load_scene(own, RUN_FLAGS), derive.load_scene(files)
     k, full = native.setup(), complete.setup()
     q, v = 0.1 * np.arange(1, native.nq + 1), np.ones(native.nv)

@@ -56,8 +56,8 @@ def read_by_pinocchio(pin: ModuleType, path: Path, base: Base) -> Any:
 
 
 def written(path: Path, base: Base) -> str:
-    """The specification of a robot."""
-    return written_scene(read_robot(path), base, str(path)).text
+    """The specification of a robot, with its angles as they are written, since Pinocchio rounds none."""
+    return written_scene(read_robot(path, keep_angles=True), base, str(path)).text
 
 
 def joints_of(own: PinocchioModel, other: Any) -> list[tuple[int, int]]:

@@ -15,6 +15,7 @@ from derive.ir.interpreter import interpret
 from derive.ir.loop_nests import Assign, For, Integer, Local, Node, Sines, every, expressions_of
 from derive.ir.sines_of_bodies import MANY, STORES, with_sines_of_bodies
 from derive.ir.statements import Let
+from derive.lowering.instances.loop_code.class_code import INSTANCE
 from kernel.test_instance_lanes import arguments, looped, nodes_in_lanes
 
 SINE, COSINE = Operator.SIN, Operator.COS
@@ -113,7 +114,7 @@ def test_functions_of_one_instance_have_one_call_for_both() -> None:
     kernel = looped("chain_5").kernel("marker_b0_left")
     nodes = [*nodes_in_lanes(kernel)]
     (item,) = sines_of(nodes)
-    assert (item.angle, item.count) == (Element("q", variable("instance", 5, 2)), 1)
+    assert (item.angle, item.count) == (Element("q", variable(INSTANCE, 5, 2)), 1)
     assert not has_calls(nodes)
     for number in (0, 3):
         given = {**arguments(kernel), "number": number}

@@ -33,13 +33,16 @@ from derive.lowering.instances.functions.constant_modes import ConstantModes, co
 from derive.lowering.instances.loop_code.class_code import ClassCode
 from derive.lowering.instances.lower import lower_instances
 from derive.lowering.ldlt import Factorisation
+from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
 from derive.lowering.model_functions import FORMS
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.runtime.loading import load_scene
+from derive.spec.model.scene import SceneLowering
 from derive.spec.toml.read import parse
 
 MODES, NODES = 6, 9
 KINDS = ("fixed", "revolute", "spherical")
+MATCHING: tuple[SceneLowering, ...] = ("auto", "instances")
 NAMES = ("mass", "force", "accel", "energy", "constraint_jacobian", "project_velocity")
 
 
@@ -175,10 +178,30 @@ def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
         assert not any(isinstance(item, Work) for s in other.statements if isinstance(s, ForEach) for item in s.body)
 
 
-@pytest.mark.parametrize("kinds", [("fixed",), *(pytest.param(k, marks=LATER) for k in (("revolute",), KINDS))])
+@pytest.mark.parametrize("kinds", [("fixed",), *(pytest.param(k, marks=LATER) for k in (("cylindrical",), KINDS))])
 def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
     """Loops and straight-line code agree in states in which no constraint is met and all sections turn."""
     check(both(chain(max(2, len(kinds)), kinds), True))
+
+
+def test_rows_of_like_bodies_are_looped_by_themselves() -> None:
+    """With six modes, from three bodies on, and in the code of loops that are asked for: bodies share their numbers."""
+
+    def chosen(scene: derive.SpatialScene) -> str | None:
+        mechanism = derive.derive(replace(scene, lowering="auto"))
+        assert isinstance(mechanism, SpatialMechanism)
+        return estimate_mechanism_costs(mechanism).lowering if is_predicted(mechanism) else None
+
+    two, three = (chain(count, ("fixed",)) for count in (2, 3))
+    assert [chosen(two), chosen(three)] == [None, "instances"]
+    auto, asked = (derive.lower(derive.derive(replace(three, lowering=of)), explicit=True) for of in MATCHING)
+    assert auto.kernel("accel").sections == asked.kernel("accel").sections
+    assert auto.choice.startswith("looped over instances, the faster form")
+    first, *others = three.bodies
+    assert isinstance(first, derive.FlexibleBody)
+    unlike = replace(three, bodies=(replace(first, body=replace(first.body, modes=2)), *others))
+    assert chosen(unlike) == "flat"
+    assert chosen(replace(three, joints=(*three.joints, replace(three.joints[0], name="other")))) is None  # a loop
 
 
 @LATER

@@ -28,6 +28,7 @@ from derive.ir.loop_nests import Assign, If, Integer, Node, every, ordered_loop
 from derive.ir.model import Model
 from derive.ir.statements import Clear, ForEach, StoreElement
 from derive.ir.variants import Variants, variants
+from derive.lowering.instances.loop_code.class_code import INSTANCE
 from derive.runtime.compiler import compile_c
 
 FORMS = ("", "_ggl", "_index1")
@@ -170,9 +171,9 @@ def test_tables_have_the_places_and_the_text_the_distances_from_them() -> None:
     targets = [node.target for node in every(of.nodes) if isinstance(node, Assign) and isinstance(node.target, Element)]
     names = [node.name for node in every(of.nodes) if isinstance(node, Integer) and node.name.startswith("place")]
     firsts = {
-        name: min(e.index.offset for e in targets if e.index and e.index.has(name) and not e.index.stride("instance"))
+        name: min(e.index.offset for e in targets if e.index and e.index.has(name) and not e.index.stride(INSTANCE))
         for name in names
-        if any(e.index and e.index.has(name) and not e.index.stride("instance") for e in targets)
+        if any(e.index and e.index.has(name) and not e.index.stride(INSTANCE) for e in targets)
     }
     assert firsts and set(firsts.values()) == {0}
 

@@ -112,3 +112,11 @@ def test_both_ends_of_a_chord_differ(section: str) -> None:
     text = before + f"[{section}.bend]" + after.replace('"rod.right"]', '"rod.left"]', 1)
     with pytest.raises(derive.SpecError, match=rf"{section}.bend.chord: a chord is between two markers, and these are"):
         parse(text, str(Path("bent.toml")))
+
+
+@pytest.mark.parametrize("section", ["outputs", "plots"])
+def test_no_joint_holds_both_ends_of_a_chord_at_one_place(section: str) -> None:
+    before, after = PENDULUM.replace("PIECES", "1").split(f"[{section}.bend]")
+    text = before + f"[{section}.bend]" + after.replace('"rod.right"]', '"ground.o"]', 1)
+    with pytest.raises(derive.SpecError, match=rf"{section}.bend.chord: the joint .* holds both markers at one place"):
+        parse(text, str(Path("bent.toml")))

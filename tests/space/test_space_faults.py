@@ -52,13 +52,19 @@ def test_loads_that_move_nothing(more: str, message: str) -> None:
 
 
 def test_a_spring_between_points_that_a_joint_keeps_together() -> None:
-    """Its line has no direction in any state; the joint of the crank leaves its body an angle alone."""
+    """Its line has no direction in any state."""
     joint = parse(TEXT).joints[0]
     spring = f'[springs.s]\nbetween = ["{joint.second}", "{joint.first}"]\nstiffness = 1\n'
+    with pytest.raises(derive.SpecError, match=r"springs\.s\.between: the joint \w+ holds both markers at one place"):
+        parse(TEXT.replace("[simulation]", f"{spring}[simulation]"))
+    text = TEXT.replace("hub = [0, 0, 0]", "hub = [0, 0, 0], eye = [0, 0, 0]").replace(
+        "[simulation]", f"{spring}[simulation]"
+    )
+    result = parse(text.replace(f'["{joint.second}", "{joint.first}"]', f'["crank.eye", "{joint.first}"]'))
     with pytest.raises(
-        derive.SpecError, match=r"springs\.s\.between: a joint keeps crank\.\w+ and ground\.\w+ together"
+        derive.SpecError, match=r"springs\.s\.between: a joint keeps crank\.eye and ground\.\w+ together"
     ):
-        derive.derive(parse(TEXT.replace("[simulation]", f"{spring}[simulation]"))).expanded()
+        derive.derive(result).expanded()
 
 
 @pytest.mark.parametrize("kind", ["angular_velocity", "angular_acceleration"])

@@ -332,12 +332,18 @@ def test_no_rotation_is_singular(
         ('kind = "angle"\nbetween = ["bob.end", "bob.top"]\naxis = "w"', "outputs.x.axis: "),
         (
             'kind = "angle"\nbetween = ["bob.end", "bob.end"]\naxis = "x"',
-            "outputs.x.between: both markers are the same, so that no line leads from one to the other",
+            "outputs.x.between: a line is between two markers, and these are the same",
         ),
         (
             'kind = "angle"\nbetween = ["bob.end", "ground.base"]\naxis = "x"\n[joints.ball]\n'
             'kind = "spherical"\nbetween = ["ground.base", "bob.end"]',
             "outputs.x.between: the joint ball holds both markers at one place",
+        ),
+        (
+            'kind = "deflection"\nmarker = "bob.top"\nchord = ["bob.end", "ground.base"]\n[joints.ball]\n'
+            'kind = "spherical"\nbetween = ["ground.base", "bob.end"]\n[springs.s]\nstiffness = 1\n'
+            'between = ["bob.end", "ground.base"]',
+            "outputs.x.chord: the joint ball holds both markers at one place",
         ),
         ('kind = "energy"\nframe = "bob.end"', "outputs.x"),
     ],

@@ -75,7 +75,7 @@ def test_all_faults_of_files_and_sizes_have_lines(tmp_path: Path) -> None:
     for name, content in files.items():
         (tmp_path / name).write_bytes(content)
     tables = [
-        *(f'mesh = "{name}"' for name in (*files, "none.stl", "model.dae")),
+        *(f'mesh = "{name}"' for name in (*files, "none.stl", "model.ply")),
         "box = [1, 1, 1], sphere = 2",
         "at = [1, 1, 1]",
         "cylinder = [1, 0]",
@@ -94,7 +94,7 @@ def test_all_faults_of_files_and_sizes_have_lines(tmp_path: Path) -> None:
             'line 4 of "word.stl": three numbers are needed',
             'line 10 of "face.obj": a face needs the numbers of points, from 1 to 4 here',
             'the file "none.stl" cannot be read',
-            '"model.dae" is no .stl or .obj file',
+            '"model.ply" is no .stl or .obj or .dae file',
             "a visual is one of mesh, box, cylinder, sphere, and not box and sphere",
             "a visual is one of mesh, box, cylinder, sphere, such as",
             "the sizes of a cylinder are positive",

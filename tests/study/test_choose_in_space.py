@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -157,9 +158,7 @@ def test_candidates_in_space_are_tried_from_cheap_to_dear() -> None:
     assert cannot_do(few, {more: 0.2}, 0.1) and not cannot_do(more, {few: 0.2}, 0.1)
 
 
-def test_scenes_in_space_without_flexible_body_or_plot_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_scenes_in_space_without_flexible_body_or_plot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = tmp_path / "arm.toml"
     spec.write_text(ARM.replace('[plots.height]\ny = ["tip_3"]', ""))
     assert main(["choose", str(spec)]) == 2
@@ -169,9 +168,12 @@ def test_scenes_in_space_without_flexible_body_or_plot_are_refused(
     rigid = "mass = 1\ninertia = [1, 1, 1, 0, 0, 0]\nmarkers = " + hub + "\n"
     markers = ARM[ARM.index("markers = ") : ARM.index("start = ")]
     spec.write_text(ARM.replace(rod + markers, rigid))
-    assert main(["choose", str(spec)]) == 2
-    assert "and nothing to choose" in capsys.readouterr().err
-    assert not (tmp_path / "arm_chosen.toml").exists()
+    assert main(["choose", str(spec)]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.startswith("arm: nothing to choose, and no file written: all bodies are rigid")
+    assert not captured.err and not (tmp_path / "arm_chosen.toml").exists()
+    assert main(["choose", str(spec), "--json"]) == 0
+    assert "all bodies are rigid" in json.loads(capsys.readouterr().out)["notes"][0]
 
 
 @pytest.mark.long

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -43,6 +44,14 @@ def test_what_is_expected_is_computed_elsewhere_and_the_rest_here() -> None:
         assert ahead.waiting == 0 and ahead.result(3) == (3, HERE)
     ahead.expect([4])
     assert ahead.waiting == 0 and ahead.result(4) == (4, HERE), "a closed one computes all itself"
+
+
+def test_the_search_for_unreachable_objects_pauses_while_results_are_made() -> None:
+    with ComputedAhead(lambda _: (gc.isenabled(), os.getpid()), workers=2) as ahead:
+        ahead.expect([1])
+        searched, process = ahead.result(1)
+        assert not searched and process != HERE
+        assert ahead.result(2) == (False, HERE) and gc.isenabled()
 
 
 def test_without_workers_nothing_is_computed_before_it_is_asked_for() -> None:

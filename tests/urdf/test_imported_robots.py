@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +14,11 @@ import derive
 from derive.cli.main import main
 from derive.errors import SpecError
 from derive.export.urdf.description import roll_pitch_yaw, urdf_text
+from derive.spec.files.xml_tree import parse_xml
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot, robot_of
 from derive.urdf.robot import Origin
 from derive.urdf.written_scene import written_scene
-from derive.urdf.xml_tree import parse_xml
 
 ARM = Path(__file__).parent / "arm.urdf"
 LENGTHS, MASSES, INERTIAS, CENTRES = (0.5, 0.4), (2.0, 1.0), (0.05, 0.02), (0.2, 0.15)
@@ -145,3 +146,25 @@ def test_the_command_writes_a_file_once(tmp_path: Path, capsys: pytest.CaptureFi
     assert target.read_bytes() == before
     assert main(["import", str(tmp_path / "none.urdf")]) == 2
     assert "none.urdf: the file cannot be read" in capsys.readouterr().err
+
+
+ROUNDED = """<robot name="r"><link name="a"/>
+<link name="b"><inertial><origin xyz="0.1 2e-18 0" rpy="0 1.5707963 0"/><mass value="1"/>
+<inertia ixx="1" iyy="1.2" izz="1.4"/></inertial></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><origin rpy="3.14159265359 1.57079632679 0"/>
+<axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_angles_that_round_right_angles_are_right_angles() -> None:
+    """The scene is that of a description with all digits of pi; angles that are given as others remain."""
+    element = parse_xml(ROUNDED.encode())
+    scene = written_scene(robot_of(element))
+    assert "taken for right angles, within 4.9e-12 rad: 2 angles (--keep-angles leaves them as they are)" in scene.notes
+    digits = ROUNDED.replace("3.14159265359", repr(math.pi)).replace("1.57079632679", repr(math.pi / 2))
+    exact = written_scene(robot_of(parse_xml(digits.encode())))
+    assert scene.text.split("name =", 1)[1] == exact.text.split("name =", 1)[1]
+    assert "j = { at = [0, 0, 0], rotation = { x = [0, 0, -1], z = [-1, 0, 0] } }" in scene.text
+    assert "centre = [0.1, 0, 0]" in scene.text
+    kept = written_scene(robot_of(element, keep_angles=True))
+    assert not any("right angle" in note for note in kept.notes)
+    assert "3.14159265359" in kept.text

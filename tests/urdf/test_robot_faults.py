@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from derive.errors import SpecError
-from derive.urdf import xml_tree
+from derive.spec.files import xml_tree
+from derive.spec.files.xml_tree import parse_xml
+from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot, robot_of
+from derive.urdf.repairs import nearest_tensor, with_locked_joints
 from derive.urdf.robot import Robot
 from derive.urdf.written_scene import written_scene
-from derive.urdf.xml_tree import parse_xml
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 
@@ -90,10 +93,93 @@ def test_bodies_without_mass_name_the_joint_that_is_singular() -> None:
     assert line == 3 and 'moves, has no mass and carries none, so that joint "j" becomes singular' in text
 
 
+def test_bodies_with_a_tensor_and_no_mass() -> None:
+    """Also where they carry bodies that have mass, since the tensor would be lost."""
+    without = INERTIAL.replace('mass value="1"', 'mass value="0"')
+    ((line, text),) = faults(
+        *links("a", "c"), f'<link name="b">{without}</link>', joint("j", "a", "b"), joint("k", "b", "c")
+    )
+    assert line == 4 and "has a tensor of inertia and no mass; give it a mass" in text
+
+
+def test_elements_of_which_there_is_one() -> None:
+    ((line, text),) = faults(*links("a"), f'<link name="b">{INERTIAL}\n{INERTIAL}</link>', joint("j", "a", "b"))
+    assert line == 4 and text == ": a second <inertial> in the <link> of line 3; remove one"
+
+
+def test_a_tiny_axis_has_a_direction() -> None:
+    axis = '<axis xyz="0 0 1e-300"/>'
+    scene = written_scene(robot(*links("a", "b"), joint("j", "a", "b", inside=axis)))
+    assert "joint = [0, 0, 0]" in scene.text  # the axes of the body, of which z is that of the joint
+
+
+def test_text_in_another_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    text = "\n".join(["<robot name='r'>", *links("a", "b\u00fc"), joint("j", "a", "b\u00fc"), "</robot>"])
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(SpecError, match=r"3: this is no XML: .* it is not in UTF-8, so save it in that"):
+        read_robot(path)
+    for head, encoding in (("", "utf-16"), ('<?xml version="1.0" encoding="iso-8859-1"?>\n', "latin-1")):
+        path.write_bytes((head + text).encode(encoding))
+        assert [*read_robot(path).links] == ["a", "b\u00fc"]
+
+
 def test_a_tensor_that_no_body_has() -> None:
     flat = INERTIAL.replace('izz="1"', 'izz="9"')
     ((line, text),) = faults(*links("a"), f'<link name="b">{flat}</link>', joint("j", "a", "b"))
     assert line == 3 and "the largest is at most the sum of the other two; correct the <inertia> of this link" in text
+
+
+TENSORS = {
+    "point": np.zeros((3, 3)),
+    "flat": np.diag([1.0, 1.0, 9.0]),
+    "negative": np.diag([-0.1, 1.0, 1.0]),
+    "turned": np.array([[1.0, 0.5, 2.0], [0.5, 2.0, -1.0], [2.0, -1.0, 0.5]]),
+}
+
+
+@pytest.mark.parametrize("tensor", TENSORS.values(), ids=[*TENSORS])
+def test_the_nearest_tensor_is_one_of_a_body_and_no_other_is_nearer(tensor: np.ndarray) -> None:
+    """Second moments of the mass are at least 1 mm squared times the mass; near the result none of these is closer."""
+    mass, rng = 2.0, np.random.default_rng(0)
+    nearest = nearest_tensor(tensor, mass)
+
+    def second_moments(inertia: np.ndarray) -> np.ndarray:
+        return np.linalg.eigvalsh(np.trace(inertia) / 2 * np.eye(3) - inertia)
+
+    assert second_moments(nearest).min() >= mass * 1e-6 * (1 - 1e-9)
+    distance = np.linalg.norm(nearest - tensor)
+    assert distance > 0
+    for _ in range(300):
+        change = rng.normal(size=(3, 3)) * 0.1 * distance
+        other = nearest + change + change.T
+        if second_moments(other).min() >= mass * 1e-6:
+            assert np.linalg.norm(other - tensor) >= distance
+    possible = np.diag([1.0, 1.5, 2.0])
+    assert np.allclose(nearest_tensor(possible, mass), possible, rtol=1e-12)
+
+
+def test_a_tensor_is_repaired_on_request_alone() -> None:
+    """The note has both tensors, and the scene the new one."""
+    flat = INERTIAL.replace('izz="1"', 'izz="9"')
+    described = robot(*links("a"), f'<link name="b">{flat}</link>', joint("j", "a", "b"))
+    with pytest.raises(SpecError, match="or import it with --repair-inertia"):
+        written_scene(described)
+    scene = written_scene(described, repair_inertia=True)
+    note = "inertia of b repaired: principal moments of 3.333, 3.333, 6.667 kg m^2 instead of 1, 1, 9"
+    assert note in scene.notes and f"# {note}" in scene.text
+    (body,) = parse(scene.text).bodies
+    assert [round(float(x), 6) for x in body.inertia] == [3.333334, 3.333334, 6.666666, 0, 0, 0]
+
+
+def test_joints_without_mass_can_be_locked() -> None:
+    lines = [*links("a", "b"), '<link name="c"/>', '<link name="d"/>']
+    lines += [joint("j", "a", "b"), joint("k", "b", "c"), joint("l", "b", "d")]
+    assert faults(*lines)[-1][1] == ": to make these joints fixed: --lock k,l"
+    scene = written_scene(with_locked_joints(robot(*lines), ["k", "l"]))
+    assert [joint.name for joint in parse(scene.text).joints] == ["j"]
+    with pytest.raises(SpecError, match='no joint "kk" to lock; did you mean "k"'):
+        with_locked_joints(robot(*lines), ["kk"])
 
 
 def test_nothing_moves() -> None:
@@ -108,6 +194,7 @@ def test_nothing_moves() -> None:
         ("<robot", "this is no XML: unclosed token"),
         ("<scene/>", "a URDF is needed, whose outermost element is <robot>, not <scene>"),
         ('<robot name="r"/>', "there is no <link>"),
+        ('<?xml version="1.0" encoding="klingon"?><robot/>', "names an encoding that is not read (unknown encoding"),
         ("<robot/>", '<robot> needs name="..."'),
         ('<robot name="r" xmlns:xacro="x"><xacro:macro name="m"/></robot>', "xacro FILE > robot.urdf"),
         ('<!DOCTYPE r [<!ENTITY e SYSTEM "/etc/passwd">]><robot name="&e;"/>', "a document type"),

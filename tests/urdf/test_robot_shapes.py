@@ -13,10 +13,10 @@ from derive.cli.main import main
 from derive.export.urdf.description import urdf_text
 from derive.simulation.observables.spatial_scene_player import drawn_bodies
 from derive.simulation.space.marker_frames import own_frame
+from derive.spec.files.xml_tree import parse_xml
 from derive.spec.model.visuals import Mesh
 from derive.urdf.read import robot_of
 from derive.urdf.written_scene import written_scene
-from derive.urdf.xml_tree import parse_xml
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 HAND = "package://my_robot/meshes/hand.stl"
@@ -76,7 +76,7 @@ def test_shapes_become_visuals_of_the_body_of_their_link(
 
 def test_shapes_that_cannot_be_shown_have_a_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Shapes for contact stand for them where a link has no other; a body without any is the box of its inertia."""
-    forms = [mesh("hand.dae"), mesh("package://my_robot/none.stl"), mesh("../meshes/cut.stl"), "<capsule/>"]
+    forms = [mesh("hand.ply"), mesh("package://my_robot/none.stl"), mesh("../meshes/cut.stl"), "<capsule/>"]
     others = ['<box size="1 0 1"/>', f'<mesh filename="{HAND}" scale="1 1"/>', mesh(""), ""]
     arm = "".join(map(shape, (*forms, *others)))
     for contact, count in ((shape('<box size="1 2 3"/>', "collision"), 1), ("", 0)):
@@ -85,7 +85,7 @@ def test_shapes_that_cannot_be_shown_have_a_line(folder: Path, capsys: pytest.Ca
         assert main(["import", str(folder / "r.urdf"), "--out", str(target)]) == 0
         said = capsys.readouterr().out
         for line in (
-            "not shown: 2 shapes, which are no .stl or .obj files, such as hand.dae",
+            "not shown: 2 shapes, which are no .stl or .obj or .dae files, such as hand.ply",
             "not shown: 1 shape, whose files are not there, such as package://my_robot/none.stl",
             "not shown: 1 shape, whose files cannot be read as meshes, such as ../meshes/cut.stl",
             "not shown: 1 shape, <capsule>, such as arm",

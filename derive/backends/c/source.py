@@ -21,9 +21,12 @@ class CBackend:
         """The paths of the files of a model below the output folder: the header and the source file."""
         return f"{model}/{model}.h", f"{model}/{model}.c"
 
-    def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
-        """`NAME.h`, and `NAME.c` with its source map; `fingerprint` is that of the specification."""
+    def files(self, model: Model, fingerprint: str, batches: bool = True) -> tuple[File, ...]:
+        """`NAME.h`, and `NAME.c` with its source map; `fingerprint` is that of the specification.
+
+        batches: whether there are functions of batches, which a caller that compiles without them does not need.
+        """
         from derive.backends.c.source_text import header_and_source
 
         header, source = self.file_names(model.name)
-        return header_and_source(model, fingerprint, ABI, header, source)
+        return header_and_source(model, fingerprint, ABI, header, source, batches)

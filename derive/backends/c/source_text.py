@@ -58,15 +58,18 @@ FORMS = {"index3": "", **REDUCED_FORMS}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
 
 
-def header_and_source(model: Model, fingerprint: str, abi: int, header: str, source: str) -> tuple[File, File]:
+def header_and_source(
+    model: Model, fingerprint: str, abi: int, header: str, source: str, batches: bool
+) -> tuple[File, File]:
     """The header and the source file of a model, with their paths.
 
-    fingerprint: that of the specification; abi: the number of the interface.
+    fingerprint: that of the specification; abi: the number of the interface; batches: whether there are functions of
+    batches.
     """
     sums = linear_sums(model)
     forms = {kernel.name: of for of in shared_forms(model) for kernel in of.kernels}
     model = with_sums_over_modes(model, forms)
-    blocks = batch_blocks(with_rows_written_out(model), sums)
+    blocks = batch_blocks(with_rows_written_out(model), sums) if batches else {}
     values = _template_values(model, fingerprint, abi, sums, forms, blocks)
     builder = SourceBuilder(model)
     builder.text(render("c/prologue.c.jinja", values))
@@ -150,7 +153,7 @@ def _template_values(
         "batch_names": [f"{name}_batch" for name in BATCHED],
         "batches": [batch_function(block) for block in blocks.values()],
         "batch_width": " or ".join(str(w) for w in sorted({block.width for block in blocks.values()})),
-        "batch_stack": -(-max(map(stack, blocks.values())) // 1024),
+        "batch_stack": -(-max(map(stack, blocks.values()), default=0) // 1024),
         "patterns": patterns,
         "sparsities": defaultdict(lambda: "0", {p.name: f"&{model.name}_sparsity_{p.name}" for p in patterns}),
         "requested": OF_MODELS,
@@ -163,8 +166,8 @@ def _template_values(
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,
         "checked_batches": f"{enumeration(checked)} give{'s' if len(checked) == 1 else ''}" if checked else "",
-        "entries": entries(model, BATCHED),
-        "packed": list(packed_functions(model, BATCHED)),
+        "entries": entries(model, tuple(blocks)),
+        "packed": list(packed_functions(model, tuple(blocks))),
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
         "indices": {

@@ -229,6 +229,23 @@ def _add_import(commands: Any) -> None:
         help="how the root link of a robot is held: fixed to the ground, or free (default: fixed)",
     )
     importing.add_argument(
+        "--lock",
+        type=names,
+        default=(),
+        metavar="JOINTS",
+        help="joints of a robot that stay in their zero positions, separated by commas",
+    )
+    importing.add_argument(
+        "--repair-inertia",
+        action="store_true",
+        help="replace tensors of inertia that no body has by the nearest possible ones",
+    )
+    importing.add_argument(
+        "--keep-angles",
+        action="store_true",
+        help="take angles such as 1.57079632679 as they are written, and not for right angles",
+    )
+    importing.add_argument(
         "--interface", type=names, metavar="SETS", help="sets of nodes of a part to which joints attach: left,right"
     )
     importing.add_argument(

@@ -105,6 +105,11 @@ COMPARED = 20
 
 With more of them, articulated bodies take fewer operations but in models that consist of loops.
 """
+COMPARED_WITH_OTHERS = 100
+"""The largest number of rows and multipliers for which both ways are compared where other bodies are joined to trees.
+
+With more of them lowering takes its time.
+"""
 
 
 def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, OutputElements]) -> Kernel:
@@ -113,14 +118,18 @@ def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, Out
     tree = tree_dynamics(context, symbols)
     candidates = []
     if tree and by_articulated_bodies(context, tree):
+        most = COMPARED if len(tree.rows) == len(context.rows) else COMPARED_WITH_OTHERS
         with suppress(LoweringError):  # where constraints are redundant in every state
-            gamma = _bias(context, symbols)
-            candidates.append(articulated_accelerations(context, function, outputs, symbols, tree, gamma))
-            if len(context.rows) + len(gamma) > COMPARED:
+            candidates.append(articulated_accelerations(context, function, outputs, symbols, tree))
+            if len(context.rows) + len(context.multipliers) > most:
                 return candidates[0]
-    right = [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
-    candidates.append(by_factors(context, function, outputs, symbols, right))
+    candidates.append(by_factors(context, function, outputs, symbols, right_hand_side(context, symbols)))
     return min(candidates, key=lambda kernel: sum(map(operations, kernel.statements)))
+
+
+def right_hand_side(context: Context, symbols: Symbols) -> list[ca.SX]:
+    """The right-hand side [-h; -gamma] of the KKT matrix."""
+    return [-symbols(h) for h in context.force_rows] + [-gamma for gamma in _bias(context, symbols)]
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:

@@ -16,11 +16,11 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Number, Operator
+from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.instances.places import Place
-from derive.lowering.trees.link_loop import LinkLoop
+from derive.lowering.trees.link_loop import LinkLoop, opposite
 from derive.lowering.trees.loads import APPLIED
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import (
@@ -47,21 +47,29 @@ M, H, J, P = 0, 6, 15, 21
 COUNT = 27
 
 
-def articulated(motion: TreeMotion, gravity: Sequence[Number], has_forces: bool) -> list[Part]:
-    """The sections of the accelerations after those of the motion and of the inertias."""
+def articulated(
+    motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool, target: str = "vdot"
+) -> list[Part]:
+    """The sections of the accelerations in an array, after those of the motion and of the inertias.
+
+    Without an array the articulated bodies alone.
+    """
     backward = _backward(motion, has_forces)
     chain = motion.tree.is_chain
     declared = [*motion.work((BEHIND, COUNT), cleared=not chain), *motion.work((SHARE, 8))]
     declared += motion.at_link(BEHIND, len(motion.tree.links) - 1, [ZERO] * COUNT) if chain else []
     loops: list[Statement] = [*declared, backward] if motion.joints else [*declared]
     ground = [*motion.work((FOUND, 6))]
+    behind: Part = ("articulated", Source.FACTORISATION, "what each link has to carry, from the leaves on", loops)
+    if not target:
+        return [behind]
     return [
-        ("articulated", Source.FACTORISATION, "what each link has to carry, from the leaves on", loops),
+        behind,
         (
             "accelerations",
             Source.FACTORISATION,
             "accelerations, from the ground on",
-            [*ground, *_forward(motion, gravity)],
+            [*ground, *_forward(motion, gravity, target)],
         ),
     ]
 
@@ -91,7 +99,8 @@ def _backward(motion: TreeMotion, has_forces: bool) -> ForEach:
     c, gamma = loop.vector(BIAS, here), loop.vector(BIAS, here, first=3)
     p = plus(p, applied(m, c), applied(s, gamma), scaled(known, linear))
     g = plus(g, applied(transposed(s), c), applied(j, gamma), scaled(known, angular))
-    r = loop.vector(LEVER, here)
+    r, follows = loop.vector(LEVER, here), loop.number(lambda of: of.follows)
+    s, j, g = [scaled(follows, row) for row in s], [scaled(follows, row) for row in j], scaled(follows, g)
     moved = minus_matrix(s, after_cross(m, r))
     turned = plus_matrix(j, transposed(before_cross(r, s)), before_cross(r, moved))
     g = plus(g, cross(r, p))
@@ -118,34 +127,35 @@ def axis(loop: LinkLoop, here: Place) -> Vector:
     return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
 
 
-def _forward(motion: TreeMotion, gravity: Sequence[Number]) -> list[Statement]:
+def _forward(motion: TreeMotion, gravity: Sequence[Expr], target: str) -> list[Statement]:
     """The accelerations of all links, with a ground that accelerates upward, and those of the coordinates."""
-    upward = [Number(-g.value) for g in gravity]
+    upward = [*map(opposite, gravity)]
     result: list[Statement] = [*motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO])]
     if motion.free:
-        result.append(_of_free(motion, gravity))
+        result.append(_of_free(motion, gravity, target))
     if motion.joints:
-        result.append(_of_joints(motion))
+        result.append(_of_joints(motion, target))
     return result
 
 
-def _of_joints(motion: TreeMotion) -> ForEach:
+def _of_joints(motion: TreeMotion, target: str) -> ForEach:
     loop = motion.loop("forward", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
     e, r = axis(loop, here), loop.vector(LEVER, here)
     turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
     a, alpha = loop.vector(FOUND, before), loop.vector(FOUND, before, first=3)
     c, gamma = loop.vector(BIAS, here), loop.vector(BIAS, here, first=3)
-    a, alpha = plus(a, cross(alpha, r), c), plus(alpha, gamma)
+    follows = loop.number(lambda of: of.follows)
+    a, alpha = plus(a, cross(alpha, r), c), plus(scaled(follows, alpha), gamma)
     *share, inverse, known = loop.vector(SHARE, here, 8)
     vdot = known - inverse * dot(share, [*a, *alpha])
     loop.require(Requirement.FINITE, vdot, ReturnCode.NOT_FINITE, "a result is not finite")
     loop.store_vector(FOUND, here, [*plus(a, scaled(advances * vdot, e)), *plus(alpha, scaled(turns * vdot, e))])
-    loop.store("vdot", motion.row(loop), vdot)
+    loop.store(target, motion.row(loop), vdot)
     return loop.made()
 
 
-def _of_free(motion: TreeMotion, gravity: Sequence[Number]) -> ForEach:
+def _of_free(motion: TreeMotion, gravity: Sequence[Expr], target: str) -> ForEach:
     """The accelerations of free bodies, of all that hangs on them."""
     loop = motion.loop("free", motion.free)
     here = loop.of_links()
@@ -154,10 +164,10 @@ def _of_free(motion: TreeMotion, gravity: Sequence[Number]) -> ForEach:
     found = solved(loop, whole, [-x for x in (*p, *g)])
     a, alpha = found[:3], found[3:]
     loop.store_vector(FOUND, here, found)
-    linear = [x + loop.symbols.number(g.value) for x, g in zip(a, gravity, strict=True)]
+    linear = [x + loop.leaf(g) for x, g in zip(a, gravity, strict=True)]
     Q = matrix(loop.vector(FRAME, here, 9))
     for k, value in enumerate([*linear, *applied(transposed(Q), alpha)]):
-        loop.store("vdot", motion.row(loop, k), value)
+        loop.store(target, motion.row(loop, k), value)
     return loop.made()
 
 

@@ -31,6 +31,8 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
         return False, "unrolled, since loops over links do not have all that the scene has"
     if not {*functions} <= LOOPED:
         return False, f"unrolled, for {enumeration([*functions])}"
+    if mechanism.scene.redundant == "resolve":
+        return False, "unrolled, since loops over links have no multipliers of least norm"
     links = tree_of(mechanism).links
     count, along = len(links), sum(map(_is_along, links))
     flat = (count - along) * (29 + 1.7 * count) + along * (20 + 0.3 * count)
@@ -44,7 +46,14 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
         )
     if not explicit:
         return False, f"unrolled, since loops over links have no derivatives; {times}"
+    if has_constraints(mechanism):
+        return False, f"unrolled, since the scene has constraints; without them the {times}"
     return looped < flat, f"{'looped over links' if looped < flat else 'unrolled'}, the faster form; {times}"
+
+
+def has_constraints(mechanism: SpatialMechanism) -> bool:
+    """Whether joints close loops, drives prescribe coordinates, or gears couple them."""
+    return bool(mechanism.joints or mechanism.gears or mechanism.scene.drives)
 
 
 def _is_along(link: TreeLink) -> bool:

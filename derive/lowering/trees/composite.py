@@ -6,7 +6,7 @@ distance of its joints is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import casadi as ca
 
@@ -16,12 +16,13 @@ from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Entry, ForEach, InstanceItem, Statement, StoreElement
 from derive.lowering.instances.loop_code.context import Part
 from derive.lowering.trees.articulated import axis
+from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, by_pairs, unit_motion
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.motion import FRAME, INERTIA, LEVER, MOMENT, ORIGIN, TreeMotion, matrix
 from derive.lowering.trees.vectors import applied, cross, dot, packed, plus, scaled, symmetric, transposed
 
-HEAP, TWIST, MOMENTUM = "composite", "twist", "momentum_of"
-"""The arrays of mass, first moment and inertia behind links, of unit motions of rows, and of the momenta by them."""
+HEAP = "composite"
+"""The array of mass, first moment and inertia behind links."""
 BEHIND = "behind"
 """The variable of the loop over what hangs on a link."""
 FREE = 6
@@ -30,7 +31,11 @@ FREE = 6
 
 def mass_pattern(motion: TreeMotion, rows: int) -> Pattern:
     """The pattern of M: pairs of rows of which one moves the other."""
-    every = {(max(i, j), min(i, j)) for _, of in _pairs(motion) for i, j in of}
+    every: set[tuple[int, int]] = set()
+    for number, last in enumerate(motion.tree.last):
+        moved = [row for other in range(number, last + 1) for row in _rows(motion, other)]
+        for own in _rows(motion, number):
+            every.update((row, own) if row > own else (own, row) for row in moved)
     firsts = [motion.tree.links[n].row for n in motion.free]
     none = {(first + i, first + j) for first in firsts for i in range(3) for j in range(i)}
     return pattern(rows, rows, every - none, symmetric=True)
@@ -39,13 +44,6 @@ def mass_pattern(motion: TreeMotion, rows: int) -> Pattern:
 def _rows(motion: TreeMotion, number: int) -> range:
     link = motion.tree.links[number]
     return range(link.row, link.row + (FREE if link.is_free else 1))
-
-
-def _pairs(motion: TreeMotion) -> Iterator[tuple[int, list[tuple[int, int]]]]:
-    """Yield each link with the pairs of rows that it moves and its own rows."""
-    for number in range(len(motion.tree.links)):
-        moved = [row for other in range(number, motion.tree.last[number] + 1) for row in _rows(motion, other)]
-        yield number, [(row, own) for own in _rows(motion, number) for row in moved]
 
 
 def composite(motion: TreeMotion, shape: Pattern) -> list[Part]:
@@ -57,10 +55,13 @@ def composite(motion: TreeMotion, shape: Pattern) -> list[Part]:
     ]
     momenta = [*motion.work((TWIST, 6), (MOMENTUM, 6)), *([_momenta(motion)] if motion.joints else [])]
     entries: list[Statement] = []
-    if motion.joints:
-        entries.append(_columns(motion, shape, motion.joints, 1))
     if motion.free:
-        entries += [_own_block(motion, shape), _columns(motion, shape, motion.free, FREE)]
+        entries.append(_own_block(motion, shape))
+    if motion.balls:
+        entries += by_pairs(motion, shape)
+    else:
+        entries += [_columns(motion, shape, motion.joints, 1)] if motion.joints else []
+        entries += [_columns(motion, shape, motion.free, FREE)] if motion.free else []
     return [
         ("composite", "(15)", "mass, first moment and inertia of each link with all that hangs on it", heaps),
         (
@@ -86,12 +87,13 @@ def _heaps(motion: TreeMotion) -> ForEach:
     loop = motion.loop("composite", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
     mass, s, tensor = _whole(motion, loop)
-    r = loop.vector(LEVER, here)
+    loop.store_vector(HEAP, here, [mass, *s, *tensor])
+    r, follows = loop.vector(LEVER, here), loop.number(lambda of: of.follows)
+    s, tensor = scaled(follows, s), scaled(follows, tensor)
     moved = plus(s, scaled(mass, r))
     g = plus(s, moved)
     trace = r[0] * g[0] + r[1] * g[1] + r[2] * g[2]
     change = [[(trace if i == j else 0 * mass) - (r[i] * g[j] + r[j] * g[i]) / 2 for j in range(3)] for i in range(3)]
-    loop.store_vector(HEAP, here, [mass, *s, *tensor])
     loop.store_vector(HEAP, before, [mass, *moved, *plus(tensor, packed(change))], operator=Operator.ADD)
     return loop.made(backward=True)
 
@@ -112,7 +114,7 @@ def _momenta(motion: TreeMotion) -> ForEach:
     T, w = scaled(advances, e), scaled(turns, e)
     linear = plus(scaled(mass, T), cross(w, s))
     angular = plus(cross(s, T), applied(tensor, w), cross(x, linear))
-    loop.store_vector(TWIST, here, [*plus(T, cross(x, w)), *w])
+    loop.store_vector(TWIST, here, unit_motion(loop))
     loop.store_vector(MOMENTUM, here, [*linear, *angular])
     return loop.made(independent=True)
 

@@ -5,21 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from derive.ir.expressions import Element
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, Work
 from derive.lowering.instances.loop_code.context import Part, Result, kernel, whole
 from derive.lowering.model_functions import FunctionKind, ModelFunction
-from derive.lowering.trees import invariants, joint_outputs, loads
+from derive.lowering.trees import centroid, invariants, joint_outputs, loads
 from derive.lowering.trees.articulated import articulated
-from derive.lowering.trees.composite import composite, mass_pattern
+from derive.lowering.trees.condition_loops import ConditionLoops
+from derive.lowering.trees.composite import composite
 from derive.lowering.trees.links import BodyPlace, marker_in_body
 from derive.lowering.trees.newton_euler import newton_euler
+from derive.lowering.trees.reactions import G, Reactions
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.roles import Source
 
 STILL = "still"
 """The local array of velocities that are all zero."""
+FREELY, WANTED = "freely", "wanted"
+"""The local arrays of accelerations without multipliers, and of gamma."""
 
 
 def _mass_parts(context: TreeContext) -> list[Part]:
@@ -27,7 +33,7 @@ def _mass_parts(context: TreeContext) -> list[Part]:
     return [
         motion.frames(moving=False, placed=True, in_tree=True),
         motion.inertias(moving=False),
-        *composite(motion, mass_pattern(motion, len(context.rows))),
+        *composite(motion, context.mass_pattern),
     ]
 
 
@@ -37,7 +43,7 @@ def _force_parts(context: TreeContext) -> list[Part]:
 
 def mass(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the mass matrix M(q)."""
-    results = {"M": Result(pattern=mass_pattern(context.motion, len(context.rows)))}
+    results = {"M": Result(pattern=context.mass_pattern)}
     return kernel(context, function, results, *_mass_parts(context))
 
 
@@ -51,7 +57,7 @@ def force(context: TreeContext, function: ModelFunction) -> Kernel:
 def mass_force(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of M and h together."""
     motion = context.motion
-    shape = mass_pattern(motion, len(context.rows))
+    shape = context.mass_pattern
     parts = [
         motion.frames(moving=True, placed=True, in_tree=True),
         motion.inertias(moving=True),
@@ -62,16 +68,46 @@ def mass_force(context: TreeContext, function: ModelFunction) -> Kernel:
 
 
 def accel(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of vdot, and of no multipliers."""
-    motion = context.motion
-    results = context.counted("vdot") | {"lam": Result((), count=0)}
+    """The kernel of vdot, and of the multipliers."""
+    motion, count = context.motion, context.multipliers
+    results = context.counted("vdot") | {"lam": _each_constraint(context)}
+    if not count:
+        parts = [
+            motion.frames(moving=True),
+            motion.inertias(moving=True),
+            *context.applied,
+            *articulated(motion, context.gravity, bool(context.applied_array)),
+        ]
+        return kernel(context, function, results, *parts)
+    of, reactions = context.constrained(motion), Reactions(motion, count, len(context.rows))
+    wanted = [Work(WANTED, count), *of.bias(WANTED)]
+    solved = reactions.multipliers(lambda index: Element(WANTED, index), FREELY)
+    stores = [*reactions.results("vdot", FREELY), *(reactions.given("lam") if "lam" in function.outputs else [])]
     parts = [
-        motion.frames(moving=True),
+        motion.frames(moving=True, placed=True),
         motion.inertias(moving=True),
         *context.applied,
-        *articulated(motion, context.gravity, bool(context.applied_array)),
+        ("freely", "", "accelerations without multipliers", [Work(FREELY, len(context.rows))]),
+        *articulated(motion, context.gravity, bool(context.applied_array), FREELY),
+        *_answers(of, reactions),
+        ("gamma", "(5)", "accelerations that the constraints need", wanted),
+        ("multipliers", Source.FACTORISATION, "what holds the constraints, and its accelerations", [*solved, *stores]),
     ]
     return kernel(context, function, results, *parts)
+
+
+def _answers(of: ConditionLoops, reactions: Reactions) -> list[Part]:
+    """The sections of G, of M^-1 G^T and of G M^-1 G^T."""
+    factors = [*reactions.declared, *of.jacobian(G, reactions.position)]
+    return [
+        ("G", "(6)", "factors of the generalised velocities in the rates of the constraints", factors),
+        ("answers", Source.FACTORISATION, "accelerations by each multiplier", reactions.answers()),
+    ]
+
+
+def _each_constraint(context: TreeContext) -> Result:
+    count = context.multipliers
+    return Result(("constraint by constraint",) if count else (), count=count)
 
 
 def energy(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -111,21 +147,66 @@ def poses(context: TreeContext, function: ModelFunction) -> Kernel:
     return kernel(context, function, results, motion.frames(moving=False, placed=True), section)
 
 
-def nothing(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of a function of constraints, of which there are none."""
-    results = {name: Result((), count=0) for name in function.outputs}
-    if "G" in results:
-        results["G"] = Result(pattern=pattern(0, len(context.rows), set()))
-    return kernel(context, function, results, inputs=_nothing)
+def constraints(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the constraints g(t, q)."""
+    of = context.constrained(context.motion)
+    body = [of.values("g", lambda c: c.position, moving=False)] if context.multipliers else []
+    section = "g", "(1)", "point of body 2 minus point of body 1, and angles", body
+    frames = context.motion.frames(moving=False, placed=True)
+    return kernel(context, function, {"g": _each_constraint(context)}, frames, section)
+
+
+def constraint_rates(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of gdot."""
+    of = context.constrained(context.motion)
+    body = [of.values("gdot", lambda c: c.rate, moving=True)] if context.multipliers else []
+    frames = context.motion.frames(moving=True, placed=True)
+    section = "gdot", "(1)", "time derivatives", body
+    return kernel(context, function, {"gdot": _each_constraint(context)}, frames, section)
+
+
+def constraint_bias(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of gamma."""
+    motion = context.motion
+    body = context.constrained(motion).bias("gamma") if context.multipliers else []
+    section = "gamma", "(5)", "centrifugal, Coriolis and prescribed parts", body
+    parts = [motion.frames(moving=True, placed=True), motion.inertias(moving=True)] if body else []
+    return kernel(context, function, {"gamma": _each_constraint(context)}, *parts, section)
+
+
+def constraint_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of G."""
+    of = context.constrained(context.motion)
+    shape = pattern(context.multipliers, len(context.rows), of.entries())
+    number = {entry: k for k, entry in enumerate(shape.entries)}
+    zeros: list[Statement] = [Clear("G", len(shape.entries))] if number else []
+    body = [*zeros, *of.jacobian("G", lambda condition, row: number[condition, row])]
+    section = "G", "(6)", "factors of the generalised velocities", body
+    return kernel(
+        context, function, {"G": Result(pattern=shape)}, context.motion.frames(moving=False, placed=True), section
+    )
 
 
 def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
-    """The kernel of the change of velocities that no constraint asks for."""
-    body: list[Statement] = [Clear("dv", len(context.rows))]
-    return kernel(context, function, context.counted("dv"), ("dv", "(5)", "no constraints", body), inputs=_nothing)
-
-
-_nothing = {"r": whole("r", 0, "prescribed change of gdot")}
+    """The kernel of the smallest change of velocities with G dv = r."""
+    count, rows = context.multipliers, len(context.rows)
+    inputs = {"r": whole("r", count, "prescribed change of gdot")}
+    if not count:
+        body: list[Statement] = [Clear("dv", rows)]
+        return kernel(context, function, context.counted("dv"), ("dv", "(5)", "no constraints", body), inputs=inputs)
+    motion = replace(context.motion, v=(STILL, 0))
+    of, reactions = context.constrained(motion), Reactions(motion, count, rows)
+    solved = reactions.multipliers(lambda index: Element("r", index))
+    still: list[Statement] = [Work(STILL, rows, cleared=True)]
+    parts = [
+        ("still", "", "no velocities", still),
+        motion.frames(moving=True, placed=True),
+        motion.inertias(moving=True),
+        *articulated(motion, context.gravity, False, ""),
+        *_answers(of, reactions),
+        ("multipliers", Source.FACTORISATION, "impulses of the constraints", [*solved, *reactions.results("dv")]),
+    ]
+    return kernel(context, function, context.counted("dv"), *parts, inputs=inputs)
 
 
 def residual(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -170,6 +251,36 @@ def gravity_compensation(context: TreeContext, function: ModelFunction) -> Kerne
     return kernel(context, function, context.counted("f"), *parts)
 
 
+def centre_of_mass(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the centre of mass and of its velocity, with the derivative by the velocities."""
+    motion, labels = context.motion, {"x": "x{}", "xdot": "x{}dot"}
+    shape = centroid.shape_of(motion, 1, len(context.rows))
+    results = {name: Result(tuple(label.format(k) for k in (1, 2, 3))) for name, label in labels.items()}
+    body = [*centroid.centre(motion), *centroid.columns(motion, "jacobian", shape)]
+    parts = [*_momentum_parts(context), ("centre", "", "int rho x and int rho xdot, divided by the mass", body)]
+    return kernel(context, function, {**results, "jacobian": Result(pattern=shape), "m_total": Result(("m_total",))}, *parts)
+
+
+def centroidal_momentum(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel of the momentum about the centre of mass as A(q) v."""
+    motion = context.motion
+    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in (1, 2, 3))
+    shape = centroid.shape_of(motion, 2, len(context.rows))
+    body = [*centroid.about_centre(motion), *centroid.columns(motion, "A", shape)]
+    parts = [*_momentum_parts(context), ("momentum", "", "int rho xdot and int rho (x - centre) x xdot", body)]
+    return kernel(context, function, {"momentum": Result(labels), "A": Result(pattern=shape)}, *parts)
+
+
+def _momentum_parts(context: TreeContext) -> list[Part]:
+    motion = context.motion
+    return [
+        motion.frames(moving=True, placed=True),
+        motion.inertias(moving=False),
+        ("sums", "(1)", "momenta and first moment of all links", centroid.sums(motion)),
+        *composite(motion, context.mass_pattern)[:2],
+    ]
+
+
 def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the outputs."""
     body = [*joint_outputs.values(context.motion, context.outputs or ())]
@@ -181,7 +292,7 @@ def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
 def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
     rows = len(context.rows)
-    sizes = (context.coordinates, rows, rows, 0, len(context.known.context.u.symbols))
+    sizes = (context.coordinates, rows, rows, context.multipliers, len(context.known.context.u.symbols))
     shape = joint_outputs.jacobian_pattern(context.outputs or (), sizes)
     body = joint_outputs.derivatives(context.motion, context.outputs or (), shape)
     section = "jacobian", "", "derivatives of the outputs", body
@@ -191,7 +302,7 @@ def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
 def _reactions(context: TreeContext) -> dict[str, Argument]:
     return {
         "vdot": whole("vdot", len(context.rows), "accelerations, as from solve"),
-        "lam": whole("lam", 0, "constraint reactions, as from solve"),
+        "lam": whole("lam", context.multipliers, "constraint reactions, as from solve"),
     }
 
 
@@ -205,15 +316,17 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.MOMENTUM: momentum,
     FunctionKind.RATES: rates,
     FunctionKind.POSES: poses,
-    FunctionKind.CONSTRAINTS: nothing,
-    FunctionKind.CONSTRAINT_RATES: nothing,
-    FunctionKind.CONSTRAINT_JACOBIAN: nothing,
-    FunctionKind.CONSTRAINT_BIAS: nothing,
+    FunctionKind.CONSTRAINTS: constraints,
+    FunctionKind.CONSTRAINT_RATES: constraint_rates,
+    FunctionKind.CONSTRAINT_JACOBIAN: constraint_jacobian,
+    FunctionKind.CONSTRAINT_BIAS: constraint_bias,
     FunctionKind.PROJECT_VELOCITY: project_velocity,
     FunctionKind.OUTPUTS: outputs,
     FunctionKind.OUTPUTS_JACOBIAN: outputs_jacobian,
     FunctionKind.RESIDUAL: residual,
     FunctionKind.INVERSE_DYNAMICS: inverse_dynamics,
     FunctionKind.GRAVITY_COMPENSATION: gravity_compensation,
+    FunctionKind.CENTRE_OF_MASS: centre_of_mass,
+    FunctionKind.CENTROIDAL_MOMENTUM: centroidal_momentum,
 }
 """The functions of a tree, by their kinds."""

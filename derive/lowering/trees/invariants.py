@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Element, Number, Operator
+from derive.ir.expressions import Element, Expr, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Statement, StoreElement
 from derive.lowering.instances.loop_code.context import ZERO
@@ -23,14 +23,14 @@ def _zeros(array: str, count: int) -> list[Statement]:
     return [StoreElement(Element(array, constant(k)), ZERO) for k in range(count)]
 
 
-def energy(motion: TreeMotion, gravity: Sequence[Number] | None) -> list[Statement]:
+def energy(motion: TreeMotion, gravity: Sequence[Expr] | None) -> list[Statement]:
     """The statements of the kinetic energy, no strain energy, and the potential of gravity, if there is any."""
     loop = motion.loop("energy", motion.massive)
-    mass, s, x, v, w, L = _of_links(loop)
+    mass, s, x, v, w, L = of_links(loop)
     kinetic = (mass * dot(v, v) + dot(w, L)) / 2 + dot(v, cross(w, s))
     loop.store("energy", constant(0), kinetic, Operator.ADD)
     if gravity is not None:
-        weight = [loop.symbols.number(g.value) for g in gravity]
+        weight = [loop.leaf(g) for g in gravity]
         loop.store("energy", constant(2), -dot(weight, plus(scaled(mass, x), s)), Operator.ADD)
     return [*_zeros("energy", 2 if gravity is None else 3), loop.made()]
 
@@ -38,7 +38,7 @@ def energy(motion: TreeMotion, gravity: Sequence[Number] | None) -> list[Stateme
 def momentum(motion: TreeMotion) -> list[Statement]:
     """The statements of the linear momentum, and of the angular momentum about the inertial origin."""
     loop = motion.loop("momentum", motion.massive)
-    mass, s, x, v, w, L = _of_links(loop)
+    mass, s, x, v, w, L = of_links(loop)
     linear = plus(scaled(mass, v), cross(w, s))
     angular = plus(cross(x, linear), cross(s, v), L)
     for k, value in enumerate([*linear, *angular]):
@@ -46,7 +46,7 @@ def momentum(motion: TreeMotion) -> list[Statement]:
     return [*_zeros("momentum", 6), loop.made()]
 
 
-def _of_links(loop: LinkLoop) -> tuple[ca.SX, list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX]]:
+def of_links(loop: LinkLoop) -> tuple[ca.SX, list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX], list[ca.SX]]:
     """Mass, first moment, position, velocity, angular velocity, and angular momentum of the rotation of each link."""
     here = loop.of_links()
     mass, s = loop.number(lambda of: of.inertia.mass), loop.vector(MOMENT, here)
@@ -61,23 +61,35 @@ def rates(motion: TreeMotion, output: str = "qdot", of: str = "") -> list[Statem
     of: the array of what they are subtracted from, if that is wanted.
     """
     result: list[Statement] = []
-    if motion.joints:
-        loop = motion.loop("rates", motion.joints)
-        place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
-        value = motion.velocity(loop)
-        loop.store(output, place.at(0), loop.element(of, place.at(0)) - value if of else value)
+    singles = [n for n in motion.joints if motion.tree.links[n].ball < 0]
+    if singles:
+        loop = motion.loop("rates", singles)
+        _stored(motion, loop, output, of, [motion.velocity(loop)])
+        result.append(loop.made())
+    if motion.balls:
+        loop = motion.loop("ball_rates", motion.balls)
+        _stored(motion, loop, output, of, _of_quaternion(motion, loop, 0))
         result.append(loop.made())
     if motion.free:
         loop = motion.loop("free_rates", motion.free)
-        place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
-        a, b, c, d = (motion.coordinate(loop, 3 + k) for k in range(4))
-        x, y, z = (motion.velocity(loop, 3 + k) for k in range(3))
-        turned = [-b * x - c * y - d * z, a * x - d * y + c * z, d * x + a * y - b * z, b * y - c * x + a * z]
-        values = [*(motion.velocity(loop, k) for k in range(3)), *(of / 2 for of in turned)]
-        for k, value in enumerate(values):
-            loop.store(output, place.at(k), loop.element(of, place.at(k)) - value if of else value)
+        moving = [motion.velocity(loop, k) for k in range(3)]
+        _stored(motion, loop, output, of, [*moving, *_of_quaternion(motion, loop, 3)])
         result.append(loop.made())
     return result
+
+
+def _of_quaternion(motion: TreeMotion, loop: LinkLoop, first: int) -> list[ca.SX]:
+    """The time derivatives of quaternions that begin so far behind the coordinates and velocities of links."""
+    a, b, c, d = (motion.coordinate(loop, first + k) for k in range(4))
+    x, y, z = (motion.velocity(loop, first + k) for k in range(3))
+    turned = [-b * x - c * y - d * z, a * x - d * y + c * z, d * x + a * y - b * z, b * y - c * x + a * z]
+    return [of / 2 for of in turned]
+
+
+def _stored(motion: TreeMotion, loop: LinkLoop, output: str, of: str, values: Sequence[ca.SX]) -> None:
+    place = loop.place("coordinate", [motion.tree.links[n].coordinate for n in loop.links])
+    for k, value in enumerate(values):
+        loop.store(output, place.at(k), loop.element(of, place.at(k)) - value if of else value)
 
 
 def poses(motion: TreeMotion, bodies: Sequence[BodyPlace]) -> list[Statement]:

@@ -20,7 +20,7 @@ from derive.spec.model.instances import identifier, joined
 
 MOST_UNROLLED = 12
 """The largest number of velocities for which functions without loops are straight-line code."""
-LOOPED = frozenset({"inverse_dynamics", "gravity_compensation"})
+LOOPED = frozenset({"inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum"})
 """The functions on request that are in loops."""
 KINDS = {"joint": ("relative motion", ""), "joint_speed": ("rate of the relative motion", "/s")}
 """The kinds of outputs that loops have, with their nouns and the ends of their units."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 import casadi as ca
 
-from derive.ir.expressions import Element, Operator, ScalarRef
+from derive.algebra import sp
+from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
 from derive.ir.kernel import ConstantArray
 from derive.ir.statements import (
@@ -28,6 +29,7 @@ from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step, Step
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.elimination.block_system import spaced
 from derive.lowering.instances.places import Place, Places
+from derive.lowering.trees.exact_numbers import Exact
 from derive.lowering.trees.links import TreeLink
 from derive.mechanics.symbols import local
 
@@ -36,19 +38,20 @@ LINK = "link"
 FIRST = LANES
 """The slot of the first link: that before it is the one of the ground."""
 
-Column = Sequence[Fraction]
+Column = Sequence[Exact]
 
 
 @dataclass
 class LinkArrays:
     """The arrays of a model with a slot for each link and one for the ground, and the constant arrays.
 
-    links: those of all trees.
+    links: those of all trees. parametric: the names of the constants of setup whose values are expressions of parameters.
     """
 
     links: tuple[TreeLink, ...]
     places: Places
     constants: Constants
+    parametric: dict[sp.Expr, str] = field(default_factory=dict)
 
     @property
     def spacing(self) -> int:
@@ -114,7 +117,26 @@ class LinkLoop:
             self.symbols.input(symbol, ScalarRef(name))
         return self.symbols.values[symbol]
 
-    def number(self, of: Callable[[TreeLink], Fraction]) -> ca.SX:
+    def value(self, number: Exact) -> ca.SX:
+        """A number, or the constant of setup that is an expression of parameters."""
+        if isinstance(number, int | Fraction):
+            return self.symbols.number(Fraction(number))
+        if number.is_Rational:
+            return self.symbols.number(Fraction(int(number.p), int(number.q)))
+        return self.scalar(self.arrays.parametric.setdefault(number, f"of_parameters_{len(self.arrays.parametric)}"))
+
+    def leaf(self, leaf: Expr) -> ca.SX:
+        """The value of a number or of a scalar of the kernel, perhaps with the opposite sign."""
+        match leaf:
+            case Number(value):
+                return self.symbols.number(value)
+            case Operation(Operator.NEG, (inner,)):
+                return -self.leaf(inner)
+            case ScalarRef(name):
+                return self.scalar(name)
+        raise TypeError(f"no number, and no scalar: {leaf}")
+
+    def number(self, of: Callable[[TreeLink], Exact]) -> ca.SX:
         """A number of each link; one that all have is part of the code."""
         return self.column([of(self.arrays.links[n]) for n in self.links])
 
@@ -128,10 +150,19 @@ class LinkLoop:
         every = [of(self.arrays.links[n]) for n in self.links]
         return [[self.column(values) for values in zip(*rows, strict=True)] for rows in zip(*every, strict=True)]
 
-    def column(self, values: Sequence[Fraction]) -> ca.SX:
-        """A number for each iteration; one that all have is part of the code."""
+    def column(self, values: Column) -> ca.SX:
+        """A number for each iteration; one that all have is part of the code.
+
+        Expressions of parameters, of which there are few, have a column of zeros and ones each.
+        """
         if len(set(values)) == 1:
-            return self.symbols.number(values[0])
+            return self.value(values[0])
+        others = dict.fromkeys(x for x in values if not isinstance(x, int | Fraction))
+        if others:
+            total = self.column([x if isinstance(x, int | Fraction) else Fraction(0) for x in values])
+            for other in others:
+                total = total + self.column([Fraction(x == other) for x in values]) * self.value(other)
+            return total
         column = self._columns.setdefault(tuple(values), len(self._columns))
         return self.element(self._array, ElementIndex(column * len(self.links), (IndexTerm(1, LINK),)))
 
@@ -176,3 +207,8 @@ class LinkLoop:
             self.arrays.places.numbers(ConstantArray(self._array, values, False, len(self.links)))
         every = (*self.entries, *loads, *body)
         return ForEach(LINK, constant(0), constant(len(self.links)), every, backward, independent and not backward)
+
+
+def opposite(leaf: Expr) -> Expr:
+    """A number or a scalar with the opposite sign."""
+    return Number(-leaf.value) if isinstance(leaf, Number) else Operation(Operator.NEG, (leaf,))

@@ -2,7 +2,7 @@
 
 A link moves against the one before it by a rotation about, and a displacement along, its axis, which is the z axis of
 its frame. The frame of the last link of a body is that of its marker of the joint, turned so that z is the axis; bodies
-whose joint leaves several motions have links without mass before it. All numbers are exact.
+whose joint leaves several motions have links without mass before it. All numbers are exact, or expressions of parameters.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import TypeAlias
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
+from derive.lowering.trees.exact_numbers import Exact, exact
 from derive.lowering.trees.row_loads import refused_actions
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
@@ -26,8 +28,8 @@ from derive.mechanics.symbols import Family, identity
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 
-Matrix = tuple[tuple[Fraction, ...], ...]
-Vector = tuple[Fraction, ...]
+Matrix: TypeAlias = tuple[tuple[Exact, ...], ...]
+Vector: TypeAlias = tuple[Exact, ...]
 
 ZERO, ONE = Fraction(0), Fraction(1)
 AT_REST: Vector = (ZERO, ZERO, ZERO)
@@ -45,7 +47,7 @@ TURNED: Mapping[int, Matrix] = {
 class LinkInertia:
     """The mass, first moment (3,) and inertia (3, 3) of bodies about a point."""
 
-    mass: Fraction = ZERO
+    mass: Exact = ZERO
     moment: Vector = AT_REST
     tensor: Matrix = NO_INERTIA
 
@@ -87,6 +89,8 @@ class TreeLink:
     moves; offset (3,): its origin there. turns: 1 if it turns about its axis by its coordinate, else 0; advances: how
     far it is displaced along its axis for a unit of its coordinate. coordinate, row: their indices, of a free body
     those of the first ones. inertia: that of its bodies about its origin, none of a link before the last one of a body.
+    ball: of the three links of a joint that leaves all rotations the number of its axis, else -1: these turn against
+    the inertial frame, about the axes of the body, by the quaternion from `coordinate` on.
     """
 
     parent: int
@@ -95,9 +99,20 @@ class TreeLink:
     axes: Matrix = UNIT
     offset: Vector = AT_REST
     turns: Fraction = ZERO
-    advances: Fraction = ZERO
+    advances: Exact = ZERO
     is_free: bool = False
     inertia: LinkInertia = field(default_factory=LinkInertia)
+    ball: int = -1
+
+    @property
+    def follows(self) -> Fraction:
+        """1 if it turns with the link before it, 0 if it is the first of a ball."""
+        return ZERO if self.ball == 0 else ONE
+
+    @property
+    def is_relative(self) -> Fraction:
+        """1 if its rotation is against the link before it, 0 if it is one of a ball."""
+        return ONE if self.ball < 0 else ZERO
 
 
 @dataclass(frozen=True)
@@ -159,7 +174,7 @@ class _Links:
     def add(self, instance: BodyInstance) -> None:
         """Add the links of a body; one that is fixed to another has the link of this one."""
         of, joint = instance.coordinates, self.joints.get(instance.name)
-        rows = of.carried.own_rows if of.carried else of.rows
+        rows = of.rows
         row, first = (self.rows[rows[0].name], self.coordinates[of.coordinates[0].q.name]) if rows else (0, 0)
         if joint is None:
             self.links.append(TreeLink(-1, first, row, is_free=True))
@@ -172,6 +187,8 @@ class _Links:
             turn = TURNED[2]
             if moved:
                 before, turn = BodyPlace(len(self.links) - 1), self._last_turn
+            if moved and moved[-1].ball >= 0:
+                axes = UNIT  # its quaternion is that of the frame of the body
             place = before.at(product(transposed(turn), transposed(axes)), AT_REST)
         self.bodies[instance.name] = place
         if place.link >= 0:
@@ -183,15 +200,21 @@ class _Links:
     ) -> Iterator[TreeLink]:
         """Yield a link for each motion of the joint of a body."""
         free = joint.type.free(joint.joint) or ()
-        motions, _ = joint_coordinates(joint.type, free, self._support(instance, joint))
+        motions, is_ball = joint_coordinates(joint.type, free, self._support(instance, joint))
         turned, count = UNIT, len(self.links)
         for k, c in enumerate(motions):
             turn = TURNED[AXES_OF[c.motion]]
             at = before.at(product(transposed(turned), turn), AT_REST)
-            advances = _number(c.along) if c.is_rotation else ONE
+            advances = exact(c.along, {of.symbol: of.value for of in self.mechanism.constants}) if c.is_rotation else ONE
             turns = ONE if c.is_rotation else ZERO
             yield TreeLink(at.link, first + k, row + k, at.attitude, at.origin, turns, advances)
             before, turned = BodyPlace(count + k), turn
+        for axis in range(3) if is_ball else ():
+            k = len(motions)
+            yield TreeLink(
+                before.link, first + k, row + k + axis, TURNED[axis], before.origin, turns=ONE, ball=axis
+            )
+            before, turned = BodyPlace(count + k + axis), TURNED[axis]
         self._last_turn = turned
 
     @staticmethod
@@ -227,9 +250,9 @@ def marker_in_body(instance: BodyInstance, marker: str) -> tuple[Matrix, Vector]
 def _inertia(instance: BodyInstance) -> LinkInertia:
     """The inertia of a body about its origin in its frame."""
     values = {
-        (of.family, of.components): _number(c.value)
+        (of.family, of.components): exact(c.value)
         for c in instance.component.body.constants
-        if (of := identity(c.symbol)).owner == "" and c.value.is_Rational
+        if (of := identity(c.symbol)).owner == ""
     }
     moment = tuple(values.get((Family.C1, (k,)), ZERO) for k in (1, 2, 3))
     tensor = tuple(tuple(values.get((Family.C3, (min(a, b), max(a, b))), ZERO) for b in (1, 2, 3)) for a in (1, 2, 3))
@@ -239,24 +262,18 @@ def _inertia(instance: BodyInstance) -> LinkInertia:
 def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
     """Yield what a mechanism has that loops along trees do not have."""
     scene, only = mechanism.scene, "loops in relative coordinates have"
-    constraints = [
-        *(f"joint {j.joint.name} closes a loop" for j in mechanism.joints),
-        *(f"gear {g.gear.name} is one" for g in mechanism.gears),
-        *(f"drive {drive.name} is one" for drive in scene.drives),
-    ]
-    yield from (f"{only} no constraints, and {text}" for text in constraints)
+    yield from (
+        f"{only} no bodies whose motion is prescribed, and drive {joint.drive.name} prescribes one"
+        for joint in mechanism.eliminated_joints
+        if joint.drive and not joint.keeps_coordinate
+    )
     yield from (
         f"{only} rigid bodies alone, and {body.name} is flexible"
         for body in scene.bodies
         if not isinstance(body, SpatialRigidBody)
     )
-    for joint in mechanism.eliminated_joints:
-        if {"rx", "ry", "rz"} <= {*(joint.type.free(joint.joint) or ())}:
-            yield f"{only} no joint that leaves all rotations, as {joint.joint.name} does"
     for name in refused_actions(mechanism):
         yield f"{only} no springs but those about and along the axes of joints, and {name} is none"
-    if mechanism.parameters:
-        yield f"{only} numbers alone, and {mechanism.parameters[0].symbol} is a parameter"
 
 
 # ---- exact linear algebra ----
@@ -283,18 +300,13 @@ def plus(a: Vector, b: Vector) -> Vector:
     return tuple(x + y for x, y in zip(a, b, strict=True))
 
 
-def _dot(a: Vector, b: Vector) -> Fraction:
+def _dot(a: Vector, b: Vector) -> Exact:
     return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
 
 
-def _number(value: sp.Expr) -> Fraction:
-    value = sp.sympify(value)
-    return Fraction(int(value.p), int(value.q))
-
-
 def _matrix(values: sp.Matrix, numbers: Mapping[sp.Symbol, sp.Expr]) -> Matrix:
-    return tuple(tuple(_number(values[i, j].xreplace(numbers)) for j in range(3)) for i in range(3))
+    return tuple(tuple(exact(values[i, j], numbers) for j in range(3)) for i in range(3))
 
 
 def _vector(values: sp.Matrix, numbers: Mapping[sp.Symbol, sp.Expr]) -> Vector:
-    return tuple(_number(sp.sympify(x).xreplace(numbers)) for x in values)
+    return tuple(exact(x, numbers) for x in values)

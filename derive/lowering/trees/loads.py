@@ -11,9 +11,10 @@ from derive.algebra import sp
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import constant
 from derive.ir.statements import Statement, StoreElement, Work
+from derive.lowering.trees.exact_numbers import exact
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.motion import TreeMotion
-from derive.lowering.trees.row_loads import RowLoad, RowLoads, RowSpring, number
+from derive.lowering.trees.row_loads import RowLoad, RowLoads, RowSpring
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Intermediate
 from derive.spec.model.instances import identifier
@@ -51,7 +52,7 @@ def applied(motion: TreeMotion, loads: RowLoads, inputs: Sequence[sp.Symbol], ro
         result.append(loop.made())
     if numbers:
         loop = _loop(motion, "constant_loads", [of.row for of in numbers])
-        _add(loop, [of.row for of in numbers], loop.column([of.sign * number(of.value) for of in numbers]))
+        _add(loop, [of.row for of in numbers], loop.column([of.sign * exact(of.value) for of in numbers]))
         result.append(loop.made())
     for of in others:
         operator = Operator.ADD if of.sign > 0 else Operator.SUB

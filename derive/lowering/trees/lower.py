@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from derive.algebra import sp
+from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model, Variable, Zero
@@ -20,14 +21,17 @@ from derive.lowering.model_functions import FunctionKind, functions_of
 from derive.lowering.requested_functions import requested_functions
 from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.trees import joint_outputs
+from derive.lowering.trees.centroid import total_mass
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED
+from derive.lowering.trees.markers import marker, markers_of
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.gathering import refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
-WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives and no functions of markers"
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives"
 
 
 def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
@@ -46,14 +50,38 @@ def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equati
     return replace(
         context.known.context.equations,
         poses=(SpatialPose("", (), ()),),
+        mass_moments=(sp.sympify(total_mass(context.motion)), *(sp.S.Zero,) * 3),
         weight_energy=sp.S.Zero if context.has_gravity else None,
         outputs=tuple(of.equation for of in context.outputs or ()),
+        markers=markers_of(context).equations,
     ), None
+
+
+def _check(context: TreeContext) -> None:
+    """Raise SpecError for constraints that no coordinate takes part in, and where multipliers of least norm are wanted."""
+    of, scene = context.conditions, context.mechanism.scene
+    refuse_idle(of.every, scene.redundant, [(d.symbol, d.expr) for d in context.known.definitions])
+    idle = [c.shown for c in of.every if not c.jacobian]
+    if idle or (of.every and scene.redundant == "resolve"):
+        what = f"{enumeration(idle)} is redundant" if idle else 'scene.redundant is "resolve"'
+        text = f"loops in relative coordinates have no multipliers of least norm, and {what}"
+        raise SpecError((Problem("scene.lowering", f'{text}: write lowering = "flat"'),))
+
+
+def _with_parameters(context: TreeContext, of: Context) -> Context:
+    """The context of setup with the constants of links that are expressions of parameters."""
+    made = context.of_parameters
+    if not made:
+        return of
+    whole = Context(replace(of.equations, definitions=(), coefficients=(*of.coefficients, *made)))
+    whole.constants = of.constants
+    return whole
 
 
 def _is_looped(context: TreeContext, kind: FunctionKind) -> bool:
     is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN)
-    return kind in FUNCTIONS and (context.outputs is not None or not is_output)
+    has_form = kind is not FunctionKind.RESIDUAL or not context.multipliers
+    return kind in FUNCTIONS and has_form and (context.outputs is not None or not is_output)
 
 
 def lower_trees(
@@ -66,6 +94,7 @@ def lower_trees(
 ) -> Model:
     """The model of trees of rigid bodies in loops over links. Raises SpecError with all that these do not have."""
     context = TreeContext(mechanism)
+    _check(context)
     equations, others = _equations(context, requested)
     kernels: list[Kernel] = []
     if others is None:
@@ -74,31 +103,34 @@ def lower_trees(
             raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
     every = functions_of(equations, sensitivities, explicit)
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
-        if _is_looped(context, function.kind):
+        if others is None and function.kind is FunctionKind.MARKER:
+            kernels.append(marker(context, function))
+        elif _is_looped(context, function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
         elif others is not None:
             kernels.append(
                 with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations)
             )
-    setup, constants = setup_kernel(others or context.known.context, kernels)
+    setup, constants = setup_kernel(_with_parameters(context, others or context.known.context), kernels)
     scene = mechanism.scene
     inputs = context.known.context.equations.inputs
     return Model(
         name=scene.name,
-        doc=mechanism.doc(()),
+        doc=mechanism.doc(context.conditions.every),
         frame_doc=mechanism.frame_doc(by_table=True),
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
         equations=rows_for_people(mechanism),
-        parameters=(),
+        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers),
+        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers) if others else (),
+        marker_classes=() if others else markers_of(context).classes,
         zeros=(),
         vanished=(),
         lowering="instances",
         choice=choice,
-        multipliers=(),
+        multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in context.conditions.every),
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
         inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in inputs),

@@ -15,13 +15,13 @@ from functools import cached_property
 
 import casadi as ca
 
-from derive.ir.expressions import Element, Number
+from derive.ir.expressions import Element, Expr, Number
 from derive.ir.indices import ElementIndex, constant
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.attitude import ZERO_QUATERNION
 from derive.lowering.instances.loop_code.context import Part
 from derive.lowering.trees.link_loop import LinkArrays, LinkLoop
-from derive.lowering.trees.links import UNIT, LinkInertia, Tree
+from derive.lowering.trees.links import TURNED, UNIT, LinkInertia, Tree
 from derive.lowering.trees.vectors import (
     Matrix,
     Vector,
@@ -63,6 +63,11 @@ class TreeMotion:
         return [n for n, link in enumerate(self.tree.links) if link.is_free]
 
     @cached_property
+    def balls(self) -> list[int]:
+        """The links that are the first of a joint that leaves all rotations."""
+        return [n for n in self.joints if self.tree.links[n].ball == 0]
+
+    @cached_property
     def massive(self) -> list[int]:
         """The links that have bodies."""
         return [n for n, link in enumerate(self.tree.links) if link.inertia != LinkInertia()]
@@ -75,11 +80,11 @@ class TreeMotion:
         """The declarations of arrays with so many components of each link."""
         return [Work(array, count * self.arrays.spacing, cleared, self.arrays.spacing) for array, count in arrays]
 
-    def at_ground(self, array: str, values: Sequence[Number]) -> Iterator[Statement]:
+    def at_ground(self, array: str, values: Sequence[Expr]) -> Iterator[Statement]:
         """Yield the statements that write the components of the ground."""
         return self.at_link(array, -1, values)
 
-    def at_link(self, array: str, link: int, values: Sequence[Number]) -> Iterator[Statement]:
+    def at_link(self, array: str, link: int, values: Sequence[Expr]) -> Iterator[Statement]:
         """Yield the statements that write the components of a link, -1 for the ground."""
         for k, value in enumerate(values):
             yield StoreElement(Element(array, constant(k * self.arrays.spacing + self.arrays.slot(link))), value)
@@ -110,12 +115,15 @@ class TreeMotion:
         for array, _ in arrays[2:]:
             ground += self.at_ground(array, [Number(x) for x in (UNIT[0][1],) * 3])
         loops = [self._free_frames(moving, placed, in_tree)] if self.free else []
-        loops += [self._frames(moving, placed)] if self.joints else []
+        if self.balls:
+            loops += self._frames_between_balls(moving, placed)
+        elif self.joints:
+            loops.append(self._frames(self.joints, moving, placed))
         text = "frames of the links" + (" and their angular velocities" if moving else "")
         return "motion", "(1)", text, [*self.work(*arrays), *ground, *loops]
 
-    def _frames(self, moving: bool, placed: bool) -> ForEach:
-        loop = self.loop("frames", self.joints)
+    def _frames(self, links: Sequence[int], moving: bool, placed: bool) -> ForEach:
+        loop = self.loop("frames", links)
         here, before = loop.of_links(), loop.of_parents()
         Q = matrix(loop.vector(FRAME, before, 9))
         axes = product(Q, loop.matrix(lambda of: of.axes))
@@ -133,24 +141,57 @@ class TreeMotion:
             lever = plus(lever, scaled(advances * q, e))
         loop.store_vector(FRAME, here, [x for row in transposed([first, second, e]) for x in row])
         loop.store_vector(LEVER, here, lever)
+        self._carried(loop, e, lever, moving, placed)
+        return loop.made()
+
+    def _carried(self, loop: LinkLoop, e: Vector, lever: Vector, moving: bool, placed: bool) -> None:
+        """The angular velocities, positions and velocities of links; e: their axes."""
+        here, before = loop.of_links(), loop.of_parents()
         w = loop.vector(SPIN, before) if moving else []
         if moving:
             v = self.velocity(loop)
-            loop.store_vector(SPIN, here, plus(w, scaled(turns * v, e)))
+            turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
+            follows = loop.number(lambda of: of.follows)
+            loop.store_vector(SPIN, here, plus(scaled(follows, w), scaled(turns * v, e)))
         if placed:
             loop.store_vector(ORIGIN, here, plus(loop.vector(ORIGIN, before), lever))
         if placed and moving:
             speed = plus(loop.vector(SPEED, before), cross(w, lever), scaled(advances * v, e))
             loop.store_vector(SPEED, here, speed)
-        return loop.made()
+
+    def _frames_between_balls(self, moving: bool, placed: bool) -> Iterator[ForEach]:
+        """Yield the loops of the frames of balls, of those of other links, and of what these and balls hang on."""
+        loop = self.loop("ball_frames", self.balls)
+        columns = transposed(self._of_quaternion(loop, 0))
+        for axis, turn in TURNED.items():
+            here = loop.place(f"slot_{axis}", [self.arrays.slot(n + axis) for n in loop.links], self.arrays.spacing)
+            turned = [columns[[row[k] for row in turn].index(1)] for k in range(3)]
+            loop.store_vector(FRAME, here, [x for row in transposed(turned) for x in row])
+        yield loop.made(independent=True)
+        if others := [n for n in self.joints if self.tree.links[n].ball < 0]:
+            yield self._frames(others, moving=False, placed=False)
+        loop = self.loop("ball_levers", [n for n in self.joints if self.tree.links[n].ball >= 0])
+        Q = matrix(loop.vector(FRAME, loop.of_parents(), 9))
+        loop.store_vector(LEVER, loop.of_links(), applied(Q, loop.numbers(lambda of: of.offset)))
+        yield loop.made(independent=True)
+        if moving or placed:
+            loop = self.loop("carried_frames", self.joints)
+            here = loop.of_links()
+            e = [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
+            self._carried(loop, e, loop.vector(LEVER, here), moving, placed)
+            yield loop.made()
+
+    def _of_quaternion(self, loop: LinkLoop, first: int) -> Matrix:
+        """The rotation tensors of the quaternions whose first components are so far behind the coordinates of links."""
+        quaternion = [self.coordinate(loop, first + k) for k in range(4)]
+        squares = quaternion[0] ** 2 + quaternion[1] ** 2 + quaternion[2] ** 2 + quaternion[3] ** 2
+        loop.require(Requirement.POSITIVE, squares, ReturnCode.NOT_FINITE, ZERO_QUATERNION)
+        return of_quaternion(quaternion)
 
     def _free_frames(self, moving: bool, placed: bool, in_tree: bool) -> ForEach:
         loop = self.loop("free_frames", self.free)
         here = loop.of_links()
-        quaternion = [self.coordinate(loop, 3 + k) for k in range(4)]
-        Q = of_quaternion(quaternion)
-        squares = quaternion[0] ** 2 + quaternion[1] ** 2 + quaternion[2] ** 2 + quaternion[3] ** 2
-        loop.require(Requirement.POSITIVE, squares, ReturnCode.NOT_FINITE, ZERO_QUATERNION)
+        Q = self._of_quaternion(loop, 3)
         loop.store_vector(FRAME, here, [x for row in Q for x in row])
         loop.store_vector(LEVER, here, [ca.SX(0)] * 3)
         if moving:
@@ -205,10 +246,11 @@ class TreeMotion:
         e, v = [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)], self.velocity(loop)
         across = cross(w, e)
         c = cross(w, cross(w, lever))
-        turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
+        advances = loop.number(lambda of: of.advances)
         if not advances.is_zero():
             c = plus(c, scaled(2 * (advances * v), across))
-        loop.store_vector(BIAS, here, [*c, *scaled(turns * v, across)])
+        relative = loop.number(lambda of: of.turns * of.is_relative)
+        loop.store_vector(BIAS, here, [*c, *scaled(relative * v, across)])
 
 
 def matrix(entries: Sequence[ca.SX]) -> Matrix:

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from derive.ir.expressions import Number, Operator
+from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.trees.articulated import axis
-from derive.lowering.trees.link_loop import LinkLoop
+from derive.lowering.trees.link_loop import LinkLoop, opposite
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, symmetric, transposed
 
@@ -21,13 +21,13 @@ Given = tuple[str, int]
 
 
 def newton_euler(
-    motion: TreeMotion, gravity: Sequence[Number], target: Given, applied_forces: str, given: Given | None = None
+    motion: TreeMotion, gravity: Sequence[Expr], target: Given, applied_forces: str, given: Given | None = None
 ) -> list[Part]:
     """The sections that write M vdot + h, or h without accelerations, for each row from an element of an array on.
 
     applied_forces: the array of the forces to subtract, if there are any.
     """
-    upward = [Number(-g.value) for g in gravity]
+    upward = [*map(opposite, gravity)]
     forward: list[Statement] = [
         *motion.work((FOUND, 6), (FORCE, 6), cleared=len(motion.massive) < len(motion.tree.links)),
         *motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO]),
@@ -36,7 +36,7 @@ def newton_euler(
     if motion.free:
         forward.append(_free_accelerations(motion, upward, given))
     if motion.joints:
-        forward.append(_accelerations(motion, given))
+        forward.append(carried_accelerations(motion, given))
     forward.append(_forces(motion))
     backward = [_summed(motion, target, applied_forces)] if motion.joints else []
     backward += [_of_free(motion, target, applied_forces)] if motion.free else []
@@ -51,24 +51,26 @@ def _vdot(motion: TreeMotion, loop: LinkLoop, given: Given, k: int = 0) -> ca.SX
     return loop.element(given[0], motion.row(loop, k).plus(given[1]))
 
 
-def _accelerations(motion: TreeMotion, given: Given | None) -> ForEach:
-    loop = motion.loop("carried", motion.joints)
+def carried_accelerations(motion: TreeMotion, given: Given | None, array: str = FOUND) -> ForEach:
+    """The loop of the accelerations of links in an array, without those of coordinates if none are given."""
+    loop = motion.loop("carried_given" if given else "carried", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
     r, c, gamma = loop.vector(LEVER, here), loop.vector(BIAS, here), loop.vector(BIAS, here, first=3)
-    a, alpha = loop.vector(FOUND, before), loop.vector(FOUND, before, first=3)
-    a, alpha = plus(a, cross(alpha, r), c), plus(alpha, gamma)
+    a, alpha = loop.vector(array, before), loop.vector(array, before, first=3)
+    follows = loop.number(lambda of: of.follows)
+    a, alpha = plus(a, cross(alpha, r), c), plus(scaled(follows, alpha), gamma)
     if given:
         e, vdot = axis(loop, here), _vdot(motion, loop, given)
         turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
         a, alpha = plus(a, scaled(advances * vdot, e)), plus(alpha, scaled(turns * vdot, e))
-    loop.store_vector(FOUND, here, [*a, *alpha])
+    loop.store_vector(array, here, [*a, *alpha])
     return loop.made()
 
 
-def _free_accelerations(motion: TreeMotion, upward: Sequence[Number], given: Given | None) -> ForEach:
+def _free_accelerations(motion: TreeMotion, upward: Sequence[Expr], given: Given | None) -> ForEach:
     loop = motion.loop("free_carried", motion.free)
     here = loop.of_links()
-    a, alpha = [loop.symbols.number(of.value) for of in upward], [ca.SX(0)] * 3
+    a, alpha = [loop.leaf(of) for of in upward], [ca.SX(0)] * 3
     if given:
         a = plus(a, [_vdot(motion, loop, given, k) for k in range(3)])
         Q = matrix(loop.vector(FRAME, here, 9))
@@ -100,7 +102,8 @@ def _summed(motion: TreeMotion, target: Given, applied_forces: str) -> ForEach:
     if applied_forces:
         value = value - loop.element(applied_forces, row)
     loop.store(target[0], row.plus(target[1]), value)
-    loop.store_vector(FORCE, before, [*f, *plus(n, cross(r, f))], operator=Operator.ADD)
+    follows = loop.number(lambda of: of.follows)
+    loop.store_vector(FORCE, before, [*f, *plus(scaled(follows, n), cross(r, f))], operator=Operator.ADD)
     return loop.made(backward=True)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 
 from derive.algebra import sp
+from derive.lowering.trees.exact_numbers import Exact, exact
 from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.symbols import Family, identity
@@ -39,9 +39,9 @@ class RowSpring:
     row: int
     coordinate: int
     sign: int
-    stiffness: Fraction
-    damping: Fraction
-    rest: Fraction
+    stiffness: Exact
+    damping: Exact
+    rest: Exact
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,7 @@ class RowLoads:
 def row_loads(mechanism: SpatialMechanism) -> RowLoads:
     """The loads of a mechanism whose actions are all in joints, see `refused_actions`."""
     loads, springs = [], []
+    known = {c.symbol: c.value for c in mechanism.constants}
     for action in mechanism.forces:
         if isinstance(action.element, AT_MARKERS):
             continue
@@ -69,7 +70,7 @@ def row_loads(mechanism: SpatialMechanism) -> RowLoads:
         element = action.element
         if isinstance(element, SpatialSpring):
             along = 1 if element.first == joint.joint.first else -1
-            k, d, rest = _spring(action)
+            k, d, rest = (exact(value, known) for value in _spring(action))
             springs.append(RowSpring(row, coordinate, along * joint.sign, k, d, rest))
         else:
             loads.append(RowLoad(row, joint.sign, sp.sympify(action.values["value"]), element.name))
@@ -86,12 +87,12 @@ def refused_actions(mechanism: SpatialMechanism) -> Iterator[str]:
             yield action.element.name
 
 
-def _spring(action: SpatialActionInstance) -> tuple[Fraction, Fraction, Fraction]:
+def _spring(action: SpatialActionInstance) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """The stiffness and the damping of a spring along or about the axis of its joint, and where it is at rest."""
     k, d = action.values["stiffness"], action.values["damping"]
     if isinstance(k, sp.MatrixBase):
-        return number(k[2, 2]), number(d[2, 2]), Fraction(0)
-    return number(k), number(d), number(action.values["rest"])
+        return k[2, 2], d[2, 2], sp.S.Zero
+    return k, d, action.values["rest"]
 
 
 def _joint(mechanism: SpatialMechanism, action: SpatialActionInstance) -> tuple[SpatialEliminatedJoint | None, Freedom]:
@@ -121,16 +122,10 @@ def _motion(joint: SpatialEliminatedJoint, freedom: Freedom) -> str | None:
 def place_in(mechanism: SpatialMechanism, joint: SpatialEliminatedJoint, freedom: Freedom) -> tuple[int, int]:
     """The indices of the row and of the coordinate of a joint about or along z."""
     of = mechanism.instances_by_name[joint.own.body].coordinates
-    rows = of.carried.own_rows if of.carried else of.rows
+    rows = of.rows
     family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
     own = [i for i, c in enumerate(of.coordinates) if identity(c.q).family is family]
     (number,) = own if len(own) == 1 else [i for i in own if identity(of.coordinates[i].q).components == (3,)]
     names = [row.name for row in mechanism.rows]
     coordinates = [c.q for c in mechanism.coordinates]
     return names.index(rows[number].name), coordinates.index(of.coordinates[number].q)
-
-
-def number(value: object) -> Fraction:
-    """An exact number."""
-    rational = sp.sympify(value)
-    return Fraction(int(rational.p), int(rational.q))

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cached_property
 
-from derive.ir.expressions import Number
+from derive.ir.expressions import Expr, Number, ScalarRef
+from derive.ir.patterns import Pattern
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.classes.known_motion import KnownMotion
+from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.lowering.instances.loop_code.context import Part, Result
 from derive.lowering.instances.places import Places
 from derive.lowering.trees import joint_outputs, loads, marker_loads
+from derive.lowering.trees.composite import mass_pattern
+from derive.lowering.trees.condition_loops import ConditionLoops
+from derive.lowering.trees.conditions import conditions_of
+from derive.lowering.trees.exact_numbers import exact
 from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import Tree, tree_of
 from derive.lowering.trees.motion import TreeMotion
 from derive.lowering.trees.row_loads import row_loads
+from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.symbols import local
+from derive.mechanics.terms import ModelConstant
 
 
 class TreeContext:
@@ -31,7 +40,12 @@ class TreeContext:
         self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
         self.at_markers = marker_loads.marker_loads(mechanism, self.tree)
         inputs = tuple(given.symbol for given in input_symbols(mechanism.scene))
-        given = (*loads.definitions(self.loads, inputs), *self.at_markers.definitions)
+        self.conditions = conditions_of(mechanism, self.tree)
+        given = (
+            *loads.definitions(self.loads, inputs),
+            *self.at_markers.definitions,
+            *self.conditions.definitions,
+        )
         self.known.definitions = (*self.known.definitions, *given)
         self.constants = Constants(frozenset())
         self.constants.coefficients |= self.known.context.constants.coefficients
@@ -43,8 +57,44 @@ class TreeContext:
         self.outputs = joint_outputs.joint_outputs(mechanism)
         gravity, _ = quantity.gravity(mechanism.scene.gravity)
         self.has_gravity = bool(mechanism.scene.gravity)
-        values = [Fraction(int(g.value.p), int(g.value.q)) for g in gravity] or [Fraction(0)] * 3
-        self.gravity = [Number(value) for value in values]
+        self.gravity = [*map(self._leaf, (g.value for g in gravity))] or [Number(Fraction(0))] * 3
+
+    def constrained(self, motion: TreeMotion) -> ConditionLoops:
+        """The code of the constraints for a state in these arrays."""
+        mechanism = self.mechanism
+        return ConditionLoops(
+            motion,
+            self.conditions,
+            [c.q for c in mechanism.coordinates],
+            [row.v for row in mechanism.rows],
+            frozenset(p.symbol for p in mechanism.parameters),
+        )
+
+    def _leaf(self, value: sp.Expr) -> Expr:
+        """A number, or the constant of setup that is an expression of parameters."""
+        number, known = exact(value), self.motion.arrays.parametric
+        if isinstance(number, Fraction):
+            return Number(number)
+        return ScalarRef(known.setdefault(number, f"of_parameters_{len(known)}"))
+
+    @property
+    def of_parameters(self) -> tuple[ModelConstant, ...]:
+        """The constants of setup that are expressions of parameters."""
+        made = tuple(
+            ModelConstant(local(name), sp.sympify(expr), "", f"number of links, {expr}", "")
+            for expr, name in self.motion.arrays.parametric.items()
+        )
+        return canonical(made, self.mechanism)
+
+    @cached_property
+    def mass_pattern(self) -> Pattern:
+        """The pattern of M."""
+        return mass_pattern(self.motion, len(self.rows))
+
+    @property
+    def multipliers(self) -> int:
+        """The number of constraints."""
+        return len(self.conditions.every)
 
     @property
     def applied(self) -> list[Part]:

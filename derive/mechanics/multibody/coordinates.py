@@ -42,6 +42,11 @@ class CoordinateMap:
     attitude: sp.ImmutableMatrix | None = None
     carried: CarriedMotion | None = None
 
+    @property
+    def is_carried(self) -> bool:
+        """Whether the body is in a tree of joints in space."""
+        return self.carried is not None
+
 
 def free_coordinates(name: str, motion: Motion) -> CoordinateMap:
     """The map of a body that keeps all coordinates; their names get that of the body as a prefix."""

@@ -13,6 +13,7 @@ from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, frame_motion
+from derive.mechanics.multibody.space.own_axes import own_axes
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, TreeDefinitions, carried_frame
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, owned
@@ -209,11 +210,14 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> tuple[_Change, Mapping[str
         return change, _carried_frames(instance, change, coordinates.carried)
     points: dict[str, Any] = {}
     weights = [(row.name, of) for row, of in zip(coordinates.rows, coordinates.weights, strict=True)]
+    free = coordinates.weights == tuple({row.name: sp.S.One} for row in kind.motion.rows)
+    names = {old.name: row.name for old, row in zip(kind.motion.rows, coordinates.rows, strict=False)}
     for name, section in component.sections.items():
         if in_space:
             moving = frame_motion(kind.motion, section)
             change.define(d for d in moving.definitions if d.symbol not in change.values)
-            points[name] = moving.replaced(change.named, weights)
+            own = own_axes(kind.motion, section, names, change.named) if free else None
+            points[name] = replace(moving.replaced(change.named, weights), own=own)
             continue
         motion = point_motion(kind.motion, section.point, section.rotations)
         change.define(motion.definitions)

@@ -67,7 +67,7 @@ class BodyInstance:
     @property
     def moves(self) -> bool:
         """Whether coordinates move the instance; otherwise its motion is prescribed."""
-        return bool(self.coordinates.rows or self.coordinates.carried)
+        return bool(self.coordinates.rows or self.coordinates.is_carried)
 
     @property
     def has_inertia(self) -> bool:

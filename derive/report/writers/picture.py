@@ -9,6 +9,8 @@ SVG = "http://www.w3.org/2000/svg"
 LINK = "http://www.w3.org/1999/xlink"
 _DRAWING = """svg g defs title desc style path rect circle ellipse line polyline polygon text tspan use clipPath mask
 marker linearGradient radialGradient stop pattern symbol image"""
+_MOVES = ("points",)
+"""The only attributes that a picture may animate: positions, never addresses."""
 _RASTER = "data:image/png;base64,"
 """The only allowed start of the address of an image: data in the picture itself."""
 _ADDRESS = re.compile(r"url\(\s*['\"]?(#?)([^)'\"]*)['\"]?\s*\)")
@@ -80,7 +82,8 @@ def _drop_foreign(root: ElementTree.Element) -> None:
 
 
 def _checked(element: ElementTree.Element) -> None:
-    if element.tag not in _DRAWING.split():
+    moves = element.tag == "animate" and element.get("attributeName") in _MOVES
+    if element.tag not in _DRAWING.split() and not moves:
         raise ValueError(f"a picture holds <{element.tag}>, which is no drawing")
     for name, value in element.attrib.items():
         within = value.startswith("#") or (element.tag == "image" and value.startswith(_RASTER))

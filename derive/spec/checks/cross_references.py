@@ -8,9 +8,11 @@ from derive.errors import quoted
 from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.joints.relative_rows import ALONG_E1, ALONG_E2
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.initial_values import body_start_faults, joint_start_faults
+from derive.spec.checks.lines import line_faults
 from derive.spec.checks.name_clashes import column_faults, name_faults, piece_counts
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
@@ -30,7 +32,8 @@ def scene_faults(data: Raw) -> list[Fault]:
     faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
         faults += [*marker_faults(view), *_joints(view), *_drives(view), *_weightless(view)]
-        faults += [*_actions(view), *plot_faults(view), *joint_start_faults(view)]
+        faults += [*_actions(view), *plot_faults(view), *line_faults(view, _coincide)]
+        faults += [*joint_start_faults(view)]
         faults += [*input_faults(view), *_outputs(view), *column_faults(view)]
     return faults
 
@@ -121,6 +124,12 @@ def _driven_kinds() -> str:
     return " or a ".join(kind for kind, joint_type in JOINTS.items() if joint_type.driven)
 
 
+def _coincide(joint: Raw) -> bool:
+    """Whether a joint keeps its markers at one place."""
+    joint_type = _type(joint)
+    return joint_type is not None and {ALONG_E1, ALONG_E2} <= {*joint_type.removes}
+
+
 def _weightless(view: SceneData) -> Iterator[Fault]:
     """Faults of bodies without mass or inertia whose motion no drive can prescribe."""
     connected, prescribed = set(), set()
@@ -154,10 +163,6 @@ def _actions(view: SceneData) -> Iterator[Fault]:
             if isinstance(at, str) and at.startswith(f"{GROUND}.") and "against" not in table:
                 text = f"a {NAMED[kind]} on the ground moves nothing; name a marker of a body"
                 yield Fault((kind, name, "at"), text)
-    for name in view.tables["springs"]:
-        markers = view.pair("springs", name)
-        if markers and markers[0] == markers[1]:
-            yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
 
 
 def input_faults(view: SceneData) -> Iterator[Fault]:
@@ -201,16 +206,7 @@ def section_faults(view: SceneData, path: KeyPath, marker: object) -> Iterator[F
 
 
 def plot_faults(view: SceneData) -> Iterator[Fault]:
-    """Faults of plots of what is not there, and of chords, also those of outputs."""
-    yield from _plots(view)
-    for section in ("outputs", "plots"):
-        for name in view.tables[section]:
-            chord = view.pair(section, name, "chord")
-            if chord and chord[0] == chord[1]:
-                yield Fault((section, name, "chord"), "a chord is between two markers, and these are the same")
-
-
-def _plots(view: SceneData) -> Iterator[Fault]:
+    """Faults of plots of drives and beams that are not there, and of beams that are not cut."""
     drives = view.data.get("drives", {})
     known = [str(drive) for drive in drives] if isinstance(drives, Mapping) else []
     for name, plot in view.tables["plots"].items():

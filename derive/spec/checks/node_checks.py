@@ -11,6 +11,7 @@ from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
 from derive.spec.model.body import NodeData
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, readable
 from derive.spec.parsing.values import MAX_MODES
@@ -46,6 +47,9 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
     """Faults of a number of modes that the data cannot provide."""
     asked = readable(values.mode_count, body.get("modes"))
     if "modes" in arrays and not asks_for_component_modes(body):
+        if isinstance(body.get("modes"), (Mapping, ModeSelection)):
+            text = "an error selects computed modes, and the files have modes of their own"
+            yield Fault(("body", "modes"), f'{text}; write component_modes = "free" as well, or a number of modes')
         given = checked.modes
         count = given if asked is None else asked
         if given is not None and asked is not None and asked > given:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
-from derive.mechanics.multibody.space.marker_outputs import ANGLE, DEFLECTION, FRAME, OF_CHORD
+from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, FRAME, OF_CHORD
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS
 from derive.spec.checks.body_checks import spatial_shape_faults
@@ -17,6 +17,7 @@ from derive.spec.checks.cross_references import (
     section_faults,
 )
 from derive.spec.checks.initial_values import spatial_start_faults
+from derive.spec.checks.lines import line_faults
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
 from derive.spec.checks.scene_parameters import parameter_faults
@@ -34,7 +35,7 @@ from derive.spec.checks.spatial_joint_faults import (
     unknown_name,
 )
 from derive.spec.model.keys import KeyType
-from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 
@@ -57,7 +58,7 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
             *_of_elements(view),
             *joint_load_faults(view),
             *_actions(view),
-            *_lines(view),
+            *line_faults(view, _coincide),
             *plot_faults(view),
             *joint_start_faults(view),
             *_weightless(view),
@@ -76,10 +77,6 @@ def _shapes(view: SceneData) -> Iterator[Fault]:
 
 def _actions(view: SceneData) -> Iterator[Fault]:
     """Faults of loads and springs that have no effect, and of those on the rotation of a node, which is not known."""
-    for name in view.tables["springs"]:
-        markers = view.pair("springs", name)
-        if markers and markers[0] == markers[1]:
-            yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
     for ref in view.marker_refs():
         section, name = ref.path[0], str(ref.path[1])
         alone = section == "forces" or (section == "torques" and "against" not in view.tables["torques"][name])
@@ -116,19 +113,10 @@ def _marker_output(view: SceneData, ref: WrittenRef, output: Raw) -> Iterator[Fa
         yield Fault(ref.path, text)
 
 
-def _lines(view: SceneData) -> Iterator[Fault]:
-    """Faults of angles of lines without a length, whose direction would be that of rounding errors."""
-    held: dict[frozenset[MarkerRef], str] = {}
-    for name, joint in view.tables["joints"].items():
-        joint_type, markers = joint_type_of(joint), view.pair("joints", name)
-        if joint_type and markers and {*DISPLACEMENTS} <= {*removed_motions(joint_type, joint)}:
-            held[frozenset(markers)] = name
-    for name, output in view.tables["outputs"].items():
-        line = view.pair("outputs", name) if output.get("kind") == ANGLE else None
-        holding = held.get(frozenset(line)) if line else None
-        if line and (holding or line[0] == line[1]):
-            why = f"the joint {holding} holds both markers at one place" if holding else "both markers are the same"
-            yield Fault(("outputs", name, "between"), f"{why}, so that no line leads from one to the other")
+def _coincide(joint: Raw) -> bool:
+    """Whether a joint keeps its markers at one place."""
+    joint_type = joint_type_of(joint)
+    return joint_type is not None and {*DISPLACEMENTS} <= {*removed_motions(joint_type, joint)}
 
 
 def _of_elements(view: SceneData) -> Iterator[Fault]:

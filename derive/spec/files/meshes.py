@@ -1,4 +1,4 @@
-"""Meshes of triangles in STL and OBJ files, for pictures; none of them is trusted."""
+"""Meshes of triangles in STL, OBJ and Collada files, for pictures; none of them is trusted."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from derive.errors import quoted
+from derive.spec.files.collada import collada
 from derive.spec.files.file_content import file_content
 from derive.spec.model.visuals import Mesh
 from derive.spec.parsing.faults import Faults, KeyPath
@@ -149,5 +150,5 @@ def _corner(word: bytes, points: int, line: int, file: str) -> int:
     return number - 1 if number > 0 else points + number
 
 
-READERS = {".stl": _stl, ".obj": _obj}
+READERS = {".stl": _stl, ".obj": _obj, ".dae": collada}
 """The readers of meshes by the endings of their files."""

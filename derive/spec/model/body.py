@@ -11,6 +11,7 @@ from derive.display import html
 from derive.short_text import record_text
 from derive.spec.model.documentation import documented
 from derive.spec.model.keys import KeyType, key
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.simulation import AT_REST, Simulation, SpatialStart
@@ -263,11 +264,13 @@ class NodalBody:
         ),
     ]
     modes: Annotated[
-        int | None,
+        int | ModeSelection | None,
         key(
-            KeyType.MODE_COUNT,
-            "Number of modes that are computed, or kept of the given ones; by default all given ones.",
+            ModeSelection,
+            "Number of modes that are computed, or kept of the given ones; by default all given ones. Or the error "
+            "within which as few as possible are computed.",
             optional=True,
+            example="12, or { error = 0.01, up_to = 500 }",
         ),
     ]
     frame: Annotated[

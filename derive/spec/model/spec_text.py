@@ -98,13 +98,20 @@ def quantity_text(value: Any, unit: str) -> str:
 
 def nodal_text(body: Any) -> str:
     """A body that is given by nodes: their number, its modes, its frame and its markers."""
-    modes = "the given modes" if body.modes is None else counted(body.modes, "mode")
+    modes = "the given modes" if body.modes is None else _modes_text(body.modes)
     return summary(
         f"NodalBody {body.name}: {counted(len(body.data.positions), 'node')}, {modes}, {body.frame.kind} frame",
         {
             "markers": listed((marker.name for marker in body.markers), ROOM),
             "simulation": simulation_text(body.simulation),
         },
+    )
+
+
+def _modes_text(modes: Any) -> str:
+    """A number of modes, or the error within which as few as possible are selected."""
+    return (
+        counted(modes, "mode") if isinstance(modes, int) else f"modes within {modes.error:g} up to {modes.up_to:g} Hz"
     )
 
 

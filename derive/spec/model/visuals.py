@@ -51,7 +51,7 @@ class Visual:
         str | Mesh | None,
         key(
             KeyType.MESH,
-            "File with a mesh of triangles, STL or OBJ, relative to the specification; its numbers are in m.",
+            "File with a mesh, STL, OBJ or Collada (.dae), relative to the specification; in m where it names no unit.",
             example='"hand.stl"',
         ),
     ] = None

@@ -18,6 +18,7 @@ from derive.spec.model.body import (
     SymbolicBody,
 )
 from derive.spec.model.keys import KeyType, declared_keys, key
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.model.spatial_bodies import NodeFrame
 from derive.spec.parsing import choices
@@ -25,6 +26,7 @@ from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.beam import DAMPING
 from derive.spec.tables.declared_tables import TABLES, declare
 from derive.spec.tables.shared import TomlTable, one_of
+from derive.spec.tables.value_types import VALUE_TYPES
 
 _POINT = (
     "a point frame needs the node it is at, and turns with those in `around`, or with its nearest neighbours: "
@@ -58,6 +60,7 @@ declare(
     doc="The kind of the floating frame of a body, and its nodes.",
 )
 declare(SpatialStart, "SpatialStartTable")
+declare(ModeSelection, "ModeSelectionTable", plain=VALUE_TYPES[KeyType.MODE_COUNT])
 
 _keys = {key.name: key for key in declared_keys(NodalBody)}
 _first = tuple(

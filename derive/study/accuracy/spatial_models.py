@@ -16,6 +16,7 @@ from derive.reduction.component_modes import static_mode_count
 from derive.reduction.eigen import max_elastic_modes
 from derive.reduction.integrals import canonical_csr
 from derive.reduction.interface import RIGID_MOTIONS
+from derive.reduction.mode_selection import with_selected_modes
 from derive.simulation.space.bent_beams import initial_curves, remainders_of
 from derive.spec.model.beam_parts import Polynomial
 from derive.spec.model.body import DisplacementOrder
@@ -144,5 +145,5 @@ def coordinates(body: SpatialBody) -> int:
         return body.pieces * (RIGID_MOTIONS + len(section_shapes(body)))
     if not isinstance(body, FlexibleBody):
         return RIGID_MOTIONS
-    own, given = body.body.modes, body.body.data.modes
-    return RIGID_MOTIONS + (own if own is not None else 0 if given is None else len(given))
+    own, given = with_selected_modes(body.body).modes, body.body.data.modes
+    return RIGID_MOTIONS + (own if isinstance(own, int) else 0 if given is None else len(given))

@@ -36,7 +36,7 @@ from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoor
 from derive.mechanics.multibody.space.tree.carried_motion import Hinge
 from derive.mechanics.multibody.space.tree.recursions import TreeBody
 from derive.mechanics.symbols import Family, Identity, identity
-from derive.mechanics.terms import EquationOfMotion
+from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion
 
 Step = Shift | Turn | SingleFreedom
 
@@ -89,7 +89,18 @@ class TreeFrames:
         self.upwards = [-symbols(g) for g in gravity]
         self.numbers = {body.name: n for n, body in enumerate(bodies)}
         self.axes = {body.name: _own_axes(body) for body in bodies}
+        self.turns = {body.name: body.motion.frame for body in bodies}
         self.every = tuple(self._link(body) for body in bodies)
+
+    def resolved(self, body: str, vector: Vector) -> Vector:
+        """The components of an inertial vector along the axes of a link."""
+        along = times(transposed(self._matrix(self.turns[body])), vector)
+        return times(transposed(self._matrix(self.axes[body])), along)
+
+    def place(self, frame: ConstrainedFrame) -> Vector:
+        """The place of a frame of a tree in the link that has it."""
+        assert frame.place is not None
+        return times(transposed(self._matrix(self.axes[frame.carrier])), [self.symbols(x) for x in frame.place])
 
     def _link(self, body: TreeBody) -> TreeFrame:
         hinge, of = body.motion.hinge, self.symbols

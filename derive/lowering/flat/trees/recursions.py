@@ -95,8 +95,8 @@ class ArticulatedBodies:
             total[step.place] = right
         return Wrench(total[:3], total[3:])
 
-    def backward(self, rests: Mapping[int, ca.SX]) -> dict[int, ca.SX]:
-        """L^-T D^-1 rests: the accelerations."""
+    def backward(self, rests: Mapping[int, ca.SX]) -> tuple[dict[int, ca.SX], list[tuple[Vector, Vector]]]:
+        """L^-T D^-1 rests: the accelerations of rows, and those of the links, linear and angular."""
         known: list[tuple[Vector, Vector]] = []
         result: dict[int, ca.SX] = {}
         for link in self.links:
@@ -108,7 +108,7 @@ class ArticulatedBodies:
                 else:
                     x, y = step.accelerations(x, y)
             known.append((x, y))
-        return result
+        return result, known
 
     def _moved(self, step: SingleFreedom, x: Vector, y: Vector, free: ca.SX) -> tuple[Vector, Vector, ca.SX]:
         """The accelerations behind a degree of freedom, and its own."""
@@ -129,9 +129,13 @@ class ArticulatedBodies:
         return moved[:3], moved[3:], own
 
 
-def articulated_bodies(links: Sequence[TreeFrame]) -> ArticulatedBodies:
-    """The factors of M along links."""
+def articulated_bodies(
+    links: Sequence[TreeFrame], more: Sequence[tuple[int, SpatialInertia]] = ()
+) -> ArticulatedBodies:
+    """The factors of M along links; more: inertias that links have besides their own, by number."""
     inertias = [link.inertia for link in links]
+    for n, of in more:
+        inertias[n] = inertias[n] + of
     eliminated: dict[int, ReleasedFreedom] = {}
     for n in reversed(range(len(links))):
         inertia: SpatialInertia = inertias[n]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,8 +14,8 @@ from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subt
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
 from derive.lowering.flat.trees.links import TreeFrame, TreeFrames
-from derive.lowering.flat.trees.recursions import ArticulatedBodies, articulated_bodies, forces, motions, needed
-from derive.lowering.flat.trees.spatial_vectors import dot
+from derive.lowering.flat.trees.recursions import ArticulatedBodies, forces, motions, needed
+from derive.lowering.flat.trees.spatial_vectors import Vector, dot, plus, times
 from derive.lowering.flat.trees.steps import SingleFreedom, Turn, TurnedFrame, Wrench
 from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
@@ -29,8 +29,13 @@ class TreeDynamics:
 
     context: Context
     symbols: Symbols
-    links: Sequence[TreeFrame]
+    frames: TreeFrames
     rows: frozenset[int]
+
+    @property
+    def links(self) -> Sequence[TreeFrame]:
+        """The bodies of the trees, those before others first."""
+        return self.frames.every
 
     @cached_property
     def still(self) -> list[TurnedFrame]:
@@ -41,6 +46,12 @@ class TreeDynamics:
     def wrenches(self) -> list[Wrench]:
         """The wrenches that the links need without accelerations of the coordinates."""
         return [needed(link, m) for link, m in zip(self.links, self.still, strict=True)]
+
+    def bias(self, body: str, place: Vector) -> tuple[Vector, Vector]:
+        """The accelerations of a point of a link without those of the coordinates, linear and angular, in the link."""
+        m, fall = self.still[self.frames.numbers[body]], [-x for x in self.frames.upwards]
+        linear = plus(plus(m.linear, self.frames.resolved(body, fall)), times(m.of_points, place))
+        return linear, m.angular
 
     def applied(self, row: int) -> ca.SX:
         """The terms of a row of h besides the inertia and the weight of its tree."""
@@ -55,37 +66,29 @@ class TreeDynamics:
         needs = [needed(link, m) for link, m in zip(self.links, moving, strict=True)]
         return {row: added(force, self.applied(row)) for row, force in forces(self.links, needs).items()}
 
-    @cached_property
-    def bodies(self) -> ArticulatedBodies:
-        """The factors of M."""
-        return articulated_bodies(self.links)
-
-    @property
-    def rests(self) -> dict[int, ca.SX]:
-        """The forces that accelerate each row alone, L^-1 (-h); all rows are those of trees."""
-        return self.bodies.forward({row: -self.applied(row) for row in self.rows}, self.wrenches)
-
-    def accelerations(self, rests: Mapping[int, ca.SX]) -> list[ca.SX]:
-        """The accelerations of all rows by such forces."""
-        known = self.bodies.backward(rests)
-        return [known[row] for row in range(len(self.rows))]
-
     def in_order(self) -> Iterator[int]:
         """The rows in the order of their elimination."""
         for link in reversed(self.links):
             yield from (step.row for step in reversed(link.steps) if isinstance(step, SingleFreedom))
 
-    def pivot_checks(self) -> Iterator[RequiredValue]:
-        """The checks that each pivot exceeds the rounding errors of the inertia behind it, whose size is a constant."""
+    def pivot_checks(
+        self, bodies: ArticulatedBodies, more: Sequence[tuple[int, ca.SX, ca.SX]]
+    ) -> Iterator[RequiredValue]:
+        """The checks that each pivot exceeds the rounding errors of the inertia behind it, whose size is a constant.
+
+        more: masses and moments of inertia that links have besides their own, by number.
+        """
         margin = self.symbols.number(VANISHING)
         masses = [link.mass for link in self.links]
         inertias = [link.half_trace for link in self.links]
+        for n, mass, moment in more:
+            masses[n], inertias[n] = added(masses[n], mass), added(inertias[n], moment)
         for n in reversed(range(len(self.links))):
             link = self.links[n]
             for step in reversed(link.steps):
                 if isinstance(step, SingleFreedom):
                     size = inertias[n] if step.turns else masses[n]
-                    above = subtracted(self.bodies.eliminated[step.row].pivot, multiplied(margin, size))
+                    above = subtracted(bodies.eliminated[step.row].pivot, multiplied(margin, size))
                     text = f"the pivot of {self.context.rows[step.row]} vanished"
                     yield RequiredValue(Requirement.POSITIVE, above, ReturnCode.PIVOT, text)
             if link.parent >= 0:
@@ -100,12 +103,12 @@ def tree_dynamics(context: Context, symbols: Symbols) -> TreeDynamics | None:
     if not eq.trees:
         return None
     numbers = {name: n for n, name in enumerate(context.rows)}
-    links = TreeFrames(symbols, eq.trees, numbers, _gravity(eq)).every
-    steps = [step for link in links for step in link.steps]
+    frames = TreeFrames(symbols, eq.trees, numbers, _gravity(eq))
+    steps = [step for link in frames.every for step in link.steps]
     if context.sensitivities and any(isinstance(step, Turn) and step.free for step in steps):
         return None
     return TreeDynamics(
-        context, symbols, links, frozenset(step.row for step in steps if isinstance(step, SingleFreedom))
+        context, symbols, frames, frozenset(step.row for step in steps if isinstance(step, SingleFreedom))
     )
 
 

@@ -8,7 +8,7 @@ adds, so that bodies are independent of each other. An array holds one component
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
@@ -31,6 +31,12 @@ FEW = 24
 FEW_NEIGHBOURS = 4
 """Coupled pairs of joints, divided by the number of joints, up to which their number counts as small."""
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+LARGE = Number(Fraction(2**200))
+"""The diagonal of a row that a joint does not have where bodies write it: all else of the row is nothing beside it.
+
+So bodies need not leave out what they write to such rows, and the joint has the steps of others. It is a power of two,
+which rounds nothing, and small enough for its square in determinants.
+"""
 
 
 @dataclass(frozen=True)
@@ -216,10 +222,13 @@ def packed(size: int, i: int, j: int) -> int:
     return i * size - i * (i - 1) // 2 + j - i
 
 
-def declared(of: Blocks, has_known: bool, has_floor: bool) -> tuple[InstanceStatement, ...]:
+def declared(
+    of: Blocks, has_known: bool, has_floor: bool, written: Container[tuple[str, int]] = ()
+) -> tuple[InstanceStatement, ...]:
     """The arrays of the system with all elements that no body writes.
 
-    has_known: whether something of the right-hand side is known; has_floor: whether there are least weights.
+    has_known: whether something of the right-hand side is known; has_floor: whether there are least weights; written:
+    elements that bodies write also where joints do not have the row.
     """
     left = of.left()
     sizes: dict[str, tuple[int, int]] = {}
@@ -232,9 +241,9 @@ def declared(of: Blocks, has_known: bool, has_floor: bool) -> tuple[InstanceStat
         cleared = len(left[array]) > FEW
         result.append(Work(array, components * spacing, cleared, spacing))
         result += [
-            StoreElement(Element(array, constant(index)), ONE if one else ZERO)
+            StoreElement(Element(array, constant(index)), (LARGE if written else ONE) if one else ZERO)
             for index, one in sorted(left[array].items())
-            if one or not cleared
+            if one or not (cleared or (array, index) in written)
         ]
     if has_known:
         result.append(Work(KNOWN, of.size * of.spacing, True, of.spacing))

@@ -30,6 +30,7 @@ from derive.lowering.instances.elimination.block_system import (
     spare_reactions,
 )
 from derive.lowering.instances.elimination.graph_elimination import in_graph
+from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
@@ -233,7 +234,8 @@ def solved(
     ]
     if context.blocks:
         varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
-        arrays = declared(context.blocks, has_known, context.proximal)
+        written = {element for of in classes for element in written_too_much(of.of, of.system_rows, context.blocks)}
+        arrays = declared(context.blocks, has_known, context.proximal, written)
         before = [s for s in arrays if isinstance(s, Work) or not are_joined]
         steps[:0] = [
             ("system", Source.FACTORISATION, "the blocks of the joints", before),

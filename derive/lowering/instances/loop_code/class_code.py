@@ -25,8 +25,8 @@ from derive.lowering.instances.classes.groups import Group, GroupElement
 from derive.lowering.instances.places import Place, Places
 from derive.mechanics.equations import Equations
 
-INSTANCE = "instance"
-"""The variable of loops over instances."""
+INSTANCE = "i"
+"""The variable of loops over instances, as the index of tables with `count`."""
 
 
 @dataclass(frozen=True)

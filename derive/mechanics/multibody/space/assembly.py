@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from derive.algebra import sp
@@ -16,7 +17,7 @@ from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.coordinates import free_spatial_coordinates
 from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_frame
+from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_axes, fixed_frame
 from derive.mechanics.multibody.space.gears import GearInstance
 from derive.mechanics.multibody.space.joint_elimination import (
     SpatialSupport,
@@ -26,7 +27,12 @@ from derive.mechanics.multibody.space.joint_elimination import (
 )
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
-from derive.mechanics.multibody.space.tree.coordinates import behind_moving_marker, root_of_tree
+from derive.mechanics.multibody.space.tree.coordinates import (
+    DerivedWhenNeeded,
+    behind_moving_marker,
+    own_coordinates,
+    root_of_tree,
+)
 from derive.mechanics.multibody.space.tree.plan import PlannedLink, trees
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Eliminated
@@ -40,26 +46,27 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.bodies.body_type import BodyType, Component
     from derive.mechanics.multibody.coordinates import CoordinateMap
     from derive.mechanics.multibody.kinds import BodyInstance
+    from derive.mechanics.multibody.space.joint_coordinate import JointCoordinate
 
 _PITCH = next(key for key in declared_keys(SpatialJoint) if key.name == "pitch")
 
 
-def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> SpatialMechanism:
+def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody], looped: bool) -> SpatialMechanism:
     """The mechanism of a scene in space, with equations once for each kind of body.
 
-    reduced: the finite-element bodies as numbers, by their names.
+    reduced: the finite-element bodies as numbers, by their names; looped: see `Flexible`.
 
     Raises SpecError with what does not go together, UnknownNameError for a body or joint that no registry knows.
     """
-    result: SpatialMechanism = _SpatialAssembly(in_pieces(scene), reduced).mechanism()
+    result: SpatialMechanism = _SpatialAssembly(in_pieces(scene), reduced, looped).mechanism()
     return result
 
 
 class _SpatialAssembly(SceneAssembly):
     """The state of joint elimination of a scene in space."""
 
-    def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> None:
-        self.reduced = reduced
+    def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody], looped: bool) -> None:
+        self.reduced, self.looped = reduced, looped
         self.links = trees(scene)
         self.of_trees = {link.body for link in self.links}
         super().__init__(scene)
@@ -70,7 +77,6 @@ class _SpatialAssembly(SceneAssembly):
 
     def _eliminate_trees(self) -> None:
         """Give the bodies of trees the coordinates of their joints."""
-        frames: dict[str, Mapping[str, FrameMotion]] = {}
         joints = {joint.name: joint for joint in self.joints}
         self._refuse_massless(self.links)
         for link in self.links:
@@ -83,12 +89,11 @@ class _SpatialAssembly(SceneAssembly):
                 about = self.type_of(body).about(body, self._ends(body, joint)[0].marker, self.gravity)
                 assert about is not None, "rigid bodies have their origin where a joint wants it"
                 component = about
-                coordinates = self._behind(body, joint, component, frames)
+                coordinates = self._behind(body, joint, component)
                 eliminated = self._eliminated_joint(body, joint)
                 self.eliminated_joints[joint.name] = replace(eliminated, keeps_coordinate=True)
                 self.eliminated.append(Eliminated(body.name, coordinates.reason))
             self._add(component, coordinates)
-            frames[body.name] = self._motions(self.instances[body.name])
 
     def _refuse_massless(self, links: tuple[PlannedLink, ...]) -> None:
         """Raise SpecError for bodies without mass in trees that carry none with mass, and for roots without mass."""
@@ -111,20 +116,52 @@ class _SpatialAssembly(SceneAssembly):
         if problems:
             raise SpecError(tuple(reversed(problems)))
 
-    def _behind(
-        self, body: Any, joint: SpatialJoint, component: Component, frames: Mapping[str, Mapping[str, FrameMotion]]
-    ) -> CoordinateMap:
-        """The coordinates that a joint of a tree leaves a body; frames: those of the bodies before it."""
+    def _behind(self, body: Any, joint: SpatialJoint, component: Component) -> CoordinateMap:
+        """The coordinates that a joint of a tree leaves a body."""
         own, other = self._ends(body, joint)
-        before = self.instances.get(other.body)
-        carried = None if before is None else before.coordinates.carried
-        support = replace(
-            self._support(body, joint, component, own, other, {**self.known, **frames}[other.body]), drive=None
-        )
+        known = fixed_frame(sp.zeros(3, 1), fixed_axes())  # which motions are left does not depend on it
+        support = replace(self._support(body, joint, component, own, other, known), drive=None)
+        coordinates, ball = self._left(joint, support)
+        kept, rows = own_coordinates(body.name, support.motion, coordinates, ball)
+        reason = reason_text(joint, support, coordinates, ball)
+        return DerivedWhenNeeded(kept, rows, reason, lambda: self._tree_motions[body.name])
+
+    def _left(self, joint: SpatialJoint, support: SpatialSupport) -> tuple[list[JointCoordinate], bool]:
+        """The relative motions that a joint of a tree leaves, and whether it leaves all rotations."""
         joint_type = SPATIAL_JOINTS[joint.kind]
         free = joint_type.free(joint)
         assert free is not None, "trees consist of other joints"
-        coordinates, ball = joint_coordinates(joint_type, free, support)
+        return joint_coordinates(joint_type, free, support)
+
+    @cached_property
+    def _tree_motions(self) -> Mapping[str, CoordinateMap]:
+        """The motions of all bodies of trees that joints carry."""
+        frames: dict[str, Mapping[str, FrameMotion]] = {}
+        result: dict[str, CoordinateMap] = {}
+        joints = {joint.name: joint for joint in self.joints}
+        for link in self.links:
+            instance = self.instances[link.body]
+            if link.joint is not None:
+                result[link.body] = self._motion_behind(joints[link.joint.name], instance, result, frames)
+                instance = replace(instance, coordinates=result[link.body])
+            frames[link.body] = self._motions(instance)
+        return result
+
+    def _motion_behind(
+        self,
+        joint: SpatialJoint,
+        instance: BodyInstance,
+        before: Mapping[str, CoordinateMap],
+        frames: Mapping[str, Mapping[str, FrameMotion]],
+    ) -> CoordinateMap:
+        """The motion of a body behind a joint; before, frames: the motions of the bodies before it."""
+        body = self.bodies[instance.name]
+        own, other = self._ends(body, joint)
+        known = (frames.get(other.body) or self.known[other.body])[other.marker]
+        support = replace(self._support(body, joint, instance.component, own, other, known), drive=None)
+        coordinates, ball = self._left(joint, support)
+        of = before.get(other.body) or (self.instances[other.body].coordinates if other.body in frames else None)
+        carried = of.carried if of else None
         return behind_moving_marker(
             body.name,
             support.motion,
@@ -134,7 +171,7 @@ class _SpatialAssembly(SceneAssembly):
             support.own_axes,
             coordinates,
             ball,
-            reason_text(joint, support, coordinates, ball),
+            instance.coordinates.reason,
         )
 
     def _mechanism(self, ordered: tuple[BodyInstance, ...]) -> SpatialMechanism:
@@ -187,7 +224,7 @@ class _SpatialAssembly(SceneAssembly):
         """The type of a body."""
         if body.name not in self.reduced:
             return SPATIAL_BODIES[body.kind]
-        return Flexible(self.reduced[body.name], self.scene.lowering == "instances")
+        return Flexible(self.reduced[body.name], self.looped)
 
     def _eliminated_joint(self, body: Any, joint: Any) -> SpatialEliminatedJoint:
         own, known = self._ends(body, joint)
@@ -198,7 +235,7 @@ class _SpatialAssembly(SceneAssembly):
     ) -> CoordinateMap | None:
         if joint.closes_loop or body.name in self.of_trees:
             return None
-        support = self._support(body, joint, component, own, other, self.known[other.body])
+        support = self._support(body, joint, component, own, other, self.known[other.body][other.marker])
         return minimal_spatial_coordinates(SPATIAL_JOINTS[joint.kind], joint, support)
 
     def _support(
@@ -208,14 +245,14 @@ class _SpatialAssembly(SceneAssembly):
         component: Component,
         own: MarkerRef,
         other: MarkerRef,
-        frames: Mapping[str, FrameMotion],
+        known: FrameMotion,
     ) -> SpatialSupport:
-        """A body with the marker that a joint connects it to; frames: those of the other body, or of the ground."""
+        """A body with the marker that a joint connects it to; known: the motion of this one."""
         return SpatialSupport(
             body=body.name,
             motion=component.body.motion,
             own_axes=component.sections[own.marker].axes,
-            known=frames[other.marker],
+            known=known,
             attached_to="the ground" if other.body == GROUND else other.body,
             sign=1 if own == joint.second else -1,
             drive=self.drives.get(joint.name),

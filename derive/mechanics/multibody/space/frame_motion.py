@@ -23,7 +23,7 @@ from derive.mechanics.motion.products import product
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate, load_symbols
+from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate, OwnAxes, load_symbols
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion
@@ -69,7 +69,8 @@ class FrameMotion:
     `displacement` that of the marker by deformation, u, in the frame of the body, and `tangent` turns the rate of the
     rotation vector of a flexible body at the marker into an angular velocity.
     `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
-    `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body.
+    `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body `carrier`;
+    `own` is the motion along the axes of a body that keeps all coordinates.
     """
 
     definitions: tuple[Intermediate, ...]
@@ -85,6 +86,8 @@ class FrameMotion:
     displacement: sp.ImmutableMatrix = field(default_factory=still)
     virtual: tuple[VirtualMotion, ...] = ()
     in_body: tuple[sp.ImmutableMatrix, sp.ImmutableMatrix] | None = None
+    carrier: str = ""
+    own: OwnAxes | None = None
 
     @property
     def is_still(self) -> bool:
@@ -119,6 +122,9 @@ class FrameMotion:
             self.any_work,
             self.acceleration,
             self.angular_acceleration,
+            self.carrier,
+            self.in_body[0] if self.in_body else None,
+            self.own,
         )
 
     @cached_property

@@ -116,13 +116,34 @@ class SpatialMechanism(InstancesOfKinds):
             tree_body(name, of.component.group, of.coordinates.carried, of.component.body.constants)
             for name in self.order
             for of in [self.instances_by_name[name]]
-            if of.coordinates.carried
+            if of.coordinates.is_carried
         )
 
     def _gravity(self) -> sp.Matrix:
         """The acceleration of free fall (3, 1)."""
         gravity, _ = quantity.gravity(self.scene.gravity)
         return sp.Matrix([sp.S.Zero if g.zero else g.symbol for g in gravity] or [sp.S.Zero] * 3)
+
+    def conditions(
+        self, at: Callable[[MarkerRef], FrameMotion], rows: tuple[EquationOfMotion, ...]
+    ) -> tuple[Constraint, ...]:
+        """The constraints of joints, drives and gears; at: the motions of markers, rows: those with factors in G."""
+        joints = self.joints_by_name
+
+        def motion(joint: str) -> JointMotion:
+            return joint_motion(joints[joint], at, self.instances_by_name, rows)
+
+        of_joints = (
+            condition
+            for j in self.joints
+            for condition in spatial_constraints(j.joint, j.rows, at(j.joint.first), at(j.joint.second), j.drive, rows)
+        )
+        of_drives = (
+            drive_constraint(j, motion(j.joint.name), rows)
+            for j in self.eliminated_joints
+            if j.drive and j.keeps_coordinate
+        )
+        return (*of_joints, *of_drives, *(gear_constraint(gear, motion, rows) for gear in self.gears))
 
     def _equations(self) -> Equations:
         instances = self.equations_of_instances()
@@ -132,22 +153,12 @@ class SpatialMechanism(InstancesOfKinds):
         def at(marker: MarkerRef) -> FrameMotion:
             return frames[marker.body][marker.marker]
 
-        conditions = tuple(
-            condition
-            for j in self.joints
-            for condition in spatial_constraints(j.joint, j.rows, at(j.joint.first), at(j.joint.second), j.drive, rows)
-        )
         joints = self.joints_by_name
 
         def motion(joint: str) -> JointMotion:
             return joint_motion(joints[joint], at, self.instances_by_name, rows)
 
-        conditions += tuple(
-            drive_constraint(j, motion(j.joint.name), rows)
-            for j in self.eliminated_joints
-            if j.drive and j.keeps_coordinate
-        )
-        conditions += tuple(gear_constraint(gear, motion, rows) for gear in self.gears)
+        conditions = self.conditions(at, rows)
         in_order = [instances[name].definitions for name in self.order]
         known = [(c.q, sp.S.Zero) for c in self.coordinates]
         known += [(c.symbol, c.value) for c in chain(*(i.coefficients for i in instances.values()), self.constants)]

@@ -153,4 +153,5 @@ def carried_frame(
         frame=of.frame,
         virtual=of.virtual,
         in_body=(sp.ImmutableMatrix(position), sp.ImmutableMatrix(section.axes)),
+        carrier=define.body,
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
@@ -18,7 +19,7 @@ from derive.mechanics.multibody.space.frame_motion import AXES, VirtualMotion, s
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Hinge, Rows, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, Identity, owned
-from derive.mechanics.terms import Intermediate
+from derive.mechanics.terms import Coordinate, Intermediate
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion
@@ -108,22 +109,19 @@ def behind_moving_marker(
         )
         for v in known.virtual
     ]
+    kept, own_rows = own_coordinates(name, motion, coordinates, ball)
     if ball:
-        own_rows = (*(c.row for c in translations if c.row), *free.rows[3:])
         spin = sp.Matrix([row.v for row in free.rows[3:]])
         w = define.vector(Family.INERTIAL_OMEGA, product(Q, spin), "angular velocity in the inertial frame")
         alpha: sp.Matrix = still()
         turning = _rotations(free.rows[3:], Q)
-        kept = (*(c.coordinate for c in translations if c.coordinate), *free.coordinates[3:])
     else:
-        own_rows = tuple(c.row for c in (*translations, *rotations) if c.row)
         w, alpha = _turning(define, w_before, alpha_before, rotations, axes)
         turning = tuple(
             VirtualMotion(c.row.name, sp.ImmutableMatrix(advance.get(c.motion, still())), axes[c.motion])
             for c in rotations
             if c.row
         )
-        kept = tuple(c.coordinate for c in (*translations, *rotations) if c.coordinate)
     own = (
         *(VirtualMotion(c.row.name, translation=sp.ImmutableMatrix(advance[c.motion])) for c in translations if c.row),
         *turning,
@@ -156,6 +154,65 @@ def behind_moving_marker(
         None if ball else Q,
         carried,
     )
+
+
+def own_coordinates(
+    name: str, motion: Motion, coordinates: Sequence[JointCoordinate], ball: bool
+) -> tuple[tuple[Coordinate, ...], Rows]:
+    """The coordinates and the rows of a body behind a joint that leaves these motions, and all rotations if `ball`."""
+    free = free_spatial_coordinates(name, motion)
+    kept = tuple(c.coordinate for c in coordinates if c.coordinate)
+    rows = tuple(c.row for c in coordinates if c.row)
+    return ((*kept, *free.coordinates[3:]), (*rows, *free.rows[3:])) if ball else (kept, rows)
+
+
+class DerivedWhenNeeded(CoordinateMap):
+    """The coordinates of a body in a tree, whose motion is derived when something asks for it.
+
+    It has a column for each row of the bodies before it, so that all of a chain take the square of its length; loops
+    over links need none of them.
+    """
+
+    def __init__(
+        self, coordinates: tuple[Coordinate, ...], rows: Rows, reason: str, derived: Callable[[], CoordinateMap]
+    ) -> None:
+        """derived: the whole map."""
+        self.__dict__ |= {"coordinates": coordinates, "rows": rows, "reason": reason, "_derived": derived}
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether the body is in a tree of joints in space."""
+        return True
+
+    @cached_property
+    def _whole(self) -> CoordinateMap:
+        derived: Callable[[], CoordinateMap] = self.__dict__["_derived"]
+        return derived()
+
+    @cached_property
+    def values(self) -> Mapping[sp.Basic, sp.Basic]:  # type: ignore[override]
+        """Each coordinate, velocity and acceleration of the free body."""
+        return self._whole.values
+
+    @cached_property
+    def weights(self) -> tuple[Mapping[str, sp.Expr], ...]:  # type: ignore[override]
+        """The factors of the equations of the free body."""
+        return self._whole.weights
+
+    @cached_property
+    def definitions(self) -> tuple[Intermediate, ...]:  # type: ignore[override]
+        """The quantities of a prescribed motion."""
+        return self._whole.definitions
+
+    @cached_property
+    def attitude(self) -> sp.ImmutableMatrix | None:  # type: ignore[override]
+        """The rotation tensor of a body without quaternion."""
+        return self._whole.attitude
+
+    @cached_property
+    def carried(self) -> CarriedMotion | None:  # type: ignore[override]
+        """The motion of the body."""
+        return self._whole.carried
 
 
 def _hinge(known: FrameMotion, own_axes: sp.ImmutableMatrix, motions: tuple[JointCoordinate, ...], ball: bool) -> Hinge:

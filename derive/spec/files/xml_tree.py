@@ -20,12 +20,18 @@ MAX_DEPTH = 100
 
 @dataclass(frozen=True)
 class XmlElement:
-    """An element: its tag, its attributes, its line from 1, and the elements inside. Text inside is not kept."""
+    """An element: its tag, its attributes, its line from 1, the elements inside, and pieces of its text, where kept."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[XmlElement] = field(default_factory=list)
+    pieces: list[str] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The text directly inside; empty where it is not kept."""
+        return "".join(self.pieces)
 
     def all(self, tag: str) -> Iterator[XmlElement]:
         """The elements with this tag directly inside."""
@@ -34,6 +40,13 @@ class XmlElement:
     def first(self, tag: str) -> XmlElement | None:
         """The first element with this tag directly inside; None if there is none."""
         return next(self.all(tag), None)
+
+    def below(self, tag: str) -> Iterator[XmlElement]:
+        """The elements with this tag at any depth, in the order of the document."""
+        for child in self.children:
+            if child.tag == tag:
+                yield child
+            yield from child.below(tag)
 
 
 class _RefusedError(TisserandError):
@@ -48,11 +61,13 @@ def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     except (OSError, ValueError) as error:
         raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
     if len(content) > MAX_BYTES:
-        raise SpecError((Problem("", f"the file has more than {MAX_BYTES // 1_000_000} MB"),), source)
+        raise SpecError(
+            (Problem("", f"the file has more than {MAX_BYTES // 1_000_000} MB, the most that is read"),), source
+        )
     return parse_xml(content, source)
 
 
-def parse_xml(content: bytes, source: str | None = None) -> XmlElement:
+def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False) -> XmlElement:
     """The root element of a document; `source` is the file that errors show. Raises SpecError as `read_xml`."""
     parser = expat.ParserCreate()
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
@@ -69,20 +84,40 @@ def parse_xml(content: bytes, source: str | None = None) -> XmlElement:
     def end(_: str) -> None:
         open_elements.pop()
 
+    def characters(piece: str) -> None:
+        open_elements[-1].pieces.append(piece)
+
     def doctype(*_: object) -> None:
         raise _RefusedError(
             "a document type (<!DOCTYPE ...>) is not read, since its entities may name files; remove it"
         )
 
+    if keep_text:
+        parser.buffer_text = True
+        parser.CharacterDataHandler = characters
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.StartDoctypeDeclHandler = doctype
     try:
         parser.Parse(content, True)
     except expat.ExpatError as error:
-        text = f"this is no XML: {printable(expat.errors.messages[error.code])}, column {error.offset + 1}"
+        why = printable(expat.errors.messages[error.code])
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN] and not _is_utf_8(content):
+            why += "; it is not in UTF-8, so save it in that, or name its encoding in the first line"
+        text = f"this is no XML: {why}, column {error.offset + 1}"
         raise SpecError((Problem("", text, error.lineno),), source) from None
-    except (_RefusedError, ValueError) as error:  # ValueError: an encoding that the parser does not know
+    except _RefusedError as error:
         raise SpecError((Problem("", str(error), parser.CurrentLineNumber),), source) from None
+    except (ValueError, LookupError) as error:
+        text = f"the file names an encoding that is not read ({printable(str(error))}); save it in UTF-8"
+        raise SpecError((Problem("", text, parser.CurrentLineNumber),), source) from None
     (root,) = roots
     return root
+
+
+def _is_utf_8(content: bytes) -> bool:
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True

@@ -1,0 +1,142 @@
+"""Random trees in loops over their links have the values of straight-line code."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import derive
+from derive.ir.interpreter import interpret
+from derive.ir.model import Model
+from derive.runtime.interpreted_scene import InterpretedScene
+from derive.simulation.configurations import normalised
+from space.trees_of_bodies import KINDS, random_tree
+
+MATRICES = ("M", "G", "A", "jacobian")
+FUNCTIONS = ("inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum")
+BALLS = ("spherical", "revolute", "spherical", "universal", "spherical", "prismatic")
+
+
+def tree(seed: int, kinds: tuple[str, ...], free: bool = False, **more: Any) -> dict[str, Any]:
+    """A random tree with what loops over links have: no spring between markers, and no outputs."""
+    tables = random_tree(seed, kinds, free)
+    del tables["springs"], tables["outputs"]
+    return {**tables, **more}
+
+
+def models(tables: dict[str, Any], **options: Any) -> tuple[Model, Model]:
+    """The model in loops, and that in straight-line code."""
+    scene = replace(derive.spatial_scene(tables), coordinates="relative")
+    looped, flat = (
+        derive.lower(derive.derive(replace(scene, lowering=name)), explicit=True, **options)
+        for name in ("instances", "flat")
+    )
+    assert (looped.lowering, flat.lowering) == ("instances", "flat")
+    return looped, flat
+
+
+def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
+    """The differences of the results of functions in a random state, relative to the largest number of each."""
+    rng = np.random.default_rng(seed)
+    native = InterpretedScene(flat)
+    q = normalised(native, rng.normal(size=native.nq))
+    v, vdot = rng.normal(size=(2, native.nv))
+    given: dict[str, Any] = {
+        **{"q": q, "v": v, "vdot": vdot, "u": rng.normal(size=len(flat.inputs)), "lam": rng.normal(size=native.nlambda)},
+        **{"y": np.concatenate([q, v]), "r": rng.normal(size=native.nlambda)},
+        **{"ydot": rng.normal(size=native.nq + native.nv)},
+    }
+    p = [1 + 0.1 * n for n in range(len(flat.parameters))]
+    result = {}
+    names = {kernel.name for kernel in looped.kernels}
+    for kernel in (of for of in flat.kernels if of.name in names):
+        known = {**given, "t": 0.7}
+        if kernel.name == "setup" or not {a.name for a in kernel.arguments} <= {*known, "k"}:
+            continue
+        wanted, found = (
+            interpret(m.kernel(kernel.name), {**known, "k": interpret(m.kernel("setup"), {"p": p})["k"]})
+            for m in (flat, looped)
+        )
+        for name, want in wanted.items():
+            a, b = np.array(want, float), np.array(found[name], float)
+            if (shape := flat.pattern(kernel.name, name) if name in MATRICES else None) is not None:
+                a, b = shape.dense(a), looped.pattern(kernel.name, name).dense(b)
+            assert a.shape == b.shape, (kernel.name, name)
+            if a.size:
+                result[f"{kernel.name} {name}"] = float(np.max(np.abs(a - b)) / max(np.max(np.abs(a)), 1e-300))
+    return result
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_balls_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
+    """Joints that leave all rotations do not turn what hangs on them: in M, in forces and in accelerations."""
+    found = differences(*models(tree(seed, BALLS if seed < 2 else KINDS, free), functions=FUNCTIONS))
+    assert {"centre_of_mass jacobian", "centroidal_momentum A", "inverse_dynamics f"} <= {*found}
+    assert {"mass M", "accel vdot", "force h", "momentum momentum", "poses pose", "rates qdot"} <= {*found}
+    assert {name: error for name, error in found.items() if error > 1e-13} == {}
+
+
+def closed(seed: int, free: bool = False) -> dict[str, Any]:
+    """A random tree with joints that close loops, a drive and a gear."""
+    kinds = ("revolute", "prismatic", "spherical", "universal", "revolute", "cylindrical")
+    tables = tree(seed, kinds, free)
+    tables["joints"]["line"] = {"kind": "point_on_line", "between": ["body6.o", "body2.o"], "closes_loop": True}
+    tables["joints"]["rod"] = {"kind": "distance", "between": ["ground.o", "body5.o"], "distance": 1.3}
+    tables["joints"]["hinge"] = {"kind": "general", "removes": ["rx"], "between": ["body3.o", "body4.o"]}
+    tables["gears"] = {"mesh": {"joints": ["joint1", "joint2"], "ratio": -0.4}}
+    tables["drives"] = {"slide": {"joint": "joint5", "motion": "0.1*sin(t)"}}
+    return tables
+
+
+@pytest.mark.parametrize(("seed", "free"), [(0, False), (1, True), (2, True)])
+def test_constraints_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
+    """Joints that close loops, drives and gears: g, gdot, G, gamma, accelerations with multipliers, and projections."""
+    found = differences(*models(closed(seed, free)))
+    wanted = {"constraints g", "constraint_rates gdot", "constraint_jacobian G", "constraint_bias gamma"}
+    assert {*wanted, "solve lam", "accel vdot", "project_velocity dv"} <= {*found}
+    assert {name: error for name, error in found.items() if error > 1e-12} == {}
+
+
+@pytest.mark.parametrize(("seed", "free"), [(1, True), (2, False)])
+def test_markers_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
+    """One function has the motion of each marker and its Jacobian, also behind balls."""
+    tables = tree(seed, BALLS, free)
+    for body in tables["bodies"].values():
+        body["markers"]["tip"] = {"at": [0.3, -0.2, 0.5]}
+    looped, flat = models(tables)
+    natives = [InterpretedScene(model) for model in (looped, flat)]
+    rng = np.random.default_rng(seed)
+    q, v = normalised(natives[0], rng.normal(size=natives[0].nq)), rng.normal(size=natives[0].nv)
+    assert {*natives[0].markers} == {*natives[1].markers}
+    for name in natives[1].markers:
+        found, wanted = (native.marker(name, q, v, native.setup()) for native in natives)
+        dense = [n.marker_pattern(name).dense(of[2]) for n, of in zip(natives, (found, wanted), strict=True)]
+        for a, b in zip((*found[:2], dense[0]), (*wanted[:2], dense[1]), strict=True):
+            assert np.max(np.abs(a - b)) < 1e-13 * max(np.max(np.abs(b)), 1)
+
+
+def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
+    """Masses, lengths, gravity, stiffnesses and loads may be parameters; setup computes what follows from them."""
+    tables = closed(0)
+    def parameter(symbol: str, default: float, unit: str) -> dict[str, Any]:
+        return {"symbol": symbol, "default": default, "unit": unit}
+
+    tables["scene"]["gravity"] = [0, 0.5, parameter("g", -9.81, "m/s^2")]
+    for name in ("body2", "body4"):
+        tables["bodies"][name]["mass"] = parameter("m", 1.5, "kg")
+    tables["bodies"]["body3"]["markers"]["o"]["at"] = [parameter("l", 0.4, "m"), 0.1, 0]
+    tables["gears"]["mesh"]["ratio"] = parameter("i", -0.4, "1")
+    tables["springs"] = {
+        "coil": {
+            "kind": "rotational",
+            "between": tables["joints"]["joint5"]["between"],
+            "stiffness": parameter("c", 7, "N m/rad"),
+            "rest": 0.2,
+        }
+    }
+    found = differences(*models(tables))
+    assert {name: error for name, error in found.items() if error > 1e-12} == {}
