@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -188,7 +189,8 @@ def stiffened_data(body: NodalBody) -> NodeData:
     solid = integrated_mesh(data.mesh, raw)
     respond = free_response(raw.x, prepared.mass, data.stiffness, () if body.uses_given_modes else body.rigid_sets)
     nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers)})
-    return replace(data, **geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond))
+    tables: dict[str, Any] = geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond)
+    return replace(data, **tables)
 
 
 def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> ModeShapes:
