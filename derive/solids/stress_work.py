@@ -25,10 +25,8 @@ def stress_work(solid: IntegratedMesh, displacements: Array, phi: Array) -> Arra
         for start in range(0, len(part.nodes), size):
             some = slice(start, start + size)
             products = np.einsum("iepmk,iepml->iepkl", gradients[first, some], gradients[second, some])
-            parts = [
-                products[..., k, j] if k == j else products[..., k, j] + products[..., j, k] for k, j in COMPONENTS
-            ]
-            rows = np.stack(parts, axis=-1).reshape(len(first), -1)
+            both = products + products.swapaxes(-1, -2)
+            rows = np.stack([both[..., k, j] / (2 if k == j else 1) for k, j in COMPONENTS], axis=-1)
             result += stresses[:, some].reshape(len(result), -1) @ rows.reshape(len(first), -1).T
     matrices = np.zeros((len(result), count, count))
     matrices[:, first, second] = matrices[:, second, first] = result
