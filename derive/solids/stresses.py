@@ -52,12 +52,15 @@ class ElementPoints:
 
     def stresses(self, u: Array) -> Array:
         """The stresses (L, E, P, 6), Pa, of displacements u (L, nodes, 3), m, by the law of Hooke."""
-        gradients, (lam, mu) = self.displacement_gradients(u), self.lame
-        pressure = lam * np.trace(gradients, axis1=-2, axis2=-1)
-        parts = [
-            mu * (gradients[..., i, j] + gradients[..., j, i]) + (pressure if i == j else 0) for i, j in COMPONENTS
-        ]
-        return np.stack(parts, axis=-1)
+        return hooke(self.displacement_gradients(u), self.lame)
+
+
+def hooke(gradients: Array, lame: tuple[float, float]) -> Array:
+    """The stresses (..., 6), Pa, of the symmetric parts of gradients (..., 3, 3), by the law of Hooke."""
+    lam, mu = lame
+    result = np.stack([mu * (gradients[..., i, j] + gradients[..., j, i]) for i, j in COMPONENTS], axis=-1)
+    result[..., :3] += lam * np.trace(gradients, axis1=-2, axis2=-1)[..., None]
+    return result
 
 
 def element_points(solid: IntegratedMesh) -> Iterator[ElementPoints]:
