@@ -14,6 +14,7 @@ from cantilever_run import FORCE, SIDES, YOUNG, cantilever, scene_file
 
 import derive
 from derive.cli.main import main
+from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.observables.stresses import largest_stress, modal_stresses
 from derive.solids.stresses import von_mises
 from derive.spec.files.mesh_arrays import mesh_arrays
@@ -93,3 +94,14 @@ def test_what_stresses_need_is_said(tmp_path: Path, capsys: pytest.CaptureFixtur
     np.savez(tmp_path / "beam.npz", **kept)
     assert main(["simulate", str(path), "--out", str(tmp_path)]) == 2
     assert "bodies.beam.stress: stresses are computed from elements with Young's modulus" in capsys.readouterr().err
+
+
+def test_the_plot_of_stresses_has_a_name_of_its_own() -> None:
+    """A scene may have an output that is called stress."""
+    scene = derive.spatial_scene(
+        "one",
+        bodies={"ball": {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "markers": {"end": [1, 0, 0]}}},
+        outputs={"stress": {"kind": "position", "marker": "ball.end"}},
+    )
+    plots = default_plots(scene, derive.lower(derive.derive(scene)), ("ball_stress",))
+    assert [plot.name for plot in plots] == ["stress", "stress_of_bodies"]
