@@ -19,8 +19,9 @@ PAGES = sorted(
     [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "bench/README.md", ROOT / "examples/README.md"]
 )
 
-RUN = [page for page in PAGES if page.is_relative_to(ROOT / "docs") and blocks(page) and page.stem != "hosts"]
-"""The pages with commands; tests/hosts runs those of `hosts`, which need other programs."""
+OF_HOSTS = ("hosts", "calculix")
+RUN = [page for page in PAGES if page.is_relative_to(ROOT / "docs") and blocks(page) and page.stem not in OF_HOSTS]
+"""The pages with commands; tests/hosts runs those of OF_HOSTS, which need other programs."""
 
 
 @pytest.mark.long

@@ -140,6 +140,8 @@ INDEX = """\
 [make_spatial_rod.py](../scenes/make_spatial_rod.py) makes, and
 [spatial_crank_slider_rigid.toml](spatial_crank_slider_rigid.toml) one of rigid bodies, and
 [spatial_crank_slider_beam.toml](spatial_crank_slider_beam.toml) one with a rod that is a beam in space;
+[bracket_crank.toml](bracket_crank.toml) has a crank that CalculiX has computed, from the mesh of
+[make_bracket.py](../scenes/make_bracket.py);
 [rotating_blade.toml](rotating_blade.toml) is a beam in space whose rotation stiffens it,
 [spun_up_blade.toml](spun_up_blade.toml) one that gravity bends while its hub is spun up, and
 [whirling_shaft.toml](whirling_shaft.toml) one that its own damping makes unstable above a speed.

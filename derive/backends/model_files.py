@@ -19,7 +19,7 @@ from derive.ir.model import JACOBIAN, Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
-from derive.spec.model.mesh import SolidMesh
+from derive.spec.model.mesh import NodeMesh
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import InitialValues, SpatialStart
 from derive.spec.model.spatial_scene import SpatialScene
@@ -112,7 +112,7 @@ def _numbers_sha256(data: NodeData) -> str:
         value = getattr(data, field.name)
         if value is None or isinstance(value, str):
             continue
-        if isinstance(value, SolidMesh):
+        if isinstance(value, NodeMesh):
             for block in value.elements:
                 digest.update(f"{block.kind.value} {value.materials.get(block.material)} ".encode())
                 digest.update(block.nodes.astype("<i8").tobytes())

@@ -54,7 +54,12 @@ def run(options: argparse.Namespace) -> int:
     if imported.nodes is not None:
         with nodes_file(target).open("xb") as nodes:
             nodes.write(imported.nodes)
-    parse(imported.text, str(target))
+    try:
+        parse(imported.text, str(target))
+    except SpecError:
+        if imported.nodes is not None:
+            nodes_file(target).unlink()
+        raise
     with target.open("x", encoding="utf-8") as text:  # another process may have made it meanwhile
         text.write(imported.text)
     written = [str(file) for file in targets]

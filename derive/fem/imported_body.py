@@ -86,7 +86,8 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
             interface=interface or None, order=2 if options.second_order else None,
         )  # fmt: skip
         show_progress("computing modes ...")
-        frequencies = _elastic_frequencies(body, model, min(COMPARED, 3 * len(model.positions) - 6))
+        count = max(COMPARED, 0 if interface else modes)  # a body without an interface has these modes
+        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))[:COMPARED]
         if interface:
             prepare(body)
     except SpecError as error:
@@ -129,6 +130,9 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
             known = f"the sets are {names_text(spelled.values())}" if spelled else "there are none"
             hint = did_you_mean(name, spelled.values(), known)
             problems.append(Problem("--interface", f"there is no set of nodes {quoted(name)}{hint}"))
+        elif len(model.node_sets[spelled[name.lower()]]) == 2:
+            text = f"the set {name} has two nodes, which do not determine a rotation; name a set of three or more"
+            problems.append(Problem("--interface", f"{text}, not on a line, or of a single node"))
     if options.scene and not options.interface:
         problems.append(Problem("--scene", "a scene holds the body at a set of nodes: name it with --interface"))
     if problems:
@@ -189,5 +193,7 @@ def _compared(model: FiniteElementModel, frequencies: Array, body: NodalBody) ->
     gap = float(np.abs(elastic[:count] / frequencies[:count] - 1).max())
     if gap > AGREEMENT:
         listed = ", ".join(f"{f:.7g}" for f in elastic[:count])
-        return f"; warning: those of the program are {listed}, perhaps of a body that is held, or in other units"
+        return (
+            f"; warning: those of the program are {listed}, perhaps of a body that is held, or inexact for a free one"
+        )
     return f"; the {count} of the program differ by {gap:.1e} or less of each"

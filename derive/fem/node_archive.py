@@ -12,7 +12,7 @@ from scipy.sparse import csr_array, triu
 from derive.fem.model import FiniteElementModel
 from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.files.node_format import ELEMENTS, SET
-from derive.spec.model.mesh import SolidMesh
+from derive.spec.model.mesh import NodeMesh
 
 YEAR_OF_ZIP = (1980, 1, 1, 0, 0, 0)
 
@@ -23,7 +23,7 @@ def node_arrays(model: FiniteElementModel) -> dict[str, Any]:
     for name, matrix in (("mass", model.mass), ("stiffness", model.stiffness)):
         if matrix is not None:
             arrays |= _entries(name, _of_nodes(matrix) if name == "mass" else matrix)
-    mesh = SolidMesh(model.elements, model.materials, model.node_sets, model.node_numbers)
+    mesh = NodeMesh(model.elements, model.materials, model.node_sets, model.node_numbers)
     of_mesh = mesh_arrays(mesh).items()
     return arrays | {key: a.astype(np.int32) if key.startswith((SET, ELEMENTS)) else a for key, a in of_mesh}
 

@@ -24,7 +24,7 @@ from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, sym
 from derive.reduction.frames import ModeShapes, from_centre_of_mass, rigid_basis
 from derive.solids.quadratic_strains import quadratic_loads
 from derive.solids.stresses import IntegratedMesh, strain_energies
-from derive.spec.model.mesh import ElementKind, SolidMesh
+from derive.spec.model.mesh import ElementKind, NodeMesh
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The axes of the products w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3 of K0omega."""
@@ -60,7 +60,7 @@ def free_response(
     return respond
 
 
-def integrated_mesh(mesh: SolidMesh, shapes: ModeShapes) -> IntegratedMesh:
+def integrated_mesh(mesh: NodeMesh, shapes: ModeShapes) -> IntegratedMesh:
     """The elements of a body with modes, with the points of integration of its stiffness.
 
     Those of bricks of 20 nodes are the eight or the 27 with which the modes have a strain energy nearer to that by the

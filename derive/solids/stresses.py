@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from derive.errors import Problem, SpecError
 from derive.solids.element_shapes import Array, ElementShape, element_shape
-from derive.spec.model.mesh import Elements, Material, SolidMesh
+from derive.spec.model.mesh import Elements, Material, NodeMesh
 
 CHUNK = 20_000
 """Points of integration whose gradients are in memory at a time."""
@@ -26,7 +26,7 @@ class IntegratedMesh:
     full: whether bricks of 20 nodes have 27 points of integration.
     """
 
-    mesh: SolidMesh
+    mesh: NodeMesh
     x: Array
     full: bool = False
 

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from derive.artifacts import MARK
 from derive.simulation.observables.fields import FieldInstant
 from derive.solids.element_shapes import element_shape
-from derive.spec.model.mesh import SolidMesh
+from derive.spec.model.mesh import NodeMesh
 
 TYPES = {"f4": "Float32", "i4": "Int32", "u1": "UInt8"}
 HEAD = f'<?xml version="1.0"?>\n<!-- {MARK}. Do not edit. -->\n'
 
 
-def vtu(mesh: SolidMesh, fields: FieldInstant) -> str:
+def vtu(mesh: NodeMesh, fields: FieldInstant) -> str:
     """The text of a .vtu file: the mesh at its places, with displacements and stresses at nodes, SI units."""
     blocks = [(element_shape(block.kind).vtk, block.nodes) for block in mesh.elements]
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in blocks])

@@ -124,6 +124,7 @@ GROUPS = (
             Entry("examples/spatial_crank_slider.toml", card="drawing"),
             Entry("examples/spatial_crank_slider_beam.toml", (("simulate",), ("report",)), card="drawing"),
             Entry("examples/spatial_crank_slider_rigid.toml", card="drawing"),
+            Entry("examples/bracket_crank.toml", card="drawing"),
             Entry("examples/rotating_blade.toml", (("modes",),)),
             Entry("examples/spun_up_blade.toml", card="drawing"),
             _stability("whirling_shaft", "spin=0:20:11", "--orders", "truncated"),

@@ -64,6 +64,7 @@ NOT_IN_SPACE = (
     "NodeFrameTable.motion",
     "FlexibleTable.loads",  # tests/space/test_nodal_loads.py
     "FlexibleTable.stress",  # the block has no elements: tests/solids/test_stress_of_runs.py
+    "NodeFrameTable.set",  # tests/spec/test_node_meshes.py
     "visuals",  # tests/space/test_visuals.py
 )
 """Parts of the names of features that no scene in space of the corpus has."""

@@ -13,9 +13,10 @@ import derive
 from derive.cli.main import main
 from derive.fem.calculix.read import read_calculix
 from derive.reduction import body_properties
+from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_scene import SpatialScene
-from fem.part_files import bracket_files
+from fem.part_files import bracket_files, text_of
 
 
 @pytest.fixture
@@ -81,6 +82,25 @@ def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
     assert derive.modes(scene).frequencies[:2] == pytest.approx(full, rel=1e-4)
     assert derive.simulate(scene, duration=1e-3).t[-1] == 1e-3
+
+
+def test_pictures_show_the_surface_of_the_elements(folder: Path) -> None:
+    """Three bricks in an L have 14 faces, with the middles of edges; a hull of the nodes has others."""
+    body = imported()
+    assert isinstance(body, NodalBody)
+    shown = drawn_body(body)
+    assert sorted(len(face) for face in shown.surface.faces) == [8] * 14
+    assert len(shown.x) == 44 and len(shown.surface.edges) == 2 * 28
+
+
+def test_a_scene_with_sets_of_single_nodes_and_names_that_scenes_do_not_have(folder: Path) -> None:
+    more = "*NSET, NSET=end face\n4, 5, 8, 12, 13\n*NSET, NSET=tip\n44\n*STEP"
+    bracket_files(folder, inp=text_of("inp").replace("*STEP", more, 1))
+    scene = imported("--interface", "end face,TIP", "--scene")
+    assert isinstance(scene, SpatialScene)
+    first, second = scene.bodies[0].markers
+    assert (len(first.nodes), second.name, second.nodes) == (5, "tip", (43,))
+    assert scene.joints[0].second.marker == first.name == "end_face"
 
 
 def test_units_of_the_file(folder: Path) -> None:

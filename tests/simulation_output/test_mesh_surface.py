@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.simulation.observables.body_surface import Surface
-from derive.simulation.observables.mesh_surface import mesh_surface
+from derive.simulation.observables.mesh_surface import coarsened, mesh_surface
 from derive.solids.element_shapes import element_shape
 from derive.spec.model.mesh import ElementKind, Elements
 
@@ -72,3 +72,19 @@ def test_kinds_share_faces() -> None:
     inside = [face for face in shown.faces if set(face) == {4, 6, 8, 10}]
     assert inside == []
     assert enclosed(x, shown) == pytest.approx(2.0)
+
+
+def test_a_coarser_surface_encloses_about_the_same_volume() -> None:
+    """The nodes of a fine cube that are left are some of its own; its faces have no double corners."""
+    counts = (13, 13, 13)
+    number = {key: i for i, key in enumerate(product(*map(range, counts)))}
+    cells = product(range(12), repeat=3)
+    nodes = [[number[i + a, j + b, k + c] for a, b, c in HEXAHEDRON] for i, j, k in cells]
+    x = np.array(list(number), dtype=float)
+    whole = mesh_surface((Elements(ElementKind.HEX8, np.array(nodes)),))
+    assert len(whole.nodes) == 13**3 - 11**3
+    shown = coarsened(whole, x, 200)
+    assert 60 < len(shown.nodes) <= 200 and {*shown.nodes} <= {*whole.nodes}
+    assert all(len({*face}) == len(face) for face in shown.faces)
+    assert enclosed(x, shown) == pytest.approx(12.0**3, rel=0.25)
+    assert coarsened(whole, x, 5000) == whole

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from derive.solids.element_shapes import element_shape
-from derive.spec.model.mesh import ElementKind, Elements, Material, SolidMesh
+from derive.spec.model.mesh import ElementKind, Elements, Material, NodeMesh
 
 STEEL = Material("steel", young=210e9, poisson=0.3, density=7800.0)
 
@@ -23,7 +23,7 @@ def box_mesh(
     counts: tuple[int, ...],
     crooked: float = 0.0,
     material: Material = STEEL,
-) -> tuple[np.ndarray, SolidMesh]:
+) -> tuple[np.ndarray, NodeMesh]:
     """The nodes (n, 3) and the mesh of a box with its first corner in the origin.
 
     crooked: the largest displacement of corners inside the box, relative to a cell.
@@ -44,7 +44,7 @@ def box_mesh(
     rounded = np.round(every.reshape(-1, 3), 9)
     x, index = np.unique(rounded, axis=0, return_inverse=True)
     nodes = index.reshape(len(elements), -1).astype(np.int64)
-    return x, SolidMesh((Elements(kind, nodes, material.name),), {material.name: material})
+    return x, NodeMesh((Elements(kind, nodes, material.name),), {material.name: material})
 
 
 def corner_functions(linear: ElementKind, places: np.ndarray) -> np.ndarray:

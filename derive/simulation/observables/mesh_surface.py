@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.simulation.observables.body_surface import Edge, Face, Surface
+from derive.simulation.observables.motion import Array
 from derive.solids.element_shapes import element_shape
 from derive.spec.model.mesh import Elements
 
@@ -21,6 +22,29 @@ def mesh_surface(elements: tuple[Elements, ...], middles: bool = True) -> Surfac
             faces.append(tuple(ring))
             edges.update((min(side), max(side)) for side in zip(ring, [*ring[1:], ring[0]], strict=True))
     return Surface(tuple(faces), tuple(sorted(edges)))
+
+
+def coarsened(shown: Surface, x: Array, most: int) -> Surface:
+    """A surface with at most so many nodes: of the nodes in a cell of a grid one is left, the nearest to their mean.
+
+    x (n, 3): the places of all nodes. Faces that lose their corners are left out.
+    """
+    nodes = np.array(shown.nodes)
+    cell = float(np.ptp(x[nodes], axis=0).max()) / most
+    while True:
+        cells = np.floor((x[nodes] - x[nodes].min(axis=0)) / cell + 1e-9).astype(np.int64)
+        _, cluster, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+        if len(counts) <= most:
+            break
+        cell *= 2**0.5
+    means = np.stack([np.bincount(cluster, of_axis) / counts for of_axis in x[nodes].T], axis=1)
+    nearest = np.lexsort((np.linalg.norm(x[nodes] - means[cluster], axis=1), cluster))
+    kept = nodes[nearest[np.searchsorted(cluster[nearest], np.arange(len(counts)))]]
+    of_node = dict(zip(nodes.tolist(), kept[cluster].tolist(), strict=True))
+    moved = (tuple(dict.fromkeys(of_node[node] for node in face)) for face in shown.faces)
+    faces = {frozenset(face): face for face in moved if len(face) > 2}
+    pairs = {(min(pair), max(pair)) for i, j in shown.edges if (pair := (of_node[i], of_node[j]))[0] != pair[1]}
+    return Surface(tuple(faces.values()), tuple(sorted(pairs)))
 
 
 def boundary_faces(elements: tuple[Elements, ...]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from derive.reduction.body import prepare
 from derive.simulation.observables.body_surface import Surface, surface
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.mesh_surface import mesh_surface
+from derive.simulation.observables.mesh_surface import coarsened, mesh_surface
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.player_data import (
     RESOLUTION,
@@ -91,7 +91,7 @@ def path_of(q: Array) -> BodyPath:
 
 def drawn_body(body: NodalBody) -> DrawnBody:
     """The surface of a body of nodes with its markers: that of its elements if the files have them, and otherwise a
-    guess. If it has more than MAX_NODES, the box around it, whose corners move as the nearest nodes, is drawn instead.
+    guess. A guess with more than MAX_NODES is replaced by the box around it, whose corners move as the nearest nodes.
     """
     shapes = prepare(body).shapes
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
@@ -121,12 +121,14 @@ def with_stresses(drawn: DrawnBody, body: NodalBody) -> DrawnBody:
 
 
 def _surface(body: NodalBody, x: Array) -> Surface:
-    """The surface of the elements of a body, by their corners alone where there are many; without elements a guess."""
+    """The surface of the elements of a body, with fewer nodes where there are many; without elements a guess."""
     mesh = body.data.mesh
     if mesh is None or not mesh.elements:
         return surface(x)
     whole = mesh_surface(mesh.elements)
-    return whole if len(whole.nodes) <= MAX_NODES else mesh_surface(mesh.elements, middles=False)
+    if len(whole.nodes) > MAX_NODES:
+        whole = mesh_surface(mesh.elements, middles=False)
+    return whole if len(whole.nodes) <= MAX_NODES else coarsened(whole, x, MAX_NODES)
 
 
 def beam_drawing(name: str, x: Array, phi: Array) -> DrawnBody:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from derive.errors import quoted
 from derive.spec.files.node_format import ELEMENTS, MATERIAL, SET, Units, is_of_mesh
-from derive.spec.model.mesh import ElementKind, Elements, Material, SolidMesh
+from derive.spec.model.mesh import ElementKind, Elements, Material, NodeMesh
 from derive.spec.parsing.faults import Faults
 from derive.spec.parsing.values import WrongValueError
 
@@ -18,7 +18,7 @@ Array = Any
 NODES = ("body", "nodes")
 
 
-def mesh_arrays(mesh: SolidMesh | None) -> dict[str, Array]:
+def mesh_arrays(mesh: NodeMesh | None) -> dict[str, Array]:
     """The arrays of a mesh by the names that they have in files."""
     if mesh is None:
         return {}
@@ -39,7 +39,7 @@ def mesh_arrays(mesh: SolidMesh | None) -> dict[str, Array]:
     return result
 
 
-def mesh_of(arrays: Mapping[str, Array | None], n: int, units: Units, faults: Faults) -> SolidMesh | None:
+def mesh_of(arrays: Mapping[str, Array | None], n: int, units: Units, faults: Faults) -> NodeMesh | None:
     """The mesh of n nodes in SI units, if there are arrays of one; `faults` takes those of the arrays.
 
     Materials have numbers instead of names.
@@ -70,7 +70,7 @@ def mesh_of(arrays: Mapping[str, Array | None], n: int, units: Units, faults: Fa
                 raise WrongValueError(f"there are no elements {quoted(name)} that these materials belong to")
     if len(faults) > before:
         return None
-    return SolidMesh(tuple(elements), {material.name: material for material in materials}, sets, numbers)
+    return NodeMesh(tuple(elements), {material.name: material for material in materials}, sets, numbers)
 
 
 def set_sizes(arrays: Mapping[str, Array | None]) -> dict[str, int]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from derive.spec.model.mesh import SolidMesh
+    from derive.spec.model.mesh import NodeMesh
 
 
 class DisplacementOrder(Enum):
@@ -101,7 +101,7 @@ class NodeData:
     K0omega: NDArray[np.float64] | None = None
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
-    mesh: SolidMesh | None = None
+    mesh: NodeMesh | None = None
     __repr__ = record_text
 
     @property

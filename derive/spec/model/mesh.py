@@ -54,7 +54,7 @@ class Elements:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidMesh:
+class NodeMesh:
     """The mesh of a body of nodes: its elements, their materials, and named sets.
 
     elements: blocks of elements. materials: those of the elements by name. node_sets: indices of nodes, from 0, by the
