@@ -15,6 +15,7 @@ from cantilever_run import FORCE, SIDES, YOUNG, cantilever, scene_file
 import derive
 from derive.cli.main import main
 from derive.simulation.observables.default_plots import default_plots
+from derive.simulation.observables.spatial_player_data import spatial_player_data
 from derive.simulation.observables.stresses import largest_stress, modal_stresses
 from derive.solids.stresses import von_mises
 from derive.spec.files.mesh_arrays import mesh_arrays
@@ -83,6 +84,24 @@ def test_the_largest_stress_is_that_of_the_node() -> None:
     every = von_mises(np.tensordot(amplitudes, modal, axes=1))
     assert values == pytest.approx(every.max(axis=1)) and nodes.tolist() == every.argmax(axis=1).tolist()
     assert values[1] == pytest.approx(1e-3 * YOUNG)
+
+
+def test_the_player_has_the_stresses_of_the_surface() -> None:
+    """In steps of a five thousandth of the largest of each mode, from which the page computes von Mises' stress."""
+    beam = cantilever(0.3)
+    x, mesh = beam.solid.x, beam.solid.mesh
+    bent = np.stack([x[:, 0] * x[:, 2], 0 * x[:, 0], -(x[:, 0] ** 2) / 2], axis=1)
+    arrays = {"positions": x, "mass": np.ones(len(x)), **mesh_arrays(mesh)}
+    arrays |= {"modes": np.array([bent]), "modal_stiffness": np.eye(1)}
+    body = derive.nodal_body("beam", arrays, units="SI", orthonormal=False, markers={"tip": beam.tip[0]})
+    q = np.array([[0, 0, 0, 1, 0, 0, 0, 0.0], [0, 0, 0, 1, 0, 0, 0, 2e-3]])
+    data = spatial_player_data(body, np.array([0.0, 1.0]), q)
+    (drawn,) = data["bodies"]
+    (mode,) = drawn["stresses"]
+    stresses = mode["step"] * np.array(mode["values"]).reshape(-1, 6)
+    assert len(stresses) == len(drawn["nodes"]) - 1  # all but the marker
+    assert 2e-3 * von_mises(stresses).max() == pytest.approx(largest_stress(body, q[:, 7:])[0][1], rel=1e-3)
+    assert data["stress"] == pytest.approx(2e-3 * von_mises(stresses).max(), rel=1e-3)
 
 
 def test_what_stresses_need_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
