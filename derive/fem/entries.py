@@ -77,3 +77,10 @@ def from_triangle(row: Indices, column: Indices, value: Array, size: int) -> csr
     beside = half.row != half.col
     rows, columns = np.concatenate([half.row, half.col[beside]]), np.concatenate([half.col, half.row[beside]])
     return csr_array(coo_array((np.concatenate([half.data, half.data[beside]]), (rows, columns)), shape=(size, size)))
+
+
+def symmetric_from(row: Indices, column: Indices, value: Array, size: int) -> csr_array:
+    """The matrix (size, size) of entries of which there is one half, or of all of them."""
+    if (row > column).any() and (row < column).any():
+        return csr_array(coo_array((value, (row, column)), shape=(size, size)))
+    return from_triangle(row, column, value, size)

@@ -75,7 +75,9 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     markers = tuple(InterfaceMarker(name, tuple(model.node_sets[name].tolist())) for name in interface)
     kind = options.component_modes or ("craig_bampton" if interface else "free")
     static = static_mode_count(kind, markers) if interface else 0
-    modes = options.modes if options.modes is not None else static + VIBRATION_MODES
+    modes = options.modes
+    if modes is None and model.modal_stiffness is None:
+        modes = static + VIBRATION_MODES
     arrays = node_arrays(model)
     if faults := tuple(_faults_of_matrices(model)):
         raise SpecError(faults, source)
@@ -106,6 +108,8 @@ def _faults_of_matrices(model: FiniteElementModel) -> Iterator[Problem]:
     """Faults of the matrices in which nodes have their numbers in the program."""
     size = 3 * len(model.positions)
     for name, matrix in (("stiffness", model.stiffness), ("mass", model.mass)):
+        if matrix is None and name == "stiffness" and model.modal_stiffness is not None:
+            continue  # its modes have a stiffness
         if matrix is None:
             yield Problem("", f"the {name} matrix is missing, which the program has to write")
         elif matrix.shape != (size, size):
@@ -133,6 +137,9 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
         elif len(model.node_sets[spelled[name.lower()]]) == 2:
             text = f"the set {name} has two nodes, which do not determine a rotation; name a set of three or more"
             problems.append(Problem("--interface", f"{text}, not on a line, or of a single node"))
+    if options.interface and model.stiffness is None:
+        text = "the file has modes of its own and no stiffness, from which those of an interface are computed"
+        problems.append(Problem("--interface", text))
     if options.scene and not options.interface:
         problems.append(Problem("--scene", "a scene holds the body at a set of nodes: name it with --interface"))
     if problems:
@@ -142,8 +149,9 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
 
 def _elastic_frequencies(body: NodalBody, model: FiniteElementModel, count: int) -> Array:
     """The first elastic frequencies of the free body, Hz. Raises SpecError if it has motions without strain."""
-    free = replace(body, component_modes="free", interface=(), interface_markers=(), modes=max(count, 0))
-    shapes = prepare(free).shapes
+    if model.stiffness is not None:
+        body = replace(body, component_modes="free", interface=(), interface_markers=(), modes=max(count, 0))
+    shapes = prepare(body).shapes
     squares = np.diag(shapes.stiffness)
     loose = squares <= ZERO_STIFFNESS * squares.max(initial=0.0)
     if loose.any():
@@ -160,18 +168,17 @@ def _size(model: FiniteElementModel) -> str:
 
 def _doc(body: NodalBody) -> str:
     interface = f" of the interface {', '.join(body.interface)}" if body.interface else ""
-    return f"a body in space of {counted(len(body.data.positions), 'node')} with {body.modes} modes{interface}"
+    modes = counted(body.modes, "mode") if isinstance(body.modes, int) else "its modes"
+    return f"a body in space of {counted(len(body.data.positions), 'node')} with {modes}{interface}"
 
 
 def _notes(model: FiniteElementModel, body: NodalBody, frequencies: Array) -> Iterator[str]:
     """The size, the frequencies beside those of the program, and doubts about units."""
-    stiffness = body.data.stiffness
-    assert stiffness is not None  # by `nodal_body`, which computes modes from it
-    size = (stiffness.data.nbytes + stiffness.indices.nbytes + stiffness.indptr.nbytes) / 1e6
-    yield (
-        f"{_size(model)}; mass {float(body.data.mass.sum()):.6g} kg; stiffness of {stiffness.shape[0]} displacements "
-        f"with {stiffness.nnz} entries, {size:.3g} MB in memory"
-    )
+    text = f"{_size(model)}; mass {float(body.data.mass.sum()):.6g} kg"
+    if (k := body.data.stiffness) is not None:
+        size = (k.data.nbytes + k.indices.nbytes + k.indptr.nbytes) / 1e6
+        text += f"; stiffness of {k.shape[0]} displacements with {k.nnz} entries, {size:.3g} MB in memory"
+    yield text
     if model.node_sets:
         sizes = (f"{name} ({len(nodes)})" for name, nodes in model.node_sets.items())
         yield f"sets of nodes: {names_text(sizes)}"

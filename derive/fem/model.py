@@ -23,8 +23,8 @@ class FiniteElementModel:
     node_numbers (n,): the numbers of the nodes in the program. positions (n, 3). stiffness, mass (3n, 3n): the matrices
     with adjacent displacements of a node, both of their halves filled; None if there are none. node_sets: indices of
     nodes by the names of sets. materials: by name. frequencies (modes,), in Hz if the unit of time is the second, and
-    modes (modes, n, 3): those that the program computed, if any. notes: sentences on what is not read and what the
-    reader decided.
+    modes (modes, n, 3): those that the program computed, if any. modal_stiffness (modes, modes): that of the modes, of
+    a part without a stiffness matrix. notes: sentences on what is not read and what the reader decided.
     """
 
     name: str
@@ -37,4 +37,5 @@ class FiniteElementModel:
     materials: dict[str, Material] = field(default_factory=dict)
     frequencies: Array | None = None
     modes: Array | None = None
+    modal_stiffness: Array | None = None
     notes: tuple[str, ...] = ()

@@ -56,3 +56,8 @@ def mesh_of_nodes(mesh: KeywordMesh, numbers: Indices) -> dict[str, Any]:
         "elements": tuple(Elements(e.kind, e.nodes[kept], e.material) for e, kept in whole if kept.any()),
         "materials": mesh.materials,
     }
+
+
+def nodes_of_elements(mesh: KeywordMesh) -> Indices:
+    """The numbers of the nodes that elements have, in ascending order."""
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *(block.nodes.ravel() for block in mesh.elements)]))

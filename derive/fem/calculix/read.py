@@ -12,9 +12,9 @@ from derive.errors import Problem, SpecError
 from derive.fem.calculix.matrices import read_matrices
 from derive.fem.calculix.results import read_frequencies, read_modes
 from derive.fem.keyword_mesh import KeywordMesh, read_mesh
-from derive.fem.model import FiniteElementModel, Indices
+from derive.fem.model import FiniteElementModel
 from derive.fem.node_names import node_list
-from derive.fem.with_nodes import MatricesOfNodes, in_order_of_nodes, mesh_of_nodes
+from derive.fem.with_nodes import MatricesOfNodes, in_order_of_nodes, mesh_of_nodes, nodes_of_elements
 from derive.short_text import counted
 
 TIES = ("EQUATION", "MPC", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING COUPLING", "CYCLIC SYMMETRY MODEL", "EMBEDDED")
@@ -39,7 +39,7 @@ def read_calculix(path: Path) -> FiniteElementModel:
     stiffness, mass = in_order_of_nodes(matrices, numbers)
     frequencies = read_frequencies(path)
     modes = read_modes(path, numbers, problems)
-    notes = [*_notes(mesh, kept), *(f"{problem.path}: {problem.message}" for problem in problems)]
+    notes = [*notes_on_mesh(mesh, kept), *(f"{problem.path}: {problem.message}" for problem in problems)]
     if frequencies is not None and modes is not None:
         modes = modes[-len(frequencies) :] if len(modes) >= len(frequencies) else None
     return FiniteElementModel(
@@ -67,7 +67,7 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: 
         yield Problem("*RIGID BODY", f'{text}: motion = "rigid"', mesh.cards["RIGID BODY"][0])
         return
     numbers, counts = np.unique(matrices.node, return_counts=True)
-    absent = np.setdiff1d(_nodes_of_elements(mesh), numbers)
+    absent = np.setdiff1d(nodes_of_elements(mesh), numbers)
     partly = numbers[counts < 3]
     if not (absent.size or partly.size):
         return
@@ -88,14 +88,10 @@ def _ties(mesh: KeywordMesh) -> str:
     return f" ({', '.join(given)})" if given else ""
 
 
-def _nodes_of_elements(mesh: KeywordMesh) -> Indices:
-    return np.unique(np.concatenate([np.zeros(0, np.int64), *(block.nodes.ravel() for block in mesh.elements)]))
-
-
-def _notes(mesh: KeywordMesh, kept: NDArray[np.bool_]) -> Iterator[str]:
+def notes_on_mesh(mesh: KeywordMesh, kept: NDArray[np.bool_]) -> Iterator[str]:
     """Yield notes on parts that are left out or not read."""
     left_out = mesh.numbers[~kept]
-    tied = np.intersect1d(left_out, _nodes_of_elements(mesh))
+    tied = np.intersect1d(left_out, nodes_of_elements(mesh))
     loose = np.setdiff1d(left_out, tied)
     if loose.size:
         yield f"{counted(loose.size, 'node')} of no element {_are(loose.size)} left out: {node_list(loose)}"

@@ -57,7 +57,7 @@ def joined_classes(
     if system is None or system.adds or any(map(_needs_class, mechanism.joints)):
         return result
     if any(len(elements) > FEW for elements in system.left().values()):
-        return result  # arrays begin as zeros, which bodies must not overwrite
+        return result  # bodies would compute many rows that joints do not have
     for larger in classes:
         if any(of is larger for of in result):
             result = _with_smaller(mechanism, result, larger, system)

@@ -1,0 +1,1 @@
+"""Parts from the modal data of MBDyn."""
