@@ -20,7 +20,9 @@ from derive.reduction.checks import indefinite
 from derive.reduction.component_modes import static_mode_count
 from derive.short_text import counted
 from derive.spec.construction import nodal_body
+from derive.spec.files.node_files import MAX_BYTES
 from derive.spec.model.body import ComponentModes, InterfaceMarker, NodalBody
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.parsing.faults import did_you_mean, names_text
 from derive.spec.parsing.names import free_name
 
@@ -41,13 +43,14 @@ AGREEMENT = 1e-5
 class BodyOptions:
     """The body that is made of a part.
 
-    interface: the sets of nodes to which joints attach. modes: their number; None for VIBRATION_MODES besides the
-    static ones. component_modes: their kind, if not the usual one. scene: whether a scene is written that holds the
-    body at the first set of the interface. second_order: whether displacements are of second order in the amplitudes.
+    interface: the sets of nodes to which joints attach. modes: their number, or the error that chooses them; None for
+    VIBRATION_MODES besides the static ones. component_modes: their kind, if not the usual one. scene: whether a scene
+    is written that holds the body at the first set of the interface. second_order: whether displacements are of second
+    order in the amplitudes.
     """
 
     interface: tuple[str, ...] = ()
-    modes: int | None = None
+    modes: int | ModeSelection | None = None
     component_modes: ComponentModes | None = None
     units: FileUnits = SI
     scene: bool = False
@@ -79,7 +82,7 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     if modes is None and model.modal_stiffness is None:
         modes = static + VIBRATION_MODES
     arrays = node_arrays(model)
-    if faults := tuple(_faults_of_matrices(model)):
+    if faults := (*_faults_of_matrices(model), *_too_large(sum(array.nbytes for array in arrays.values()))):
         raise SpecError(faults, source)
     name = free_name(model.name, ())
     try:
@@ -88,9 +91,10 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
             interface=interface or None, order=2 if options.second_order else None,
         )  # fmt: skip
         show_progress("computing modes ...")
-        count = max(COMPARED, 0 if interface else modes)  # a body without an interface has these modes
-        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))[:COMPARED]
-        if interface:
+        own = modes if isinstance(modes, int) and not interface else 0  # a body without an interface has these modes
+        count = max(COMPARED, own)
+        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))
+        if interface or isinstance(modes, ModeSelection):
             prepare(body)
     except SpecError as error:
         raise SpecError(error.problems, source) from None
@@ -102,6 +106,13 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     text = scene_text(table) if options.scene else body_text(table)
     notes = (*_notes(model, body, frequencies), *model.notes)
     return ImportedBody(name, _doc(body), text, archive_bytes(arrays), notes)
+
+
+def _too_large(size: int) -> Iterator[Problem]:
+    """The fault of arrays of so many bytes that a file of nodes would not be read."""
+    if size > MAX_BYTES:
+        text = f"mesh and matrices take {size / 1e6:.4g} MB, and a file of nodes is read up to {MAX_BYTES / 1e6:.4g} MB"
+        yield Problem("", f"{text}; make the mesh coarser")
 
 
 def _faults_of_matrices(model: FiniteElementModel) -> Iterator[Problem]:
@@ -152,10 +163,10 @@ def _elastic_frequencies(body: NodalBody, model: FiniteElementModel, count: int)
     if model.stiffness is not None:
         body = replace(body, component_modes="free", interface=(), interface_markers=(), modes=max(count, 0))
     shapes = prepare(body).shapes
-    squares = np.diag(shapes.stiffness)
+    squares = np.diag(shapes.stiffness)[:COMPARED]
     loose = squares <= ZERO_STIFFNESS * squares.max(initial=0.0)
     if loose.any():
-        raise SpecError((hinge(shapes.phi[loose], body.data, model.node_numbers),))
+        raise SpecError((hinge(shapes.phi[:COMPARED][loose], body.data, model.node_numbers),))
     result: Array = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
     return result
 
@@ -168,7 +179,9 @@ def _size(model: FiniteElementModel) -> str:
 
 def _doc(body: NodalBody) -> str:
     interface = f" of the interface {', '.join(body.interface)}" if body.interface else ""
-    modes = counted(body.modes, "mode") if isinstance(body.modes, int) else "its modes"
+    modes = counted(len(prepare(body).shapes.phi), "mode")
+    if isinstance(body.modes, ModeSelection):
+        modes += f", whose error is {body.modes.error:g} or less up to {body.modes.up_to:g} Hz,"
     return f"a body in space of {counted(len(body.data.positions), 'node')} with {modes}{interface}"
 
 

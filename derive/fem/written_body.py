@@ -94,7 +94,9 @@ def _keys(table: BodyTable, interface: tuple[str, ...]) -> Iterator[str]:
     yield f"nodes = {_text(table.nodes_file)}  # positions, mass, stiffness, sets of nodes, elements"
     yield f"units = {table.units}"
     if table.body.modes is not None:
-        yield f"modes = {table.body.modes}"
+        wish = table.body.modes
+        error = "" if isinstance(wish, int) else f"{{ error = {wish.error:g}, up_to = {wish.up_to:g} }}"
+        yield f"modes = {error or wish}"
     if table.component_modes:
         yield f'component_modes = "{table.component_modes}"'
     if interface:

@@ -13,6 +13,7 @@ import derive
 from derive.cli.main import main
 from derive.fem.calculix.read import read_calculix
 from derive.reduction import body_properties
+from derive.reduction.body import prepare
 from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -64,6 +65,15 @@ def test_modes_by_default_are_six_besides_the_static_ones(folder: Path) -> None:
     (folder / "bracket.npz").unlink()
     body = imported("--interface", "left,right", "--component-modes", "attachment")
     assert (body.modes, body.component_modes) == (18, "attachment")  # type: ignore[union-attr]
+
+
+def test_an_error_chooses_the_modes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = imported("--interface", "left,right", "--error", "0.05", "--up-to", "3000")
+    assert isinstance(body, NodalBody)
+    assert body.modes == derive.ModeSelection(error=0.05, up_to=3000.0)
+    count = len(prepare(body).shapes.phi)
+    expected = f"with {count} modes, whose error is 0.05 or less up to 3000 Hz, of the interface left, right"
+    assert expected in capsys.readouterr().out
 
 
 def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
@@ -138,6 +148,9 @@ def test_the_same_files_give_the_same_bytes(folder: Path) -> None:
         (["--units", "mm,ton,s"], '--units: there is no unit "ton"'),
         (["--scene"], "bracket.inp: --scene: a scene holds the body at a set of nodes: name it with --interface"),
         (["--interface", "left,right", "--modes", "5"], "bracket.inp: body.modes: 5 modes are too few for this"),
+        (["--modes", "9", "--error", "0.1", "--up-to", "9"], "--modes: the error chooses the number of modes"),
+        (["--error", "0.1"], "--error: an error needs the frequencies that it is for: --error 0.01 --up-to 500, in Hz"),
+        (["--error", "0.1", "--up-to", "x"], "bracket.inp: body.modes.up_to: "),
         (["--modes", "127"], "bracket.inp: body.modes: 127 modes are too many"),
     ],
 )  # fmt: skip

@@ -148,6 +148,12 @@ def test_an_indefinite_mass_names_the_node(model: FiniteElementModel) -> None:
     assert "bracket.inp: the mass of node 11 is negative" in text
 
 
+def test_a_part_that_is_too_large_for_a_file(model: FiniteElementModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("derive.fem.imported_body.MAX_BYTES", 50_000)
+    text = lines_of_faults(lambda: imported_body(model, BodyOptions(), "bracket.inp", ""))
+    assert text.endswith("MB, and a file of nodes is read up to 0.05 MB; make the mesh coarser")
+
+
 def test_matrices_of_other_sizes_than_the_nodes(model: FiniteElementModel) -> None:
     smaller = replace(model, mass=model.mass[:-3, :-3])  # type: ignore[index]
     text = lines_of_faults(lambda: imported_body(smaller, BodyOptions(), "bracket.inp", ""))
