@@ -23,7 +23,7 @@ from skfem import Basis
 
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables
 from derive.solids.element_shapes import element_shape
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 from derive.spec.model.mesh import ElementKind, Elements, Material, NodeMesh
 
 MARKERS = (0, 127, 247)  # of block.toml
@@ -46,7 +46,7 @@ def stiffened_block() -> dict[str, np.ndarray]:
     _, basis, order = block.bases()
     unsorted = brick_mesh(basis, block.YOUNG, block.POISSON)
     elements = [replace(e, nodes=np.argsort(order)[e.nodes]) for e in unsorted.elements]
-    solid = SolidMesh(replace(unsorted, elements=tuple(elements)), made.positions)
+    solid = IntegratedMesh(replace(unsorted, elements=tuple(elements)), made.positions)
     return arrays | geometric_stiffness_tables(solid, made.mass, arrays["modes"], MARKERS, free_response(*made))
 
 

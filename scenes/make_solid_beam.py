@@ -23,7 +23,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from skfem.models.poisson import mass
 
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 from derive.spec.model.mesh import NodeMesh
 
 SIDES = (1.0, 0.02, 0.01)  # m
@@ -101,7 +101,7 @@ def arrays() -> dict[str, np.ndarray]:
 def geometric_stiffness(made: Beam, phi: np.ndarray) -> dict[str, np.ndarray]:
     """K0omega and K0F of modes (N, nodes, 3)."""
     tables = geometric_stiffness_tables(
-        SolidMesh(made.mesh, made.positions), made.mass, phi, ends(made.positions), free_response(*made[:3])
+        IntegratedMesh(made.mesh, made.positions), made.mass, phi, ends(made.positions), free_response(*made[:3])
     )
     return {name: tables[name] for name in ("K0omega", "K0F", "K0F_nodes")}
 

@@ -36,7 +36,7 @@ def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
 
 def test_tutorials_are_run() -> None:
     tutorials = {"tutorial_body", "tutorial_c", "tutorial_mechanism", "tutorial_python", "tutorial_space"}
-    tasks = {"choose", "cluster", "embed_c", "finite_element_data", "fmu", "identify", "robots"}
+    tasks = {"choose", "cluster", "embed_c", "finite_element_data", "fmu", "identify", "robots", "stresses"}
     assert {page.stem for page in RUN} == {"commands", "first_steps", *tutorials, *tasks}
 
 

@@ -25,7 +25,7 @@ from derive.backends.c.source import CBackend
 from derive.backends.python.backend import PythonBackend
 from derive.reduction.mesh_stiffening import geometric_stiffness_tables
 from derive.simulation.errors import MassMatrixNotDefinite
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 from free_block import drifts, march
 
 sys.path.insert(0, str(ROOT / "scenes"))
@@ -70,7 +70,7 @@ def clamped_body(order: int) -> ModalBody:
         "mass": beam.mass,
         "modes": phi,
         "modal_stiffness": squares,
-        **geometric_stiffness_tables(SolidMesh(beam.mesh, beam.positions), beam.mass, phi, tip, respond),
+        **geometric_stiffness_tables(IntegratedMesh(beam.mesh, beam.positions), beam.mass, phi, tip, respond),
     }
     keys = {"units": "SI", "frame": "given", "orthonormal": False, "markers": {"tip": tip[0]}}
     return derive.modal(derive.nodal_body("clamped", arrays, order=order, **keys))

@@ -104,12 +104,18 @@ def _of_model(spec: Specification) -> dict[str, Any]:
 def _numbers_sha256(data: NodeData) -> str:
     """The SHA-256 of all numbers of nodes, which may be others than those of the files that they came from.
 
-    Those of a sparse matrix are its shape, its columns, where its rows begin, and its values.
+    Those of a sparse matrix are its shape, its columns, where its rows begin, and its values. Elements and materials
+    are among them, which give bodies of second order their geometric stiffness.
     """
     digest = hashlib.sha256()
     for field in dataclasses.fields(data):
         value = getattr(data, field.name)
-        if value is None or isinstance(value, str | NodeMesh):  # models do not depend on the mesh
+        if value is None or isinstance(value, str):
+            continue
+        if isinstance(value, NodeMesh):
+            for block in value.elements:
+                digest.update(f"{block.kind.value} {value.materials.get(block.material)} ".encode())
+                digest.update(block.nodes.astype("<i8").tobytes())
             continue
         sparse = hasattr(value, "indptr")
         parts = (value.indices, value.indptr, value.data) if sparse else (value,)

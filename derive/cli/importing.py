@@ -23,7 +23,7 @@ from derive.urdf.repairs import with_locked_joints
 from derive.urdf.written_scene import written_scene
 
 OF_ROBOTS = ("base", "lock", "repair_inertia", "keep_angles")
-OF_PARTS = ("interface", "modes", "error", "up_to", "component_modes", "units", "scene")
+OF_PARTS = ("interface", "modes", "error", "up_to", "component_modes", "units", "scene", "second_order")
 """The options that one of both kinds of files has alone."""
 
 
@@ -101,7 +101,9 @@ def _part(options: argparse.Namespace) -> Imported:
     reader = READERS[options.file.suffix.lower()]
     units = _units(options.units)
     model = reader.read(options.file)
-    own = BodyOptions(options.interface or (), _modes(options), options.component_modes, units, options.scene)
+    own = BodyOptions(
+        options.interface or (), _modes(options), options.component_modes, units, options.scene, options.second_order
+    )
     out = nodes_file(options.out).name if options.out else ""
     body = imported_body(model, own, str(options.file), out)
     following = ("run", "--open") if options.scene else ("build",)

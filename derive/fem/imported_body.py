@@ -45,7 +45,8 @@ class BodyOptions:
 
     interface: the sets of nodes to which joints attach. modes: their number, or the error that chooses them; None for
     VIBRATION_MODES besides the static ones. component_modes: their kind, if not the usual one. scene: whether a scene
-    is written that holds the body at the first set of the interface.
+    is written that holds the body at the first set of the interface. second_order: whether displacements are of second
+    order in the amplitudes.
     """
 
     interface: tuple[str, ...] = ()
@@ -53,6 +54,7 @@ class BodyOptions:
     component_modes: ComponentModes | None = None
     units: FileUnits = SI
     scene: bool = False
+    second_order: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     try:
         body = nodal_body(
             name, arrays, units=options.units.table(), modes=modes, component_modes=options.component_modes,
-            interface=interface or None,
+            interface=interface or None, order=2 if options.second_order else None,
         )  # fmt: skip
         show_progress("computing modes ...")
         own = modes if isinstance(modes, int) and not interface else 0  # a body without an interface has these modes

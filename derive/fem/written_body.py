@@ -101,6 +101,10 @@ def _keys(table: BodyTable, interface: tuple[str, ...]) -> Iterator[str]:
         yield f'component_modes = "{table.component_modes}"'
     if interface:
         yield f"interface = [{', '.join(map(_text, interface))}]"
+    if table.body.second_order:
+        yield "order = 2  # stresses of its loads stiffen it or soften it"
+    if table.body.data.has_stresses:
+        yield "stress = true  # simulations record its largest stress"
 
 
 def _text(value: str) -> str:

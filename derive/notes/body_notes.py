@@ -27,6 +27,7 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
     properties = body_properties(spec)
     notes = [*_of_properties(properties), *component_mode_notes(spec), *_of_geometric_stiffness(spec)]
     notes += _of_first_order(spec, properties)
+    notes += _of_stresses(spec)
     frame = residuals(spec)
     before, after = frame.before, frame.after
     if spec.frame.kind != "point" and spec.modes != 0:
@@ -71,6 +72,29 @@ def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
     missing = ", ".join(name for name, array in arrays.items() if array is None)
     zero = f"; {missing}: not given, and taken as zero" if missing else ""
     yield f"displacements of second order in the amplitudes, from geometric stiffness {given}{zero}"
+
+
+DIFFERENT_ENERGY = 0.01
+"""The part of the strain energy of a mode that elements and stiffness may differ by without a warning."""
+
+
+def _of_stresses(spec: NodalBody) -> Iterator[str]:
+    """Yield the mode whose strain energy by the elements differs most from that by the stiffness, if it does."""
+    mesh = spec.data.mesh
+    if mesh is None or not mesh.is_elastic or not (spec.stress or spec.computes_geometric_stiffness):
+        return
+    from derive.reduction.body import prepare
+    from derive.reduction.mesh_stiffening import integrated_mesh, strain_energy_ratios
+
+    shapes = prepare(spec).shapes
+    ratios = strain_energy_ratios(integrated_mesh(mesh, shapes), shapes)
+    worst = int(np.argmax(np.abs(ratios - 1))) if len(ratios) else 0
+    if len(ratios) and abs(ratios[worst] - 1) > DIFFERENT_ENERGY:
+        yield (
+            f"warning: mode {worst + 1} has {ratios[worst]:.3g} times the strain energy by its elements that it has by "
+            "the stiffness, so that stresses of the elements are not those of this stiffness; check materials, units, "
+            "and whether all of the stiffness is that of these elements"
+        )
 
 
 NOTICEABLE_SPIN = 0.1

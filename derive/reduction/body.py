@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -23,7 +24,7 @@ from derive.reduction.frames import (
     with_fixed_signs,
 )
 from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
-from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, solid_mesh
+from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, integrated_mesh
 from derive.reduction.mode_selection import with_selected_modes
 from derive.reduction.reasons import Parities, with_exact_zeros
 from derive.reduction.second_order import (
@@ -181,14 +182,15 @@ def stiffened_data(body: NodalBody) -> NodeData:
     K0F is that of its markers and loads. Raises SpecError for elements that are distorted.
     """
     prepared, data = prepare(body), body.data
-    assert data.stiffness is not None, "a body of second order has matrices or a stiffness"
+    assert data.stiffness is not None and data.mesh is not None, "a body of second order has matrices or elements"
     raw = prepared.raw
     if not len(raw.phi):
         return data
-    solid = solid_mesh(data, raw.x, raw.phi)
+    solid = integrated_mesh(data.mesh, raw)
     respond = free_response(raw.x, prepared.mass, data.stiffness, () if body.uses_given_modes else body.rigid_sets)
     nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers)})
-    return replace(data, **geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond))
+    tables: dict[str, Any] = geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond)
+    return replace(data, **tables)
 
 
 def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> ModeShapes:

@@ -20,7 +20,7 @@ COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True, eq=False)
-class SolidMesh:
+class IntegratedMesh:
     """Elements that all have a material, with nodes at x (nodes, 3), m.
 
     full: whether bricks of 20 nodes have 27 points of integration.
@@ -52,15 +52,18 @@ class ElementPoints:
 
     def stresses(self, u: Array) -> Array:
         """The stresses (L, E, P, 6), Pa, of displacements u (L, nodes, 3), m, by the law of Hooke."""
-        gradients, (lam, mu) = self.displacement_gradients(u), self.lame
-        pressure = lam * np.trace(gradients, axis1=-2, axis2=-1)
-        parts = [
-            mu * (gradients[..., i, j] + gradients[..., j, i]) + (pressure if i == j else 0) for i, j in COMPONENTS
-        ]
-        return np.stack(parts, axis=-1)
+        return hooke(self.displacement_gradients(u), self.lame)
 
 
-def element_points(solid: SolidMesh) -> Iterator[ElementPoints]:
+def hooke(gradients: Array, lame: tuple[float, float]) -> Array:
+    """The stresses (..., 6), Pa, of the symmetric parts of gradients (..., 3, 3), by the law of Hooke."""
+    lam, mu = lame
+    result = np.stack([mu * (gradients[..., i, j] + gradients[..., j, i]) for i, j in COMPONENTS], axis=-1)
+    result[..., :3] += lam * np.trace(gradients, axis1=-2, axis2=-1)[..., None]
+    return result
+
+
+def element_points(solid: IntegratedMesh) -> Iterator[ElementPoints]:
     """Yield the elements of a mesh, some at a time. Raises SpecError for distorted ones."""
     for block in solid.mesh.elements:
         shape, lame = element_shape(block.kind, solid.full), _lame(solid.mesh.materials[block.material])
@@ -76,7 +79,7 @@ def element_points(solid: SolidMesh) -> Iterator[ElementPoints]:
             yield ElementPoints(shape, nodes, gradients, sizes * shape.weights, lame)
 
 
-def nodal_stresses(solid: SolidMesh, u: Array) -> Array:
+def nodal_stresses(solid: IntegratedMesh, u: Array) -> Array:
     """The stresses (L, nodes, 6), Pa, at nodes, of displacements u (L, nodes, 3), m; zero at nodes without elements.
 
     Those of an element are extrapolated from its points, and a node has the mean of its elements.
@@ -90,7 +93,7 @@ def nodal_stresses(solid: SolidMesh, u: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(totals / np.maximum(counts, 1)[:, None, None], 1, 0))
 
 
-def strain_energies(solid: SolidMesh, u: Array) -> Array:
+def strain_energies(solid: IntegratedMesh, u: Array) -> Array:
     """The strain energies (L,), J, of displacements u (L, nodes, 3), m, by the elements."""
     result = np.zeros(len(u))
     for part in element_points(solid):
@@ -111,7 +114,7 @@ def von_mises(stresses: Array) -> Array:
 def _lame(material: Material) -> tuple[float, float]:
     """The parameters lambda and mu, Pa, of a material with both numbers."""
     young, poisson = material.young, material.poisson
-    assert young is not None and poisson is not None, "a SolidMesh has materials"
+    assert young is not None and poisson is not None, "a IntegratedMesh has materials"
     return young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
 
 

@@ -147,6 +147,7 @@ def nodal_body(
     lowering: Lowering = "auto",
     markers: Mapping[str, int] | None = None,
     order: int | None = None,
+    stress: bool = False,
 ) -> NodalBody:
     """A deformable body in space made of the nodes of a finite-element program.
 

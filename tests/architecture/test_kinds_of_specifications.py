@@ -13,6 +13,7 @@ ASKING = {
     "simulation/prepared_run.py": "a body in space has its own size, initial state and generated model",
     "simulation/initial/start_state.py": "that initial state",
     "simulation/observables/motion.py": "drawings and deflections of planar scenes take no scene in space",
+    "simulation/observables/fields.py": "fields are those of bodies of a scene, or of a body alone",
     "simulation/linear/modes.py": "a body alone is linearised undeformed, a scene about its equilibrium",
     "simulation/linear/displaced.py": "the model of a beam alone has other names than that of its scene",
     "export/exudyn/floating_frame.py": "the interface is for bodies in space",

@@ -18,7 +18,7 @@ from clamped_response import clamped_response
 from conftest import ROOT
 from derive.reduction.mesh_stiffening import geometric_stiffness_tables
 from derive.simulation.observables.fields import field_bodies, field_instants
-from derive.solids.stresses import SolidMesh, nodal_stresses, von_mises
+from derive.solids.stresses import IntegratedMesh, nodal_stresses, von_mises
 from derive.spec.model.mesh import ElementKind
 
 sys.path.append(str(ROOT / "tests/solids"))
@@ -34,7 +34,7 @@ CASES = [("C3D20R", ElementKind.HEX20, False), ("C3D20", ElementKind.HEX20, True
 CASES += [(name, ElementKind(kind), False) for kind, name in NAMES.items()]
 
 
-def job(solid: SolidMesh, element: str, loads: list[str], steps: str = "") -> str:
+def job(solid: IntegratedMesh, element: str, loads: list[str], steps: str = "") -> str:
     """The input of a job of a cantilever that is held at x = 0 and loaded in a static step."""
     (block,) = solid.mesh.elements
     held = np.flatnonzero(solid.x[:, 0] < 1e-9)
@@ -78,7 +78,7 @@ def test_stresses_at_nodes_are_those_of_calculix(tmp_path: Path, element: str, k
     triangle at some nodes; at the points of integration they agree.
     """
     x, mesh = box_mesh(kind, (1.0, 0.2, 0.1), (5, 2, 2), crooked=0.15)
-    solid, tip = SolidMesh(mesh, x, full), np.flatnonzero(x[:, 0] > 1 - 1e-9) + 1
+    solid, tip = IntegratedMesh(mesh, x, full), np.flatnonzero(x[:, 0] > 1 - 1e-9) + 1
     forces = [f"{node}, {axis}, {force / len(tip)}" for node in tip for axis, force in ((2, 700.0), (3, -1000.0))]
     run(tmp_path, job(solid, element, ["*CLOAD", *forces]))
     u, expected = nodal_values(tmp_path, "DISP", 3), nodal_values(tmp_path, "STRESS", 6)
@@ -94,7 +94,7 @@ def test_preloads_stiffen_as_in_calculix(tmp_path: Path, element: str, kind: Ele
     """
     x, mesh = box_mesh(kind, SIDES, (8, 2, 2) if kind is ElementKind.HEX20 else (8, 1, 1))
     x = x - np.array([0, SIDES[1] / 2, SIDES[2] / 2])
-    solid = SolidMesh(mesh, x, full)
+    solid = IntegratedMesh(mesh, x, full)
     held, tip = np.flatnonzero(x[:, 0] < 1e-9), np.flatnonzero(x[:, 0] > SIDES[0] - 1e-9)
     m, k = assembled(solid)
     fixed = (3 * held[:, None] + np.arange(3)).ravel()

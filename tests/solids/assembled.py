@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from derive.solids.stresses import COMPONENTS, SolidMesh, element_points
+from derive.solids.stresses import COMPONENTS, IntegratedMesh, element_points
 
 
-def assembled(solid: SolidMesh) -> tuple[csr_array, csr_array]:
+def assembled(solid: IntegratedMesh) -> tuple[csr_array, csr_array]:
     """The consistent mass (nodes, nodes) and the stiffness (3 nodes, 3 nodes), with the points of elements.
 
     All elements have one density.
@@ -35,10 +35,11 @@ def assembled(solid: SolidMesh) -> tuple[csr_array, csr_array]:
     return consistent_mass(solid), csr_array((stiffness + stiffness.T) / 2)
 
 
-def consistent_mass(solid: SolidMesh) -> csr_array:
+def consistent_mass(solid: IntegratedMesh) -> csr_array:
     """The matrix m of M = m (x) I3."""
     total = csr_array((len(solid.x), len(solid.x)))
     (density,) = {material.density for material in solid.mesh.materials.values()}
+    assert density is not None
     for part in element_points(solid):
         m = np.einsum("ep,pa,pb->eab", density * part.volumes, part.shape.values, part.shape.values, optimize=True)
         count = part.nodes.shape[1]

@@ -10,7 +10,7 @@ import numpy as np
 from assembled import assembled
 from grid_meshes import box_mesh
 
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.model.mesh import ElementKind, Material
 
@@ -22,7 +22,7 @@ YOUNG, DENSITY = 70e9, 2700.0
 class Cantilever:
     """The mesh with its nodes at x (nodes, 3), m, and the nodes of both ends."""
 
-    solid: SolidMesh
+    solid: IntegratedMesh
     root: list[int]
     tip: list[int]
 
@@ -31,7 +31,7 @@ def cantilever(poisson: float) -> Cantilever:
     x, mesh = box_mesh(ElementKind.HEX20, SIDES, (10, 2, 1), material=Material("0", YOUNG, poisson, DENSITY))
     x = x - np.array([0, SIDES[1] / 2, SIDES[2] / 2])
     root, tip = (np.flatnonzero(np.abs(x[:, 0] - at) < 1e-9).tolist() for at in (0, SIDES[0]))
-    return Cantilever(SolidMesh(mesh, x), root, tip)
+    return Cantilever(IntegratedMesh(mesh, x), root, tip)
 
 
 def scene_file(beam: Cantilever, folder: Path, more: str = "") -> Path:

@@ -56,4 +56,4 @@ def corner_functions(linear: ElementKind, places: np.ndarray) -> np.ndarray:
         triangle = np.column_stack([1 - places[:, :2].sum(axis=1), places[:, :2]])
         along = (1 + np.outer(places[:, 2], [-1, 1])) / 2
         return np.concatenate([triangle * along[:, :1], triangle * along[:, 1:]], axis=1)
-    return np.prod(1 + places[:, None] * own[None], axis=2) / 8
+    return np.asarray(np.prod(1 + places[:, None] * own[None], axis=2) / 8)

@@ -12,11 +12,16 @@ from scipy.sparse import csr_array, identity, kron
 from scipy.sparse.linalg import eigsh
 
 import derive
+from derive.notes.body_notes import body_notes
 from derive.reduction.body import prepare
 from derive.reduction.frame_points import modal_frames
-from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, solid_mesh
-from derive.solids.stress_work import stress_work
-from derive.solids.stresses import SolidMesh
+from derive.reduction.mesh_stiffening import (
+    free_response,
+    geometric_stiffness_tables,
+    integrated_mesh,
+    strain_energy_ratios,
+)
+from derive.solids.stresses import IntegratedMesh
 from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.model.mesh import ElementKind, Material
 
@@ -28,7 +33,7 @@ def beam_arrays(kind: ElementKind, counts: tuple[int, ...], full: bool = False) 
     """A beam along e1 with its centre in the origin, as a file of nodes with elements."""
     x, mesh = box_mesh(kind, SIDES, counts, material=SLENDER)
     x = x - np.array(SIDES) / 2
-    m, k = assembled(SolidMesh(mesh, x, full))
+    m, k = assembled(IntegratedMesh(mesh, x, full))
     return {"positions": x, "mass": m, "stiffness": k, **mesh_arrays(mesh)}
 
 
@@ -74,15 +79,26 @@ def _middle(x: np.ndarray, along: float) -> int:
 def test_the_points_of_integration_are_those_of_the_stiffness(full: bool) -> None:
     arrays = beam_arrays(ElementKind.HEX20, (3, 2, 1), full)
     body = derive.nodal_body("beam", arrays, units="SI", modes=3)
-    raw = prepare(body).raw
-    assert solid_mesh(body.data, raw.x, raw.phi).full == full
+    solid = integrated_mesh(body.data.mesh, prepare(body).shapes)
+    assert solid.full == full
+    assert strain_energy_ratios(solid, prepare(body).shapes) == pytest.approx(1, rel=1e-6)
+
+
+def test_a_stiffness_of_other_elements_is_noted() -> None:
+    """A wrong unit of Young's modulus, such as kPa for Pa."""
+    arrays = beam_arrays(ElementKind.TET10, (3, 1, 1))
+    keys = {"units": "SI", "modes": 3, "stress": True}
+    assert not any("strain energy" in note for note in body_notes(derive.nodal_body("beam", arrays, **keys)))
+    arrays["materials"] = arrays["materials"] * np.array([1e-3, 1, 1])
+    notes = body_notes(derive.nodal_body("beam", arrays, **keys))
+    assert any("has 0.001 times the strain energy by its elements" in note for note in notes)
 
 
 def test_a_compressed_plate_buckles() -> None:
     """A square plate that is simply supported: N = 4 pi^2 D/a^2. The load is that of a uniform stress, K u."""
     a, h, poisson = 1.0, 0.02, 0.3
     x, mesh = box_mesh(ElementKind.HEX20, (a, a, h), (8, 8, 1))
-    solid = SolidMesh(mesh, x)
+    solid = IntegratedMesh(mesh, x)
     m, k = assembled(solid)
     edges = np.array([(np.abs(x[:, i]) < 1e-9) | (np.abs(x[:, i] - a) < 1e-9) for i in range(2)])
     middle = np.flatnonzero(edges.any(axis=0) & (np.abs(x[:, 2] - h / 2) < 1e-9))
@@ -93,9 +109,11 @@ def test_a_compressed_plate_buckles() -> None:
     phi = np.zeros((1, x.size))
     phi[:, moving] = vectors.T
     unit = np.stack([-x[:, 0], poisson * x[:, 1], poisson * x[:, 2]], axis=1) / (210e9 * h)  # 1 N/m along e1
-    respond = free_response(x, m, k)
-    found = respond((k @ unit.ravel())[None]).reshape(1, *x.shape)
-    work = float(stress_work(solid, found, phi.reshape(1, *x.shape))[0, 0, 0])
+    nodes = np.flatnonzero(np.any((np.abs(x) < 1e-9) | (np.abs(x - [a, a, h]) < 1e-9), axis=1))
+    k0 = geometric_stiffness_tables(solid, m, phi.reshape(1, *x.shape), nodes.tolist(), free_response(x, m, k))["K0F"]
+    forces = (k @ unit.ravel()).reshape(-1, 3)
+    assert np.abs(np.delete(forces, nodes, axis=0)).max() < 1e-9 * np.abs(forces).max()
+    work = float(np.einsum("ak,ak->", forces[nodes], k0[:, :, 0, 0]))
     bending = 210e9 * h**3 / 12 / (1 - poisson**2)
     assert -squares[0] / work == pytest.approx(4 * np.pi**2 * bending / a**2, rel=0.01)
 
@@ -126,7 +144,7 @@ def test_tables_of_the_file_come_before_computed_ones() -> None:
     arrays = beam_arrays(ElementKind.HEX8, (3, 1, 1))
     computed = derive.nodal_body("beam", arrays, units="SI", modes=2)
     raw = prepare(computed).raw
-    solid = SolidMesh(computed.data.mesh, raw.x)
+    solid = IntegratedMesh(computed.data.mesh, raw.x)
     tables = geometric_stiffness_tables(
         solid, computed.data.mass, raw.phi, [3], free_response(raw.x, computed.data.mass, computed.data.stiffness)
     )

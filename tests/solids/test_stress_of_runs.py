@@ -14,6 +14,8 @@ from cantilever_run import FORCE, SIDES, YOUNG, cantilever, scene_file
 
 import derive
 from derive.cli.main import main
+from derive.simulation.observables.default_plots import default_plots
+from derive.simulation.observables.spatial_player_data import spatial_player_data
 from derive.simulation.observables.stresses import largest_stress, modal_stresses
 from derive.solids.stresses import von_mises
 from derive.spec.files.mesh_arrays import mesh_arrays
@@ -84,6 +86,24 @@ def test_the_largest_stress_is_that_of_the_node() -> None:
     assert values[1] == pytest.approx(1e-3 * YOUNG)
 
 
+def test_the_player_has_the_stresses_of_the_surface() -> None:
+    """In steps of a five thousandth of the largest of each mode, from which the page computes von Mises' stress."""
+    beam = cantilever(0.3)
+    x, mesh = beam.solid.x, beam.solid.mesh
+    bent = np.stack([x[:, 0] * x[:, 2], 0 * x[:, 0], -(x[:, 0] ** 2) / 2], axis=1)
+    arrays = {"positions": x, "mass": np.ones(len(x)), **mesh_arrays(mesh)}
+    arrays |= {"modes": np.array([bent]), "modal_stiffness": np.eye(1)}
+    body = derive.nodal_body("beam", arrays, units="SI", orthonormal=False, markers={"tip": beam.tip[0]})
+    q = np.array([[0, 0, 0, 1, 0, 0, 0, 0.0], [0, 0, 0, 1, 0, 0, 0, 2e-3]])
+    data = spatial_player_data(body, np.array([0.0, 1.0]), q)
+    (drawn,) = data["bodies"]
+    (mode,) = drawn["stresses"]
+    stresses = mode["step"] * np.array(mode["values"]).reshape(-1, 6)
+    assert len(stresses) == len(drawn["nodes"]) - 1  # all but the marker
+    assert 2e-3 * von_mises(stresses).max() == pytest.approx(largest_stress(body, q[:, 7:])[0][1], rel=1e-3)
+    assert data["stress"] == pytest.approx(2e-3 * von_mises(stresses).max(), rel=1e-3)
+
+
 def test_what_stresses_need_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = scene_file(cantilever(0.0), tmp_path)
     assert main(["simulate", str(path), "--out", str(tmp_path), "--fields", "bean"]) == 2
@@ -93,3 +113,14 @@ def test_what_stresses_need_is_said(tmp_path: Path, capsys: pytest.CaptureFixtur
     np.savez(tmp_path / "beam.npz", **kept)
     assert main(["simulate", str(path), "--out", str(tmp_path)]) == 2
     assert "bodies.beam.stress: stresses are computed from elements with Young's modulus" in capsys.readouterr().err
+
+
+def test_the_plot_of_stresses_has_a_name_of_its_own() -> None:
+    """A scene may have an output that is called stress."""
+    scene = derive.spatial_scene(
+        "one",
+        bodies={"ball": {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "markers": {"end": [1, 0, 0]}}},
+        outputs={"stress": {"kind": "position", "marker": "ball.end"}},
+    )
+    plots = default_plots(scene, derive.lower(derive.derive(scene)), ("ball_stress",))
+    assert [plot.name for plot in plots] == ["stress", "stress_of_bodies"]

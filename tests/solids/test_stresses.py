@@ -7,7 +7,7 @@ import pytest
 from grid_meshes import STEEL, box_mesh
 
 from derive.errors import SpecError
-from derive.solids.stresses import SolidMesh, nodal_stresses, strain_energies, von_mises
+from derive.solids.stresses import IntegratedMesh, nodal_stresses, strain_energies, von_mises
 from derive.spec.model.mesh import ElementKind
 
 YOUNG, POISSON = 210e9, 0.3
@@ -25,7 +25,7 @@ def hooke(strain: np.ndarray) -> np.ndarray:
 def test_a_constant_strain_has_its_stress_everywhere(kind: ElementKind, full: bool) -> None:
     gradient = 1e-4 * np.array([[1.0, 2.0, -3.0], [0.5, -1.0, 4.0], [2.0, -2.5, 3.0]])
     x, mesh = box_mesh(kind, (1.0, 0.4, 0.3), (3, 2, 2), crooked=0.2)
-    solid, u = SolidMesh(mesh, x, full), (x @ gradient.T)[None]
+    solid, u = IntegratedMesh(mesh, x, full), (x @ gradient.T)[None]
     strain = (gradient + gradient.T) / 2
     expected = hooke(strain)
     assert np.allclose(nodal_stresses(solid, u)[0], expected, atol=1e-9 * np.abs(expected).max())
@@ -41,7 +41,7 @@ def test_pure_bending_has_a_linear_stress(kind: ElementKind, full: bool) -> None
     x, mesh = box_mesh(kind, (1.0, 0.2, 0.1), (4, 2, 2))
     a, b, c = x.T
     u = np.stack([a * c, -POISSON * b * c, -(a**2) / 2 + POISSON / 2 * (b**2 - c**2)], axis=1) / radius
-    stresses = nodal_stresses(SolidMesh(mesh, x, full), u[None])[0]
+    stresses = nodal_stresses(IntegratedMesh(mesh, x, full), u[None])[0]
     expected = np.zeros((len(x), 6))
     expected[:, 0] = YOUNG * c / radius
     assert np.allclose(stresses, expected, atol=1e-9 * expected.max())
@@ -57,4 +57,4 @@ def test_an_element_that_is_turned_inside_out_is_named() -> None:
     x, mesh = box_mesh(ElementKind.HEX8, (1.0, 1.0, 1.0), (1, 1, 1), material=STEEL)
     mesh.elements[0].nodes[0, [0, 1]] = mesh.elements[0].nodes[0, [1, 0]]
     with pytest.raises(SpecError, match="hex8 is distorted, or its nodes are not in the order of VTK: nodes 4, 0"):
-        nodal_stresses(SolidMesh(mesh, x), x[None])
+        nodal_stresses(IntegratedMesh(mesh, x), x[None])

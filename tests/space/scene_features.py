@@ -83,6 +83,8 @@ NOT_IN_EQUATIONS: Mapping[Feature, str] = {
         for table in ("rigid body", "flexible body", "beam", "joint", "drive", "scene")
     },
     ("scene", "plots"): "shows results",
+    ("flexible body", "stress"): "shows results",
+    ("marker at nodes", "set"): "the nodes that it names: test_node_meshes.py",
     ("joint", "limits"): "noted where a run passes them",
     **{(table, "visuals"): "shows results" for table in ("rigid body", "scene")},
     ("joint", "closes_loop"): "the choice of coordinates: test_trees.py",

@@ -26,7 +26,7 @@ from derive.reduction.body import prepare
 from derive.reduction.frame_points import modal_frames
 from derive.reduction.frames import rigid_fields
 from derive.reduction.mesh_stiffening import geometric_stiffness_tables
-from derive.solids.stresses import SolidMesh
+from derive.solids.stresses import IntegratedMesh
 
 sys.path.insert(0, str(ROOT / "scenes"))
 import make_solid_beam as solid_beam
@@ -156,7 +156,7 @@ def clamped(modes: int) -> derive.ModalBody:
         "mass": own.node_mass,
         "modes": phi,
         "modal_stiffness": squares[lowest],
-        **geometric_stiffness_tables(SolidMesh(own.elements, own.positions), own.node_mass, phi, [tip], respond),
+        **geometric_stiffness_tables(IntegratedMesh(own.elements, own.positions), own.node_mass, phi, [tip], respond),
     }
     keys: dict[str, Any] = {"units": "SI", "frame": "given", "orthonormal": False, "markers": {"tip": tip}}
     return derive.modal(derive.nodal_body("clamped", arrays, **keys))

@@ -68,6 +68,8 @@ DEFAULTS = {
     "component_modes": None,
     "interface": (),
     "interface_markers": (),
+    "loaded_nodes": (),
+    "stress": False,
 }
 
 

@@ -38,8 +38,8 @@ POINT = (
 )
 DAMPING = "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
 KEYS = (
-    "nodes, units, modes, component_modes, interface, frame, orthonormal, order, damping, gravity, lowering, markers, "
-    "start"
+    "nodes, units, modes, component_modes, interface, frame, orthonormal, order, damping, gravity, lowering, stress, "
+    "markers, start"
 )
 
 

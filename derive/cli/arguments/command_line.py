@@ -272,6 +272,11 @@ def _add_import(commands: Any) -> None:
         help="free, craig_bampton or attachment (default: craig_bampton with an interface, and free without)",
     )
     importing.add_argument(
+        "--second-order",
+        action="store_true",
+        help="a part of order 2, whose geometric stiffness comes from the stresses of its elements",
+    )
+    importing.add_argument(
         "--units",
         metavar="UNITS",
         help="length, mass and time of the numbers of a part, such as mm,t,s (default: m,kg,s)",

@@ -45,13 +45,13 @@ def default_plots(scene: AnyScene, model: Model, stresses: tuple[str, ...] = ())
     """
     shown = {y for plot in scene.plots if isinstance(plot.quantity, ColumnCurves) for y in plot.quantity.y}
     largest = [name for name in stresses if name not in shown]
-    of_stresses = (_plot("stress", largest),) if largest else ()
     if scene.outputs or scene.plots:
         outputs = _unplotted(scene)
         own = [_plot(_free_name(output, scene), output_columns(output, _in_space(scene))) for output in outputs]
     else:
         own = [_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items()]
-    return (*own, *of_stresses)
+    taken = [plot.name for plot in (*scene.plots, *own)]
+    return (*own, *([_plot(_other_than(taken, "stress", "_of_bodies"), largest)] if largest else ()))
 
 
 def plots_note(scene: AnyScene, model: Model) -> tuple[str, ...]:
@@ -118,10 +118,14 @@ def _deflection(output: SceneOutput) -> Deflection | None:
 def _free_name(output: SceneOutput, scene: AnyScene) -> str:
     """The name of an output's plot: its own, or one like it if a plot of something else has that, in any case."""
     names = [plot.name for plot in scene.plots] + [other.name for other in scene.outputs if other != output]
-    taken = {name.lower() for name in names}
-    name = identifier(output.name)
+    return _other_than(names, identifier(output.name), "_output")
+
+
+def _other_than(names: Sequence[str], name: str, suffix: str) -> str:
+    """A name that differs from others in more than case, with suffixes where it has to."""
+    taken = {other.lower() for other in names}
     while name.lower() in taken:
-        name += "_output"
+        name += suffix
     return name
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from derive.mechanics.symbols import amplitude_of
 from derive.reduction.body import prepare
-from derive.reduction.mesh_stiffening import solid_mesh
+from derive.reduction.mesh_stiffening import integrated_mesh
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.motion import Array
 from derive.solids.stresses import nodal_stresses, von_mises
@@ -74,5 +74,6 @@ def modal_stresses(body: NodalBody) -> Array:
 
 @lru_cache(4)
 def _modal_stresses(body: NodalBody) -> Array:
-    shapes = prepare(body).shapes
-    return nodal_stresses(solid_mesh(body.data, shapes.x, shapes.phi), shapes.phi)
+    shapes, mesh = prepare(body).shapes, body.data.mesh
+    assert mesh is not None, "a body with stresses has elements"
+    return nodal_stresses(integrated_mesh(mesh, shapes), shapes.phi)
