@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from derive.fem.calculix.read import read_calculix
 from derive.reduction import body_properties
 from derive.reduction.body import prepare
 from derive.simulation.observables.spatial_player_data import drawn_body
-from derive.spec.model.body import NodalBody
+from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_scene import SpatialScene
 from fem.part_files import bracket_files, text_of
 
@@ -171,3 +172,12 @@ def test_files_that_exist_are_left_alone(folder: Path, capsys: pytest.CaptureFix
     assert main(["import", "bracket.inp"]) == 2
     assert "bracket.npz: this file exists and is left alone" in capsys.readouterr().err
     assert (folder / "bracket.npz").read_text() == "mine"
+
+
+def test_a_part_of_second_order(folder: Path) -> None:
+    """Its geometric stiffness comes from the elements, whose largest stress simulations record."""
+    body = imported("--modes", "3", "--second-order")
+    assert isinstance(body, NodalBody)
+    assert body.computes_geometric_stiffness and body.stress
+    one = derive.modal(replace(body, order=DisplacementOrder.FIRST_ORDER))
+    assert np.trace((derive.modal(body).C5 - one.C5)[..., 0, 0]) < 0  # spin stiffens it
