@@ -1,6 +1,7 @@
 """An L-shaped bracket on a table that is spun up: modes against a nonlinear finite-element run of the same mesh.
 
 python bench/bracket.py [--speed RAD_PER_S] [--steps N ...] [--models KIND:ORDER:N ...] [--kept FOLDER] [--json]
+                        [--write]
 
 CalculiX (`ccx`) integrates the bracket of scenes/make_bracket.py with large displacements (`*DYNAMIC, NLGEOM`), in the
 numbers of equal steps that `--steps` lists; the last run is the reference, and the difference of the last two is its
@@ -20,13 +21,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bracket_run import END, Run, bracket_run, result
+from bracket_page import table, write
+from bracket_run import END, Row, Run, bracket_run, result
 from machine import described
 
 import derive
@@ -42,17 +44,6 @@ MODELS = (
 OUTPUT = 2e-4  # s
 START = [0.0573684211, 0.02, 0.0573684211]  # the centre of mass
 SEAT, TIP = (0.01, 0.02, 0.2), (0.2, 0.02, 0.01)
-
-
-@dataclass(frozen=True)
-class Row:
-    """A model or a run of CalculiX: its error, its CPU seconds of integration, and those before."""
-
-    name: str
-    coordinates: int
-    error: float
-    seconds: float
-    before: float
 
 
 def specification(kind: str, order: int, modes: int, speed: float) -> dict[str, Any]:
@@ -139,14 +130,6 @@ def rows(models: Sequence[str], steps: Sequence[int], speed: float, folder: Path
     return tuple(found)
 
 
-def table(found: Sequence[Row], head: bool = True) -> str:
-    """The rows as a table of Markdown."""
-    lines = ["| model | coordinates | error | CPU s | before, CPU s |", "| --- | ---: | ---: | ---: | ---: |"] * head
-    for row in found:
-        lines.append(f"| {row.name} | {row.coordinates} | {row.error:.1e} | {row.seconds:.2g} | {row.before:.2g} |")
-    return "\n".join(lines)
-
-
 def main() -> None:
     """Run the comparison and print its table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -155,13 +138,16 @@ def main() -> None:
     parser.add_argument("--models", nargs="+", default=MODELS)
     parser.add_argument("--kept", type=Path, help="an empty folder for the files of both programs")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+    parser.add_argument("--write", action="store_true", help="write docs/bracket.svg and the table in bench/README.md")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as directory:
         folder = options.kept or Path(directory)
         folder.mkdir(exist_ok=True)
         found = rows(options.models, options.steps, options.speed, folder.resolve())
-    described_here = "\n".join(described("numpy", "scipy"))
-    print(json.dumps([asdict(row) for row in found]) if options.json else f"{described_here}\n\n{table(found)}")
+    machine = "\n".join(described("numpy", "scipy"))
+    print(json.dumps([asdict(row) for row in found]) if options.json else f"{machine}\n\n{table(found)}")
+    if options.write:
+        write(found, f"One run of {machine.splitlines()[0].split(None, 1)[1]}.")
 
 
 if __name__ == "__main__":

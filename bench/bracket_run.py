@@ -24,6 +24,17 @@ class Run:
     displacement: Array
 
 
+@dataclass(frozen=True)
+class Row:
+    """A model or a run of CalculiX: its error, its CPU seconds of integration, and those before."""
+
+    name: str
+    coordinates: int
+    error: float
+    seconds: float
+    before: float
+
+
 def angle(t: Array, speed: float) -> Array:
     """The angle of the table, rad: its speed grows from 0 to `speed` (rad/s) within END."""
     return speed * (t**2 / (2 * END) + END / (4 * np.pi**2) * (np.cos(2 * np.pi * t / END) - 1))
