@@ -368,7 +368,10 @@ def _lower_spatial(
 
         return lower_instances(mechanism, choice, explicit, sensitivities, redundant == "resolve", balanced)
     try:
-        return _straight_line(mechanism.expanded(), choice, sensitivities, explicit, redundant, balanced, functions)
+        equations = mechanism.expanded()
+        if explicit and not functions:  # simulations call no function of a marker, and robots have dozens
+            equations = replace(equations, markers=())
+        return _straight_line(equations, choice, sensitivities, explicit, redundant, balanced, functions)
     except RecursionError:
         raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 

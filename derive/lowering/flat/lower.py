@@ -78,14 +78,10 @@ def lower(
     """The model, with all of its kernels, from its expanded equations.
 
     choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix;
-    sensitivities: with the derivatives with respect to the parameters; explicit, balanced: see `functions_of`, and
-    without markers in space, unless there are functions on request;
+    sensitivities: with the derivatives with respect to the parameters; explicit, balanced: see `functions_of`;
     proximal: with multipliers of least norm where constraints are redundant; requested: names in `REQUESTED`.
     Raises LoweringError if a kernel cannot be evaluated.
     """
-    in_space = any(isinstance(pose, SpatialPose) for pose in equations.poses)
-    if explicit and in_space and not requested:  # simulations in space call none, and robots have dozens
-        equations = replace(equations, markers=())
     complete = with_mass_reciprocal(equations) if requested else equations
     differentiated = with_derivatives(complete) if sensitivities else complete
     context = Context(differentiated, elimination, proximal, sensitivities)
@@ -117,7 +113,7 @@ def lower(
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         proximal=proximal,
         requested=tuple(requested),
-        in_space=in_space,
+        in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
