@@ -105,7 +105,7 @@ def leaf_scene(name: str) -> SpatialScene:
 
 
 def _scene(name: str, bodies: Table, joints: Table, gravity: list[float] | None = None) -> SpatialScene:
-    ground = {"root": [0, 0, 0], "far": {"at": [0.5, 0.1, 0], "rotation": TURNED}}
+    ground: Table = {"root": [0, 0, 0], "far": {"at": [0.5, 0.1, 0], "rotation": TURNED}}
     return derive.spatial_scene(
         name,
         ground=ground,
