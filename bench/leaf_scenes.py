@@ -13,7 +13,7 @@ TURNED = {"x": [1, 0, 0], "z": [0, -1, 0]}
 
 
 def beam(modes: int, length: float = 0.6, mass: float = 1.5, **markers: Any) -> Table:
-    """A beam that bends in two planes, with 4 to 8 modes, the eighth of which is torsion for odd numbers."""
+    """A beam with half of its modes in each of two planes, and torsion for an odd number."""
     bending = ["1", "xi", *(f"xi^{power}" for power in range(2, 2 + modes // 2))]
     table = {
         "length": length,
@@ -34,7 +34,7 @@ def rigid(mass: float, **markers: Any) -> Table:
 
 
 def arm(modes: int) -> SpatialScene:
-    """Six hinges: five rigid links, and a flexible one behind the sixth hinge; a load at its end acts as a force."""
+    """Six hinges: five rigid links, and a flexible one behind the sixth hinge."""
     bodies: Table = {f"link{k}": rigid(6 - k, tip=_turned([0.3, 0, 0.1], k)) for k in range(1, 6)}
     hinge = {"at": -1, "rotation": {"x": [0, 1, 0], "z": [0, 0, 1]}}
     bodies["link6"] = beam(modes, left=hinge)
@@ -105,7 +105,7 @@ def leaf_scene(name: str) -> SpatialScene:
 
 
 def _scene(name: str, bodies: Table, joints: Table, gravity: list[float] | None = None) -> SpatialScene:
-    ground = {"root": [0, 0, 0], "far": {"at": [0.5, 0.1, 0], "rotation": TURNED}}
+    ground: Table = {"root": [0, 0, 0], "far": {"at": [0.5, 0.1, 0], "rotation": TURNED}}
     return derive.spatial_scene(
         name,
         ground=ground,
