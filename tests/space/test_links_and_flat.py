@@ -190,9 +190,9 @@ def test_what_loops_over_links_do_not_have_is_refused() -> None:
     tables["bodies"]["alone"] = {**tables["bodies"]["body1"], "markers": {"o": {"at": [0, 0, 0]}}}
     tables["joints"]["pivot"] = {"kind": "revolute", "between": ["ground.o", "alone.o"]}
     scene = replace(derive.spatial_scene(tables), coordinates="relative", lowering="instances")
-    with pytest.raises(derive.SpecError, match="no multipliers of least norm, and scene.redundant"):
+    with pytest.raises(derive.SpecError, match=r"no multipliers of least norm, and scene\.redundant"):
         derive.lower(derive.derive(replace(scene, redundant="resolve")), explicit=True)
     tables["drives"]["spin"] = {"joint": "pivot", "motion": "t"}
     scene = replace(derive.spatial_scene(tables), coordinates="relative", lowering="instances")
-    with pytest.raises(derive.SpecError, match="drive spin prescribes one.*lowering = "):
+    with pytest.raises(derive.SpecError, match=r"drive spin prescribes one.*lowering = "):
         derive.lower(derive.derive(scene), explicit=True)
