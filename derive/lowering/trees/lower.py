@@ -127,7 +127,7 @@ def lower_trees(
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
         markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers) if others else (),
-        marker_classes=() if others else markers_of(context).classes,
+        marker_classes=markers_of(context).classes if equations.markers and not others else (),
         zeros=(),
         vanished=(),
         lowering="instances",
