@@ -100,9 +100,9 @@ class ConstantModes:
             for other, of_other in self.rows[b].coefficients.items():
                 inner = inner + self.compliances[label, other] * of_other
             total = total + factor * inner
-        for row, other in ((a, b), (b, a)):  # a row with more constants than coefficients has plain factors of modes
-            for label, factor in self.rows[row].coefficients.items():
-                total = total + factor * _dot(self.weighted[label], self.rows[other].factors)
+        for one, two in ((a, b), (b, a)):  # a row with too many constants for coefficients has plain factors of modes
+            for label, factor in self.rows[one].coefficients.items():
+                total = total + factor * _dot(self.weighted[label], self.rows[two].factors)
         return total + self.product(self.halves[a], self.halves[b])
 
     def product(self, a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
