@@ -30,7 +30,7 @@ class BodyMasses:
         return self.repaired.get(body.name, body.tensor)
 
     def problems(self, moving: Sequence[RobotBody]) -> Iterator[Problem]:
-        """What is wrong with the bodies that move."""
+        """The faults of the bodies that move."""
         for body in moving:
             if why := self._why_no_body(body):
                 yield Problem(f"link {body.name}", why, body.parts[0].link.line)

@@ -37,7 +37,7 @@ class FrameOnLink:
 
 @dataclass(frozen=True)
 class FrameFactor:
-    """What a unit multiplier of constraint `condition` exerts on frame `frame`: a force and a torque, inertial."""
+    """The force and the torque, inertial, that a unit multiplier of constraint `condition` exerts on frame `frame`."""
 
     condition: int
     frame: int

@@ -15,7 +15,6 @@ from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 from derive.spec.model.specification import AnyScene
 
-
 ROUNDING = 1e-9
 """The motion beyond a limit, rad or m, that counts as rounding: a limit of zero is met by what stands still there."""
 
