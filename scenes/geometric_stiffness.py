@@ -24,18 +24,18 @@ from skfem import Basis
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables
 from derive.solids.element_shapes import element_shape
 from derive.solids.stresses import SolidMesh
-from derive.spec.model.mesh import ElementKind, Elements, Material, Mesh
+from derive.spec.model.mesh import ElementKind, Elements, Material, NodeMesh
 
 MARKERS = (0, 127, 247)  # of block.toml
 
 
-def brick_mesh(basis: Basis, young: float, poisson: float) -> Mesh:
+def brick_mesh(basis: Basis, young: float, poisson: float) -> NodeMesh:
     """The mesh of bricks of 27 nodes of a basis of displacements of scikit-fem, with the nodes of the basis."""
     places = 2 * basis.elem.elem.doflocs - 1
     order = [int(np.abs(places - node).sum(axis=1).argmin()) for node in element_shape(ElementKind.HEX27).nodes]
     nodes = basis.element_dofs[::3].T[:, order] // 3
     elements = Elements(ElementKind.HEX27, nodes.astype(np.int64), "solid")
-    return Mesh((elements,), {"solid": Material("solid", young, poisson)})
+    return NodeMesh((elements,), {"solid": Material("solid", young, poisson)})
 
 
 def stiffened_block() -> dict[str, np.ndarray]:

@@ -3,7 +3,7 @@
     python scenes/make_bracket.py bracket.inp
 
 The legs of the bracket lie along x and z. Its node sets `right` and `left` are the end faces of these legs, to which
-joints are attached. Of the two steps the first computes natural frequencies and modes of the free bracket, and the second
+joints are attached. The first step computes natural frequencies and modes of the free bracket, and the second one
 writes its stiffness and its mass to bracket.sti, bracket.mas and bracket.dof. Units are m, kg and s.
 """
 

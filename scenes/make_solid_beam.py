@@ -24,7 +24,7 @@ from skfem.models.poisson import mass
 
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables
 from derive.solids.stresses import SolidMesh
-from derive.spec.model.mesh import Mesh
+from derive.spec.model.mesh import NodeMesh
 
 SIDES = (1.0, 0.02, 0.01)  # m
 BRICKS = (24, 1, 1)
@@ -38,7 +38,7 @@ class Beam(NamedTuple):
     positions: np.ndarray
     mass: csr_array
     stiffness: csr_array
-    mesh: Mesh
+    mesh: NodeMesh
 
 
 def beam(

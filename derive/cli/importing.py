@@ -15,6 +15,7 @@ from derive.fem.imported_body import BodyOptions, imported_body
 from derive.fem.readers import READERS
 from derive.fem.written_body import SI, FileUnits
 from derive.spec.files.node_format import LENGTHS, MASSES, TIMES
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.parsing.faults import did_you_mean
 from derive.spec.toml.read import parse
 from derive.urdf.read import read_robot
@@ -22,7 +23,7 @@ from derive.urdf.repairs import with_locked_joints
 from derive.urdf.written_scene import written_scene
 
 OF_ROBOTS = ("base", "lock", "repair_inertia", "keep_angles")
-OF_PARTS = ("interface", "modes", "component_modes", "units", "scene")
+OF_PARTS = ("interface", "modes", "error", "up_to", "component_modes", "units", "scene")
 """The options that one of both kinds of files has alone."""
 
 
@@ -54,7 +55,12 @@ def run(options: argparse.Namespace) -> int:
     if imported.nodes is not None:
         with nodes_file(target).open("xb") as nodes:
             nodes.write(imported.nodes)
-    parse(imported.text, str(target))
+    try:
+        parse(imported.text, str(target))
+    except SpecError:
+        if imported.nodes is not None:
+            nodes_file(target).unlink()
+        raise
     with target.open("x", encoding="utf-8") as text:  # another process may have made it meanwhile
         text.write(imported.text)
     written = [str(file) for file in targets]
@@ -95,11 +101,23 @@ def _part(options: argparse.Namespace) -> Imported:
     reader = READERS[options.file.suffix.lower()]
     units = _units(options.units)
     model = reader.read(options.file)
-    own = BodyOptions(options.interface or (), options.modes, options.component_modes, units, options.scene)
+    own = BodyOptions(options.interface or (), _modes(options), options.component_modes, units, options.scene)
     out = nodes_file(options.out).name if options.out else ""
     body = imported_body(model, own, str(options.file), out)
     following = ("run", "--open") if options.scene else ("build",)
     return Imported(body.name, body.doc, body.text, body.notes, following, body.archive)
+
+
+def _modes(options: argparse.Namespace) -> int | ModeSelection | None:
+    """The number of modes, or the error that chooses them. Raises SpecError."""
+    if options.error is None and options.up_to is None:
+        return None if options.modes is None else int(options.modes)
+    if options.modes is not None:
+        raise SpecError((Problem("--modes", "the error chooses the number of modes; leave one of them out"),))
+    if options.error is None or options.up_to is None:
+        text = "an error needs the frequencies that it is for: --error 0.01 --up-to 500, in Hz"
+        raise SpecError((Problem("--error" if options.up_to is None else "--up-to", text),))
+    return ModeSelection(options.error, options.up_to)
 
 
 def _units(text: str | None) -> FileUnits:

@@ -20,7 +20,9 @@ from derive.reduction.checks import indefinite
 from derive.reduction.component_modes import static_mode_count
 from derive.short_text import counted
 from derive.spec.construction import nodal_body
+from derive.spec.files.node_files import MAX_BYTES
 from derive.spec.model.body import ComponentModes, InterfaceMarker, NodalBody
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.parsing.faults import did_you_mean, names_text
 from derive.spec.parsing.names import free_name
 
@@ -41,13 +43,13 @@ AGREEMENT = 1e-5
 class BodyOptions:
     """The body that is made of a part.
 
-    interface: the sets of nodes to which joints attach. modes: their number; None for VIBRATION_MODES besides the
-    static ones. component_modes: their kind, if not the usual one. scene: whether a scene is written that holds the
-    body at the first set of the interface.
+    interface: the sets of nodes to which joints attach. modes: their number, or the error that chooses them; None for
+    VIBRATION_MODES besides the static ones. component_modes: their kind, if not the usual one. scene: whether a scene
+    is written that holds the body at the first set of the interface.
     """
 
     interface: tuple[str, ...] = ()
-    modes: int | None = None
+    modes: int | ModeSelection | None = None
     component_modes: ComponentModes | None = None
     units: FileUnits = SI
     scene: bool = False
@@ -78,7 +80,7 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     if modes is None and model.modal_stiffness is None:
         modes = static + VIBRATION_MODES
     arrays = node_arrays(model)
-    if faults := tuple(_faults_of_matrices(model)):
+    if faults := (*_faults_of_matrices(model), *_too_large(sum(array.nbytes for array in arrays.values()))):
         raise SpecError(faults, source)
     name = free_name(model.name, ())
     try:
@@ -87,8 +89,10 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
             interface=interface or None,
         )  # fmt: skip
         show_progress("computing modes ...")
-        frequencies = _elastic_frequencies(body, model, min(COMPARED, 3 * len(model.positions) - 6))
-        if interface:
+        own = modes if isinstance(modes, int) and not interface else 0  # a body without an interface has these modes
+        count = max(COMPARED, own)
+        frequencies = _elastic_frequencies(body, model, min(count, 3 * len(model.positions) - 6))
+        if interface or isinstance(modes, ModeSelection):
             prepare(body)
     except SpecError as error:
         raise SpecError(error.problems, source) from None
@@ -100,6 +104,13 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     text = scene_text(table) if options.scene else body_text(table)
     notes = (*_notes(model, body, frequencies), *model.notes)
     return ImportedBody(name, _doc(body), text, archive_bytes(arrays), notes)
+
+
+def _too_large(size: int) -> Iterator[Problem]:
+    """The fault of arrays of so many bytes that a file of nodes would not be read."""
+    if size > MAX_BYTES:
+        text = f"mesh and matrices take {size / 1e6:.4g} MB, and a file of nodes is read up to {MAX_BYTES / 1e6:.4g} MB"
+        yield Problem("", f"{text}; make the mesh coarser")
 
 
 def _faults_of_matrices(model: FiniteElementModel) -> Iterator[Problem]:
@@ -132,6 +143,9 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
             known = f"the sets are {names_text(spelled.values())}" if spelled else "there are none"
             hint = did_you_mean(name, spelled.values(), known)
             problems.append(Problem("--interface", f"there is no set of nodes {quoted(name)}{hint}"))
+        elif len(model.node_sets[spelled[name.lower()]]) == 2:
+            text = f"the set {name} has two nodes, which do not determine a rotation; name a set of three or more"
+            problems.append(Problem("--interface", f"{text}, not on a line, or of a single node"))
     if options.interface and model.stiffness is None:
         text = "the file has modes of its own and no stiffness, from which those of an interface are computed"
         problems.append(Problem("--interface", text))
@@ -147,10 +161,10 @@ def _elastic_frequencies(body: NodalBody, model: FiniteElementModel, count: int)
     if model.stiffness is not None:
         body = replace(body, component_modes="free", interface=(), interface_markers=(), modes=max(count, 0))
     shapes = prepare(body).shapes
-    squares = np.diag(shapes.stiffness)
+    squares = np.diag(shapes.stiffness)[:COMPARED]
     loose = squares <= ZERO_STIFFNESS * squares.max(initial=0.0)
     if loose.any():
-        raise SpecError((hinge(shapes.phi[loose], body.data, model.node_numbers),))
+        raise SpecError((hinge(shapes.phi[:COMPARED][loose], body.data, model.node_numbers),))
     result: Array = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
     return result
 
@@ -163,7 +177,9 @@ def _size(model: FiniteElementModel) -> str:
 
 def _doc(body: NodalBody) -> str:
     interface = f" of the interface {', '.join(body.interface)}" if body.interface else ""
-    modes = counted(body.modes, "mode") if isinstance(body.modes, int) else "its modes"
+    modes = counted(len(prepare(body).shapes.phi), "mode")
+    if isinstance(body.modes, ModeSelection):
+        modes += f", whose error is {body.modes.error:g} or less up to {body.modes.up_to:g} Hz,"
     return f"a body in space of {counted(len(body.data.positions), 'node')} with {modes}{interface}"
 
 
@@ -195,5 +211,7 @@ def _compared(model: FiniteElementModel, frequencies: Array, body: NodalBody) ->
     gap = float(np.abs(elastic[:count] / frequencies[:count] - 1).max())
     if gap > AGREEMENT:
         listed = ", ".join(f"{f:.7g}" for f in elastic[:count])
-        return f"; warning: those of the program are {listed}, perhaps of a body that is held, or in other units"
+        return (
+            f"; warning: those of the program are {listed}, perhaps of a body that is held, or inexact for a free one"
+        )
     return f"; the {count} of the program differ by {gap:.1e} or less of each"

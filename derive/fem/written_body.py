@@ -65,7 +65,11 @@ def scene_text(table: BodyTable) -> str:
     held, *_ = names.values()
     data, inertial = table.body.data, centre_of_mass(table.body.data.mass, table.body.data.positions)
     at = data.positions[list(table.body.interface_markers[0].nodes)].mean(axis=0)
-    markers = [f"{own} = {{ set = {_text(name)} }}" for name, own in names.items()]
+    nodes = {marker.name: marker.nodes for marker in table.body.interface_markers}
+    markers = [
+        f"{own} = {{ set = {_text(name)} }}" if len(nodes[name]) > 1 else f"{own} = {nodes[name][0]}"
+        for name, own in names.items()
+    ]
     lines = [
         *_head(table),
         *("[scene]", "gravity = [0, 0, -9.81]", ""),
@@ -90,7 +94,9 @@ def _keys(table: BodyTable, interface: tuple[str, ...]) -> Iterator[str]:
     yield f"nodes = {_text(table.nodes_file)}  # positions, mass, stiffness, sets of nodes, elements"
     yield f"units = {table.units}"
     if table.body.modes is not None:
-        yield f"modes = {table.body.modes}"
+        wish = table.body.modes
+        error = "" if isinstance(wish, int) else f"{{ error = {wish.error:g}, up_to = {wish.up_to:g} }}"
+        yield f"modes = {error or wish}"
     if table.component_modes:
         yield f'component_modes = "{table.component_modes}"'
     if interface:

@@ -21,6 +21,9 @@ from derive.spec.model.body import NodalBody
 MAX_DENSE_SIZE = 900
 """The largest number of displacements for which the eigenvalue problem is solved with dense matrices."""
 
+MASSLESS = 1e-9
+"""A motion moves no mass if it has less than this part of the kinetic energy by the diagonal of the mass matrix."""
+
 EXTRA_MODES = 4
 """Modes computed in addition to those requested, so that modes of equal frequency are not separated."""
 
@@ -66,6 +69,9 @@ def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Ar
     values, combinations = np.linalg.eigh(symmetric_part(mass_products(mass, phi, phi)))
     elastic = combinations[:, values > 0.5].T  # after projection rigid motions have c8 = 0, elastic modes 1
     phi = (elastic @ phi.reshape(len(phi), -1)).reshape(-1, *x.shape)
+    if len(phi) < body.modes:
+        text = f"{body.modes} modes are too many: only {len(phi)} elastic modes move mass, since its matrix is singular"
+        raise SpecError((Problem("body.modes", f"{text}; integrate it with more points, or request fewer modes"),))
     return phi, modal_stiffness(k, phi)
 
 
@@ -131,7 +137,10 @@ def _lowest_quotient(k: csr_array, mass: csr_array, x: Array, basis: Array) -> f
 
 
 def _dense_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
-    """The eigenvectors (size, count) of the lowest eigenvalues, from (K + shift M)^-1 M with dense matrices."""
+    """The eigenvectors (size, count) of the lowest eigenvalues, from (K + shift M)^-1 M with dense matrices.
+
+    There are fewer if the mass matrix is singular.
+    """
     full = (k + shift * m).toarray()
     try:
         lower = np.linalg.cholesky(full)
@@ -142,7 +151,9 @@ def _dense_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) ->
     inverse = scipy.linalg.solve_triangular(lower, half.T, lower=True)
     _, vectors = np.linalg.eigh(symmetric_part(inverse))
     modes = scipy.linalg.solve_triangular(lower, vectors[:, ::-1][:, :count], lower=True, trans="T")
-    return np.asarray(modes / np.sqrt(np.einsum("ni,ni->i", modes, m @ modes)))
+    squares, sizes = np.einsum("ni,ni->i", modes, m @ modes), np.einsum("n,ni->i", m.diagonal(), modes**2)
+    moving = squares > MASSLESS * sizes
+    return np.asarray(modes[:, moving] / np.sqrt(squares[moving]))
 
 
 def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -> Array:

@@ -41,6 +41,7 @@ from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import PointMarker
+from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
@@ -136,7 +137,7 @@ def nodal_body(
     nodes: Nodes,
     *,
     units: str | Mapping[str, str] | None = None,
-    modes: int | None = None,
+    modes: int | ModeSelection | Mapping[str, float] | None = None,
     component_modes: ComponentModes | None = None,
     interface: Sequence[str] | None = None,
     frame: str | Mapping[str, object] | BodyFrame = "mean",

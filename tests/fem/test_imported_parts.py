@@ -13,9 +13,11 @@ import derive
 from derive.cli.main import main
 from derive.fem.calculix.read import read_calculix
 from derive.reduction import body_properties
+from derive.reduction.body import prepare
+from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_scene import SpatialScene
-from fem.part_files import bracket_files
+from fem.part_files import bracket_files, text_of
 
 
 @pytest.fixture
@@ -65,6 +67,15 @@ def test_modes_by_default_are_six_besides_the_static_ones(folder: Path) -> None:
     assert (body.modes, body.component_modes) == (18, "attachment")  # type: ignore[union-attr]
 
 
+def test_an_error_chooses_the_modes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = imported("--interface", "left,right", "--error", "0.05", "--up-to", "3000")
+    assert isinstance(body, NodalBody)
+    assert body.modes == derive.ModeSelection(error=0.05, up_to=3000.0)
+    count = len(prepare(body).shapes.phi)
+    expected = f"with {count} modes, whose error is 0.05 or less up to 3000 Hz, of the interface left, right"
+    assert expected in capsys.readouterr().out
+
+
 def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     """Its first frequency is that of the full matrices with no mean motion of the set."""
     scene = imported("--interface", "left,right", "--scene")
@@ -81,6 +92,25 @@ def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
     assert derive.modes(scene).frequencies[:2] == pytest.approx(full, rel=1e-4)
     assert derive.simulate(scene, duration=1e-3).t[-1] == 1e-3
+
+
+def test_pictures_show_the_surface_of_the_elements(folder: Path) -> None:
+    """Three bricks in an L have 14 faces, with the middles of edges; a hull of the nodes has others."""
+    body = imported()
+    assert isinstance(body, NodalBody)
+    shown = drawn_body(body)
+    assert sorted(len(face) for face in shown.surface.faces) == [8] * 14
+    assert len(shown.x) == 44 and len(shown.surface.edges) == 2 * 28
+
+
+def test_a_scene_with_sets_of_single_nodes_and_names_that_scenes_do_not_have(folder: Path) -> None:
+    more = "*NSET, NSET=end face\n4, 5, 8, 12, 13\n*NSET, NSET=tip\n44\n*STEP"
+    bracket_files(folder, inp=text_of("inp").replace("*STEP", more, 1))
+    scene = imported("--interface", "end face,TIP", "--scene")
+    assert isinstance(scene, SpatialScene)
+    first, second = scene.bodies[0].markers
+    assert (len(first.nodes), second.name, second.nodes) == (5, "tip", (43,))
+    assert scene.joints[0].second.marker == first.name == "end_face"
 
 
 def test_units_of_the_file(folder: Path) -> None:
@@ -118,6 +148,9 @@ def test_the_same_files_give_the_same_bytes(folder: Path) -> None:
         (["--units", "mm,ton,s"], '--units: there is no unit "ton"'),
         (["--scene"], "bracket.inp: --scene: a scene holds the body at a set of nodes: name it with --interface"),
         (["--interface", "left,right", "--modes", "5"], "bracket.inp: body.modes: 5 modes are too few for this"),
+        (["--modes", "9", "--error", "0.1", "--up-to", "9"], "--modes: the error chooses the number of modes"),
+        (["--error", "0.1"], "--error: an error needs the frequencies that it is for: --error 0.01 --up-to 500, in Hz"),
+        (["--error", "0.1", "--up-to", "x"], "bracket.inp: body.modes.up_to: "),
         (["--modes", "127"], "bracket.inp: body.modes: 127 modes are too many"),
     ],
 )  # fmt: skip

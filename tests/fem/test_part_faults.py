@@ -128,6 +128,12 @@ def test_a_set_that_does_not_exist_has_names_like_it(model: FiniteElementModel) 
     assert text == "bracket.inp: --scene: a scene holds the body at a set of nodes: name it with --interface"
 
 
+def test_two_nodes_are_no_interface(model: FiniteElementModel) -> None:
+    sets = replace(model, node_sets={"edge": np.array([3, 4])})
+    text = lines_of_faults(lambda: imported_body(sets, BodyOptions(("edge",)), "bracket.inp", ""))
+    assert text.startswith("bracket.inp: --interface: the set edge has two nodes, which do not determine a rotation")
+
+
 def test_an_indefinite_mass_names_the_node(model: FiniteElementModel) -> None:
     mass = model.mass.tolil()  # type: ignore[union-attr]
     for row in (30, 31, 32):
@@ -140,6 +146,12 @@ def test_an_indefinite_mass_names_the_node(model: FiniteElementModel) -> None:
     negative = replace(model, mass=csr_array(mass))
     text = lines_of_faults(lambda: imported_body(negative, BodyOptions(), "bracket.inp", ""))
     assert "bracket.inp: the mass of node 11 is negative" in text
+
+
+def test_a_part_that_is_too_large_for_a_file(model: FiniteElementModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("derive.fem.imported_body.MAX_BYTES", 50_000)
+    text = lines_of_faults(lambda: imported_body(model, BodyOptions(), "bracket.inp", ""))
+    assert text.endswith("MB, and a file of nodes is read up to 0.05 MB; make the mesh coarser")
 
 
 def test_matrices_of_other_sizes_than_the_nodes(model: FiniteElementModel) -> None:
@@ -172,10 +184,8 @@ def doubled(model: FiniteElementModel, shared: tuple[int, ...]) -> FiniteElement
 def test_parts_that_nothing_connects(model: FiniteElementModel) -> None:
     text = lines_of_faults(lambda: imported_body(doubled(model, ()), BodyOptions(), "part.inp", ""))
     nodes = "44 nodes (144, 145, 146, 147, 148, 149, 150, 151 and 36 more)"
-    expected = (
-        f"part.inp: the stiffness does not connect all nodes: {nodes} move against the others; merge the nodes of"
-    )
-    assert text == f"{expected} nodes of parts that touch, or leave loose ones out"
+    expected = f"part.inp: the stiffness does not connect all nodes: {nodes} move against the others"
+    assert text == f"{expected}; merge the nodes of parts that touch, or leave loose ones out"
 
 
 def test_a_hinge_is_named_by_its_nodes(model: FiniteElementModel) -> None:
@@ -221,3 +231,15 @@ def test_millimetres_and_tonnes_read_as_si_have_a_note(model: FiniteElementModel
     wrong = imported_body(in_mm, BodyOptions(), "bracket.inp", "").notes
     (warning,) = [note for note in wrong if note.startswith("warning")]
     assert "a density is 7.85e-09 kg/m^3" in warning and "a body of 200 m has its first frequency at 705 Hz" in warning
+
+
+def test_more_modes_than_a_singular_mass_matrix_moves(model: FiniteElementModel) -> None:
+    """A mass matrix of rank 8 for each direction has 24 motions with mass, six of which are rigid."""
+    near = np.column_stack([np.ones(44), model.positions, model.positions**2, model.positions[:, 0] ** 3])
+    mass = csr_array(kron(near @ near.T, identity(3)))
+    singular = replace(model, mass=mass, frequencies=None)
+    body = imported_body(singular, BodyOptions(modes=18), "part.inp", "")
+    assert "with 18 modes" in body.doc
+    text = lines_of_faults(lambda: imported_body(singular, BodyOptions(modes=19), "part.inp", ""))
+    expected = "part.inp: body.modes: 19 modes are too many: only 18 elastic modes move mass, since its matrix is"
+    assert text == f"{expected} singular; integrate it with more points, or request fewer modes"

@@ -63,7 +63,7 @@ def torsion_constant() -> float:
 class Mesh(NamedTuple):
     """The solid with its elements and nodes, and the mass matrix of its displacements beside that of its nodes."""
 
-    elements: mesh_data.Mesh
+    elements: mesh_data.NodeMesh
     positions: np.ndarray
     node_mass: csr_array
     mass: csr_array

@@ -363,7 +363,7 @@ def test_what_is_too_large_is_not_read(tmp_path, monkeypatch):
     large = ", the most that is read; store matrices as the entries that are not zero"
     monkeypatch.setattr(node_files, "MAX_BYTES", 2000)
     monkeypatch.chdir(tmp_path)
-    assert faults("b.npz") == [f': "b.npz" unpacks to more than 200 MB{large}']
+    assert faults("b.npz") == [f': "b.npz" unpacks to more than 1000 MB{large}']
     monkeypatch.setattr(node_files, "MAX_BYTES", 300)
     assert faults("b.npz") == [f': the file "b.npz" has more than 0 MB{large}']
 

@@ -221,7 +221,11 @@ def _add_import(commands: Any) -> None:
     text = "write the specification of a robot (URDF), or of a part from a finite-element program"
     importing = add_command(commands, "import", text)
     importing.add_argument(
-        "file", type=Path, metavar="FILE", help="robot (.urdf), or input of CalculiX with its matrices beside it (.inp)"
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="robot (.urdf), or part with its matrices: "
+        "CalculiX, Abaqus (.inp), Nastran (.bdf, .nas), ANSYS (.cdb), MBDyn (.fem)",
     )
     importing.add_argument(
         "--base",
@@ -254,6 +258,13 @@ def _add_import(commands: Any) -> None:
         metavar="N",
         help="modes of a part (default: 6, besides the static modes of the interface)",
     )
+    importing.add_argument(
+        "--error",
+        type=error_fraction,
+        metavar="E",
+        help="in place of --modes: the relative error of frequencies and deflections within which modes are chosen",
+    )
+    importing.add_argument("--up-to", type=number, metavar="HZ", help="the frequency up to which the error is kept, Hz")
     importing.add_argument(
         "--component-modes",
         choices=("free", "craig_bampton", "attachment"),

@@ -59,8 +59,8 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: 
     """Faults of nodes that are not in the mesh, that are held, or that follow others in some directions alone."""
     unknown = np.setdiff1d(matrices.node, mesh.numbers)
     if unknown.size:
-        text = f"the nodes {node_list(unknown)} of the matrices are not in the mesh: shells and beams, which CalculiX"
-        yield Problem("", f"{text} expands to solids, cannot be read; mesh the part with solid elements")
+        text = f"the nodes {node_list(unknown)} of the matrices are not in the mesh: CalculiX adds nodes for shells,"
+        yield Problem("", f"{text} beams and incompatible modes (C3D8I); use other solid elements, such as C3D20")
         return
     if "RIGID BODY" in mesh.cards:
         text = "nodes of a body have no rotations; leave it out, and make the set of nodes rigid in the scene"

@@ -96,7 +96,7 @@ def _node_numbers(words: list[str]) -> np.ndarray:
 
 
 def _notes(shapes: Array, lumped: Array, modal_mass: Array) -> tuple[str, ...]:
-    """What of the file is left out, and how far the masses at the nodes are from the modal masses."""
+    """Yield which groups of the file are left out, and how far the masses at the nodes are from the modal masses."""
     own = np.einsum("ink,nk,jnk->ij", shapes[:, :, :3], lumped[:, :3], shapes[:, :, :3])
     gap = float(np.abs(own - modal_mass).max() / np.abs(modal_mass).max())
     notes = [

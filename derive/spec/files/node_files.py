@@ -25,7 +25,7 @@ from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, unknown_key
 from derive.spec.parsing.values import WrongValueError, kind_of
 
-MAX_BYTES = 200_000_000
+MAX_BYTES = 1_000_000_000
 MAX_ARRAYS = 2000
 NODES = ("body", "nodes")
 SPARSE = ("mass", "stiffness")
