@@ -75,13 +75,22 @@ def scene_text(table: BodyTable) -> str:
         *("[scene]", "gravity = [0, 0, -9.81]", ""),
         *("[ground.markers]", f"{held} = {_vector(at)}  # the mean of the nodes of this set", ""),
         *(f"[bodies.{table.name}]", *_keys(table, tuple(names.values()))),
-        "damping = { ratio = 0.01 }  # of critical damping, in each mode",
+        "damping = { ratio = 0.01 }  # of critical damping, in each mode of the free body; less when it is held",
         f"start = {{ guess = true, position = {_vector(inertial)} }}  # the centre of mass",
         *("", f"[bodies.{table.name}.markers]  # weighted means of the nodes of these sets", *markers, ""),
         *(f"[joints.{held}]", 'kind = "fixed"', f'between = ["ground.{held}", "{table.name}.{held}"]', ""),
+        *_plot(table.name, list(names.values())),
         *("[simulation]", "duration = 0.1", "output = 1e-3", ""),
     ]
     return "\n".join(lines)
+
+
+def _plot(body: str, markers: list[str]) -> Iterator[str]:
+    """What `study accuracy` compares: the deformation at the last set, if that is not the one that is held."""
+    *held, last = markers
+    if held:
+        yield from (f"[outputs.{last}]", 'kind = "deflection"', f'marker = "{body}.{last}"', "")
+        yield from (f"[plots.{last}]", f'y = ["{last}_1", "{last}_2", "{last}_3"]', "")
 
 
 def _head(table: BodyTable) -> Iterator[str]:

@@ -92,6 +92,7 @@ def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
     assert derive.modes(scene).frequencies[:2] == pytest.approx(full, rel=1e-4)
     assert derive.simulate(scene, duration=1e-3).t[-1] == 1e-3
+    assert [output.name for output in scene.outputs] == [plot.name for plot in scene.plots] == ["right"]
 
 
 def test_pictures_show_the_surface_of_the_elements(folder: Path) -> None:

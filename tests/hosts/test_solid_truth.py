@@ -24,6 +24,7 @@ from derive.reduction import body_properties
 from derive.reduction.body import prepare
 from derive.spec.model.body import NodalBody
 from derive.spec.model.mesh import ElementKind
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 
 sys.path.append(str(ROOT / "tests/solids"))
@@ -78,14 +79,13 @@ def cantilever(folder: Path, motion: str) -> SpatialScene:
     imported(folder, path, BodyOptions(("root", "tip")))
     markers = {"root": {"set": "root", "motion": motion}, "tip": {"set": "tip"}}
     beam = {"nodes": str(folder / "box.npz"), "units": "SI", "modes": 10, "interface": ["root"]}
+    start = {"position": [LENGTH / 2, 0, 0], "rotation": [1, 0, 0, 0]}
     return derive.spatial_scene(
         "cantilever",
         start="equilibrium",
         gravity=[0, 0, -9.81],
         ground={"root": [0, 0, 0]},
-        bodies={
-            "beam": beam | {"markers": markers, "start": {"position": [LENGTH / 2, 0, 0], "rotation": [1, 0, 0, 0]}}
-        },
+        bodies={"beam": beam | {"markers": markers, "start": start}},
         joints={"clamp": {"kind": "fixed", "between": ["ground.root", "beam.root"]}},
         forces={"end": {"at": "beam.tip", "force": [0, FORCE, 0]}},
         outputs={"tip": {"kind": "position", "marker": "beam.tip"}},
@@ -113,7 +113,7 @@ def timoshenko(height: float, width: float, count: int) -> np.ndarray:
     grid = step * np.arange(1, 1500)
     signs = np.sign([determinant(omega) for omega in grid])
     found = [brentq(determinant, grid[i], grid[i + 1]) for i in np.flatnonzero(np.diff(signs))[:count]]
-    return np.array(found) / (2 * np.pi)
+    return np.array(found, dtype=np.float64) / (2 * np.pi)
 
 
 def torsion_constant() -> float:
@@ -133,7 +133,10 @@ def ritz(sides: tuple[float, float, float], degree: int, through: int, count: in
     def integrals(more: np.ndarray) -> np.ndarray:
         """Of the products of monomials with the exponents changed, over the box with half sides of one."""
         total = powers[:, None] + powers[None] + more
-        return np.prod(np.where((total >= 0) & (total % 2 == 0), 2 / (np.maximum(total, 0) + 1), 0.0), axis=2)
+        result: np.ndarray = np.prod(
+            np.where((total >= 0) & (total % 2 == 0), 2 / (np.maximum(total, 0) + 1), 0.0), axis=2
+        )
+        return result
 
     n, half, unit = len(powers), np.array(sides) / 2, np.eye(3, dtype=int)
     gradients = np.empty((3, 3, n, n))  # of derivatives along two axes
@@ -148,7 +151,8 @@ def ritz(sides: tuple[float, float, float], degree: int, through: int, count: in
     mass = DENSITY * np.kron(np.eye(3), integrals(np.zeros(3, dtype=int)))
     size = 1 / np.sqrt(np.diag(mass))
     squares = eigh(size[:, None] * stiffness * size, size[:, None] * mass * size, eigvals_only=True)
-    return np.sqrt(squares[6 : 6 + count]) / (2 * np.pi)
+    result: np.ndarray = np.sqrt(squares[6 : 6 + count]) / (2 * np.pi)
+    return result
 
 
 def spinning(folder: Path) -> SpatialScene:
@@ -170,7 +174,8 @@ def angular_momentum(body: NodalBody, q: np.ndarray, v: np.ndarray) -> np.ndarra
     place = own.shapes.x + np.tensordot(q[7:], own.shapes.phi, axes=1)
     rate = np.cross(v[3:6], place) + np.tensordot(v[6:], own.shapes.phi, axes=1)
     x, xdot = q[:3] + place @ turn.T, v[:3] + rate @ turn.T
-    return np.cross(x, own.mass @ xdot).sum(axis=0)
+    result: np.ndarray = np.cross(x, own.mass @ xdot).sum(axis=0)
+    return result
 
 
 def cross_matrix(a: np.ndarray) -> np.ndarray:
@@ -245,6 +250,7 @@ def test_a_spinning_cube_keeps_its_energy_and_its_angular_momentum(tmp_path: Pat
     scene = spinning(tmp_path)
     run = derive.simulate(scene)
     (cube,) = scene.bodies
+    assert isinstance(cube, FlexibleBody)
     momenta = np.array([angular_momentum(cube.body, q, v) for q, v in zip(run.q, run.v, strict=True)])
     assert np.linalg.norm(momenta[0]) == pytest.approx(29.785, rel=1e-3)
     assert np.abs(momenta - momenta[0]).max() < 1e-12 * np.linalg.norm(momenta[0])
