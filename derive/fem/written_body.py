@@ -88,7 +88,7 @@ def scene_text(table: BodyTable) -> str:
 
 
 def _plot(body: str, markers: list[str]) -> Iterator[str]:
-    """What `study accuracy` compares: the displacement of the last set, if that is not the one that is held."""
+    """The displacement of the last set, which `study accuracy` compares, if that is not the one that is held."""
     *held, last = markers
     if held:
         yield f"[outputs.{last}]  # the displacement from its place in the undeformed part"

@@ -234,7 +234,7 @@ def test_a_free_plate(tmp_path: Path) -> None:
 
 
 def test_a_free_cube(tmp_path: Path) -> None:
-    """Its 14 first frequencies are those of Rayleigh and Ritz to 0.42 %, and the first pair, of torsion, to 0.06 %.
+    """The 14 first frequencies are those of Rayleigh and Ritz to 0.42 %, and the first pair, of torsion, to 0.06 %.
 
     Both have the mode of Lame, whose frequency is sqrt(G / 2 rho) / side exactly: Ritz to 1e-6, the mesh to 0.1 %.
     """
