@@ -64,8 +64,10 @@ def scene_text(table: BodyTable) -> str:
         names[name] = free_name(name, {*names.values(), "frame", "centre"})
     held, *_ = names.values()
     data, inertial = table.body.data, centre_of_mass(table.body.data.mass, table.body.data.positions)
-    at = data.positions[list(table.body.interface_markers[0].nodes)].mean(axis=0)
     nodes = {marker.name: marker.nodes for marker in table.body.interface_markers}
+    shown = dict.fromkeys((table.interface[0], table.interface[-1]))
+    means = {names[name]: data.positions[list(nodes[name])].mean(axis=0) for name in shown}
+    places = [f"{own} = {_vector(mean)}  # the mean of the nodes of this set" for own, mean in means.items()]
     markers = [
         f"{own} = {{ set = {_text(name)} }}" if len(nodes[name]) > 1 else f"{own} = {nodes[name][0]}"
         for name, own in names.items()
@@ -73,15 +75,25 @@ def scene_text(table: BodyTable) -> str:
     lines = [
         *_head(table),
         *("[scene]", "gravity = [0, 0, -9.81]", ""),
-        *("[ground.markers]", f"{held} = {_vector(at)}  # the mean of the nodes of this set", ""),
+        *("[ground.markers]", *places, ""),
         *(f"[bodies.{table.name}]", *_keys(table, tuple(names.values()))),
-        "damping = { ratio = 0.01 }  # of critical damping, in each mode",
+        "damping = { ratio = 0.01 }  # of critical damping, in each mode of the free body; less when it is held",
         f"start = {{ guess = true, position = {_vector(inertial)} }}  # the centre of mass",
         *("", f"[bodies.{table.name}.markers]  # weighted means of the nodes of these sets", *markers, ""),
         *(f"[joints.{held}]", 'kind = "fixed"', f'between = ["ground.{held}", "{table.name}.{held}"]', ""),
+        *_plot(table.name, list(names.values())),
         *("[simulation]", "duration = 0.1", "output = 1e-3", ""),
     ]
     return "\n".join(lines)
+
+
+def _plot(body: str, markers: list[str]) -> Iterator[str]:
+    """The displacement of the last set, which `study accuracy` compares, if that is not the one that is held."""
+    *held, last = markers
+    if held:
+        yield f"[outputs.{last}]  # the displacement from its place in the undeformed part"
+        yield from ('kind = "position"', f'marker = "{body}.{last}"', f'frame = "ground.{last}"', "")
+        yield from (f"[plots.{last}]", f'y = ["{last}_1", "{last}_2", "{last}_3"]', "")
 
 
 def _head(table: BodyTable) -> Iterator[str]:

@@ -92,7 +92,10 @@ def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     stiffness, mass = (free.T @ matrix @ free for matrix in (model.stiffness, model.mass))
     full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
     assert derive.modes(scene).frequencies[:2] == pytest.approx(full, rel=1e-4)
-    assert derive.simulate(scene, duration=1e-3).t[-1] == 1e-3
+    run = derive.simulate(scene, duration=1e-3)
+    assert [run[f"right_{axis}"][0] for axis in (1, 2, 3)] == pytest.approx([0, 0, 0], abs=1e-12)
+    assert run["right_3"][-1] < -1e-7
+    assert [output.name for output in scene.outputs] == [plot.name for plot in scene.plots] == ["right"]
 
 
 def test_pictures_show_the_surface_of_the_elements(folder: Path) -> None:
