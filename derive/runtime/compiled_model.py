@@ -520,7 +520,8 @@ class Native(RequestedFunctions):
 
     def _check_marker(self, name: str) -> None:
         if name not in self.markers:
-            raise UnknownNameError(f"marker of {self.name}", name, self.markers)
+            left_out = "" if self.markers else " (simulations in space have no functions of markers: write an output)"
+            raise UnknownNameError(f"marker of {self.name}{left_out}", name, self.markers)
 
     def _marker(self, name: str) -> NativeMarker:
         self._check_marker(name)

@@ -7,7 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from conftest import ROOT
+import derive
+from conftest import QUICK, ROOT
+from derive.backends.model_files import explicit_files
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.space.marker_frames import deformed_frame, frame_of
 from derive.simulation.space.poses import SpatialPoses
@@ -73,7 +75,9 @@ def test_the_stated_motion_of_a_joint_holds_at_a_deformed_marker(kind: str, star
 def test_frames_move_with_the_amplitudes() -> None:
     """Positions are those of the generated code; the derivatives are those of differences."""
     trajectory = run("revolute", "angle = 0.3", SECOND)
-    scene, native = trajectory.scene, trajectory.motion.native
+    scene = trajectory.scene
+    model = derive.lower(derive.derive(scene), explicit=True, functions=["marker_rotations"])
+    native = derive.load_scene(explicit_files(model, scene), QUICK)
     k, q = native.setup(), trajectory.q[0]
     tip = scene.joints[0].second
     poses = SpatialPoses(native, k, 0.0, q, 1.0)
