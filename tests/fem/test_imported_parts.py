@@ -77,6 +77,7 @@ def test_an_error_chooses_the_modes(folder: Path, capsys: pytest.CaptureFixture[
     assert expected in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     """Its first frequency is that of the full matrices with no mean motion of the set."""
     scene = imported("--interface", "left,right", "--scene")

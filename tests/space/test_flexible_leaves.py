@@ -64,6 +64,7 @@ def test_gears_between_flexible_bodies_and_trees() -> None:
     assert_equal(tables)
 
 
+@pytest.mark.long
 def test_energy_of_a_boom_is_conserved() -> None:
     """Four rigid links and a lance of second order at their end: fewer operations than with the KKT matrix."""
     axis = {"z": [0, 1, 0], "x": [1, 0, 0]}

@@ -77,7 +77,10 @@ def differences(looped: Model, flat: Model, seed: int = 1) -> dict[str, float]:
     return result
 
 
-@pytest.mark.parametrize(("seed", "free"), [(0, True), (1, False), (3, True)])
+@pytest.mark.parametrize(
+    ("seed", "free"),
+    [(1, False), pytest.param(0, True, marks=pytest.mark.long), pytest.param(3, True, marks=pytest.mark.long)],
+)
 def test_balls_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
     """Joints that leave all rotations do not turn what hangs on them: in M, in forces and in accelerations."""
     found = differences(*models(tree(seed, BALLS if seed < 2 else KINDS, free), functions=FUNCTIONS))
@@ -98,7 +101,7 @@ def closed(seed: int, free: bool = False) -> dict[str, Any]:
     return tables
 
 
-@pytest.mark.parametrize(("seed", "free"), [(0, False), (2, True)])
+@pytest.mark.parametrize(("seed", "free"), [(2, True), pytest.param(0, False, marks=pytest.mark.long)])
 def test_constraints_in_loops_have_the_values_of_straight_line_code(seed: int, free: bool) -> None:
     """Joints that close loops, drives and gears: g, gdot, G, gamma, accelerations with multipliers, and projections."""
     found = differences(*models(closed(seed, free)))
@@ -149,7 +152,7 @@ def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
     assert {name: error for name, error in found.items() if error > 1e-12} == {}
 
 
-@pytest.mark.parametrize(("seed", "free"), [(0, False), (2, True)])
+@pytest.mark.parametrize(("seed", "free"), [(0, False), pytest.param(2, True, marks=pytest.mark.long)])
 def test_forms_in_loops_have_the_values_of_straight_line_code(
     seed: int, free: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
