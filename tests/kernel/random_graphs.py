@@ -259,6 +259,9 @@ def _with_ports(tables: dict[str, Any], sums: bool) -> dict[str, Any]:
     joint = next(iter(tables["joints"]), "")  # none where those that close loops are all
     unit = {"revolute": "rad", "translational": "m"}.get(tables["joints"][joint]["kind"], "") if joint else ""
     driven = bool(unit)
+    across = [f"{first}.left", f"{last}.right"]
+    if any({*other["between"]} == {*across} for other in tables["joints"].values()):  # a joint holds both at one place
+        across = [f"{first}.left", f"{last}.left"]
     pushed = {"push": {"at": f"{last}.left", "components": [{"input": "push"}, "sin(2*t)"]}}
     return tables | {
         "bodies": bodies,
@@ -268,7 +271,7 @@ def _with_ports(tables: dict[str, Any], sums: bool) -> dict[str, Any]:
         "springs": tables.get("springs", {})
         | {
             "held": {"between": ["ground.at_0", f"{last}.right"], "stiffness": parameter("stiffness", 3.0)},
-            **({"between": {"between": [f"{first}.left", f"{last}.right"], "stiffness": 2.0}} if first != last else {}),
+            **({"between": {"between": across, "stiffness": 2.0}} if first != last else {}),
         },
         "drives": tables.get("drives", {})
         | ({"motor": {"joint": joint, "motion": {"input": "turn"}}} if driven else {}),
