@@ -89,7 +89,8 @@ def test_user_functions_are_the_equations_of_the_model(name: str, exu: ModuleTyp
         ends = [body_velocities(body, q + s * h * xdot, xdot + s * h * xddot) for s in (-1, 1)]
         assert np.allclose((ends[1] - ends[0]) / (2 * h), direct, rtol=1e-7, atol=1e-5 * np.max(np.abs(direct)))
     else:
-        assert np.array_equal(xddot, direct)
+        # `accel`, and `solve`, from which the others come, may eliminate in different orders
+        assert np.max(np.abs(xddot - direct)) <= 1e-13 * np.max(np.abs(direct))
 
 
 def body_velocities(body: Any, x: np.ndarray, xdot: np.ndarray) -> np.ndarray:
