@@ -18,9 +18,7 @@ from derive.reduction.interface import RIGID_MOTIONS
 from derive.reduction.mode_errors import ModeErrors, full_frequencies, mode_errors
 from derive.spec.model.body import NodalBody
 from derive.spec.model.mode_selection import ModeSelection
-
-MAX_SELECTED = 300
-"""The largest number of modes that is selected."""
+from derive.spec.parsing.values import MAX_MODES
 
 EQUAL = 1e-6
 """The relative difference of two frequencies that count as one: both modes are kept, or neither."""
@@ -51,7 +49,7 @@ def with_selected_modes(body: NodalBody) -> NodalBody:
 
 
 def selected_modes(body: NodalBody) -> SelectedModes:
-    """The fewest modes within the error that `body.modes` asks for. Raises SpecError if 300 are too few."""
+    """The fewest modes within the error that `body.modes` asks for. Raises SpecError if MAX_MODES are too few."""
     return _selected(replace(body, name=""))
 
 
@@ -61,11 +59,11 @@ def _selected(body: NodalBody) -> SelectedModes:
     assert isinstance(wish, ModeSelection)
     mass = canonical_csr(body.data.mass)
     static = static_mode_count(body.component_modes or "free", body.interface_markers)
-    most = min(max_elastic_modes(mass, RIGID_MOTIONS, body.rigid_sets), MAX_SELECTED)
+    most = min(max_elastic_modes(mass, RIGID_MOTIONS, body.rigid_sets), MAX_MODES)
     full = full_frequencies(body, wish.up_to, most)
     wanted = full[full <= wish.up_to]
     if len(wanted) > most:
-        text = f"more than {MAX_SELECTED} natural frequencies are below {wish.up_to:g} Hz; write a lower up_to"
+        text = f"more than {MAX_MODES} natural frequencies are below {wish.up_to:g} Hz; write a lower up_to"
         raise SpecError((Problem("body.modes", text),))
     if not body.interface_markers and not len(wanted):
         text = f"the first natural frequency, {full[0]:.5g} Hz, is above up_to; write modes = 0 for a rigid body"

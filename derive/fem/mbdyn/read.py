@@ -33,13 +33,12 @@ def read_mbdyn(path: Path) -> FiniteElementModel:
         problem = Problem("", f"the file cannot be read: {why_unreadable(error)}")
         raise SpecError((problem,), str(path)) from None
     header = [float(word) for word in groups.get(HEADER, []) if word.replace(".", "").isdigit()]
-    wanted = {NODES: 0, X: 0, Y: 0, Z: 0, SHAPES: 0, MASS: 0, STIFFNESS: 0, LUMPED: 0}
     if len(header) < 3:
         problems.append(Problem("RECORD GROUP 1", "the numbers of nodes and of modes are missing"))
         raise SpecError(tuple(problems), str(path))
     nodes = int(header[0])
     modes = int(sum(header[1:4]))
-    wanted |= {NODES: nodes, X: nodes, Y: nodes, Z: nodes, SHAPES: 6 * nodes * modes}
+    wanted = {NODES: nodes, X: nodes, Y: nodes, Z: nodes, SHAPES: 6 * nodes * modes}
     wanted |= {MASS: modes**2, STIFFNESS: modes**2, LUMPED: 6 * nodes}
     numbers: dict[int, Array] = {}
     for group, count in wanted.items():
