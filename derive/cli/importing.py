@@ -22,6 +22,8 @@ from derive.urdf.read import read_robot
 from derive.urdf.repairs import with_locked_joints
 from derive.urdf.written_scene import written_scene
 
+ROBOTS = (".urdf", ".xml", ".xacro", "")
+"""The suffixes of descriptions of robots; the first is the usual one."""
 OF_ROBOTS = ("base", "lock", "repair_inertia", "keep_angles")
 OF_PARTS = ("interface", "modes", "error", "up_to", "component_modes", "units", "scene", "second_order")
 """The options that one of both kinds of files has alone."""
@@ -42,6 +44,10 @@ class Imported:
 def run(options: argparse.Namespace) -> int:
     """Write the specification, which must not exist yet, after its text has been checked."""
     part = options.file.suffix.lower() in READERS
+    if not part and options.file.suffix.lower() not in ROBOTS:
+        known = ", ".join((*ROBOTS[:1], *READERS))
+        text = f"files of the kind {quoted(options.file.suffix)} are not read; those that are end in {known}"
+        raise SpecError((Problem("", text),), str(options.file))
     _check_options(options, OF_ROBOTS if part else OF_PARTS, "a robot" if part else "a part")
     imported = _part(options) if part else _robot(options)
     target: Path = options.out or Path(f"{imported.name}.toml")

@@ -185,3 +185,10 @@ def test_a_part_of_second_order(folder: Path) -> None:
     assert body.computes_geometric_stiffness and body.stress
     one = derive.modal(replace(body, order=DisplacementOrder.FIRST_ORDER))
     assert np.trace((derive.modal(body).C5 - one.C5)[..., 0, 0]) < 0  # spin stiffens it
+
+
+def test_a_file_of_another_kind_names_those_that_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Standard input data have no nodes, and are no robot either."""
+    (tmp_path / "part.sid").write_text("part")
+    assert main(["import", str(tmp_path / "part.sid")]) == 2
+    assert 'files of the kind ".sid" are not read; those that are end in .urdf, .inp, ' in capsys.readouterr().err
