@@ -46,8 +46,8 @@ def run(options: argparse.Namespace) -> int:
     part = options.file.suffix.lower() in READERS
     if not part and options.file.suffix.lower() not in ROBOTS:
         known = ", ".join((*ROBOTS[:1], *READERS))
-        text = f"files of the kind {quoted(options.file.suffix)} are not read; those that are end in {known}"
-        raise SpecError((Problem("", text),), str(options.file))
+        why = f"files of the kind {quoted(options.file.suffix)} are not read; those that are end in {known}"
+        raise SpecError((Problem("", why),), str(options.file))
     _check_options(options, OF_ROBOTS if part else OF_PARTS, "a robot" if part else "a part")
     imported = _part(options) if part else _robot(options)
     target: Path = options.out or Path(f"{imported.name}.toml")
