@@ -31,7 +31,8 @@ from derive.runtime.loading import load_scene
 from derive.simulation.observables.beams import function_values
 from derive.spec.model.beam_parts import Frame
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.parsing import values
 from derive.spec.toml.read import parse
 from derive.study.elimination import eliminate, equilibrated, kkt_systems

@@ -26,26 +26,20 @@ from derive.spec.model.beam_parts import (
     Polynomial,
     ShapeFamily,
 )
-from derive.spec.model.body import (
-    BodyFrame,
-    ComponentModes,
-    Damping,
-    Lowering,
-    NodalBody,
-    NodeData,
-    SymbolicBody,
-    SymbolicFrame,
-)
+from derive.spec.model.body import BodyFrame, ComponentModes, Damping, Lowering, NodalBody, SymbolicBody, SymbolicFrame
 from derive.spec.model.documentation import key_entries, with_entries
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.instances import identifier
+from derive.spec.model.joints import Drive, Joint
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.mode_selection import ModeSelection
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.planar_bodies import SceneBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput
+from derive.spec.model.scene import NAMED, Scene, SceneInput
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_bodies import FrameMarker

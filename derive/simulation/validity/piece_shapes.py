@@ -15,7 +15,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.observables.beams import function_values, half_length, shape_functions
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 
 POINTS = 48
 """Gauss points along a piece: polynomials up to degree 95 are integrated exactly, and products of twenty half waves."""

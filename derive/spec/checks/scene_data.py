@@ -11,10 +11,11 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.checks.dimensions import is_in_space
+from derive.spec.model.joints import Joint
 from derive.spec.model.keys import Key, KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
-from derive.spec.model.scene import NAMED, Joint
+from derive.spec.model.scene import NAMED
 from derive.spec.model.spatial_forces import (
     SpatialForce,
     SpatialJointForce,

@@ -8,9 +8,10 @@ from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, SpatialJointType
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.scene_data import Raw, SceneData
+from derive.spec.model.joints import JointInitialValues
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import NAMED, JointInitialValues
+from derive.spec.model.scene import NAMED
 from derive.spec.model.spatial_scene import SpatialJointInitialValues
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 from derive.spec.parsing.values import WrongValueError, number

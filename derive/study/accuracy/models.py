@@ -19,9 +19,9 @@ from derive.spec.construction import validated
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import BeamBody, RigidBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 from derive.spec.model.spatial_scene import SpatialScene
