@@ -48,14 +48,13 @@ from derive.simulation.linear.linearisation import Linearisation as Linearisatio
 from derive.simulation.linear.modes import Modes as Modes, modes as modes
 from derive.simulation.simulate import simulate as simulate
 from derive.simulation.trajectory import Trajectory as Trajectory
-from derive.spec.construction import (
+from derive.spec.construction.bodies import (
     nodal_body as nodal_body,
     planar_beam as planar_beam,
-    scene as scene,
-    spatial_scene as spatial_scene,
     symbolic_body as symbolic_body,
-    validated as validated,
 )
+from derive.spec.construction.scenes import scene as scene, spatial_scene as spatial_scene
+from derive.spec.construction.validated import validated as validated
 from derive.spec.model.beam import PlanarBeam as PlanarBeam
 from derive.spec.model.beam_parts import (
     AttachedMass as AttachedMass,

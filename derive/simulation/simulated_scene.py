@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from derive.errors import Problem, SpecError
 from derive.runtime.native_call import Matrix
 from derive.runtime.native_scene import NativeScene
-from derive.spec.construction import validated
+from derive.spec.construction.validated import validated
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.body import NodalBody, SymbolicBody
