@@ -65,11 +65,10 @@ class SceneData:
         """The bodies by their names."""
         return self.tables["bodies"]
 
-    @cached_property
-    def names_of_bodies(self) -> list[str]:
-        """The names of all bodies, including those whose values are not tables."""
-        bodies = self.data.get("bodies")
-        return [name for name in bodies if isinstance(name, str)] if isinstance(bodies, Mapping) else []
+    def names(self, section: str) -> list[str]:
+        """The names of all elements of a section, including those whose values are not tables."""
+        elements = self.data.get(section)
+        return [name for name in elements if isinstance(name, str)] if isinstance(elements, Mapping) else []
 
     @property
     def complete(self) -> bool:
