@@ -66,16 +66,6 @@ class PieceShapes:
         """The derivative of the shapes that is strain: the second in bending, the first in torsion."""
         return 1 if self.twists else 2
 
-    @property
-    def euler_load(self) -> float:
-        """The buckling load of a piece with pinned ends, N: pi^2 EI/l^2."""
-        return float(np.pi**2 * self.bending_stiffness / self.length**2)
-
-    @property
-    def pinned_frequency(self) -> float:
-        """The lowest natural frequency of a piece with pinned ends, rad/s: pi^2 sqrt(EI/(m l^3))."""
-        return float(np.pi**2 * np.sqrt(self.bending_stiffness / (self.mass * self.length**3)))
-
     @cached_property
     def stiffness(self) -> Matrix:
         """K (shapes, shapes) of the strain energy 1/2 a^T K a, N/m."""

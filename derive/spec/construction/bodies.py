@@ -43,7 +43,7 @@ Body = TypeVar("Body", PlanarBeam, NodalBody, SymbolicBody)
 Function = TypeVar("Function", bound=Callable[..., Specification])
 
 
-def _documented(of: type) -> Callable[[Function], Function]:
+def documented_keys(of: type) -> Callable[[Function], Function]:
     """A decorator that adds to the arguments in the docstring of a function the keys that a type declares."""
 
     def documented(function: Function) -> Function:
@@ -55,7 +55,7 @@ def _documented(of: type) -> Callable[[Function], Function]:
     return documented
 
 
-@_documented(PlanarBeam)
+@documented_keys(PlanarBeam)
 def planar_beam(
     name: str,
     *,
@@ -98,7 +98,7 @@ def planar_beam(
     return _single(PlanarBeam, planar_beam, locals())
 
 
-@_documented(NodalBody)
+@documented_keys(NodalBody)
 def nodal_body(
     name: str,
     nodes: Nodes,
@@ -145,7 +145,7 @@ def nodal_body(
     return _single(NodalBody, nodal_body, given)
 
 
-@_documented(SymbolicBody)
+@documented_keys(SymbolicBody)
 def symbolic_body(
     name: str,
     modes: int,

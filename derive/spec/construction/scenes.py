@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from derive.spec.as_tables import as_table, named, without_none
-from derive.spec.construction.bodies import Constant, Table
+from derive.spec.construction.bodies import Constant, Table, documented_keys
 from derive.spec.construction.validated import validated_data
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.joints import Drive, Joint
@@ -39,6 +39,7 @@ Named = Mapping[str, Element | Table] | Sequence[Element]
 AnyOf = TypeVar("AnyOf", Scene, SpatialScene)
 
 
+@documented_keys(Scene)
 def scene(
     name: str | Table,
     *,
@@ -67,23 +68,10 @@ def scene(
 
     Arguments:
         name: the name of the model; or, alone, the tables of a whole TOML file as one mapping.
-        ground: the markers of the inertial frame, two coordinates each, m.
-        gravity: two components, m/s^2.
-        start: "equilibrium", "steady", or None for the initial values of bodies and joints.
-        lowering: "flat", "instances" or, by default, "auto".
-        redundant: "auto", "resolve" or "error", the treatment of redundant joints.
         bodies: rigid bodies and beams, such as {"rod": {"length": 1, "frame": "mean"}}.
-        joints: such as {"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.left"]}}.
-        drives: prescribed motions of joints.
-        forces: forces at markers.
-        torques: torques at markers.
-        springs: springs, dampers and bushings between markers.
-        inputs: run-time inputs, which forces, torques and drives refer to.
-        outputs: quantities that are computed from the state.
         parameters: run-time parameters that functions of time call by name.
         tables: tables of values that functions of time call by name.
         simulation: duration, output and tolerance of a simulation.
-        plots: plots of a simulation.
 
     Raises:
         SpecError: with all faults of the arguments.
@@ -129,6 +117,7 @@ def _scene(of: type[AnyOf], given: Mapping[str, Any]) -> AnyOf:
     return result
 
 
+@documented_keys(SpatialScene)
 def spatial_scene(
     name: str | Table,
     *,
@@ -160,26 +149,11 @@ def spatial_scene(
 
     Arguments:
         name: the name of the model; or, alone, the tables of a whole TOML file as one mapping.
-        ground: the markers of the inertial frame: three coordinates, m, or tables with the keys `at` and `rotation`.
         ground_visuals: what pictures show of the ground, such as {"box": [1, 1, 0.1]}.
-        gravity: three components, m/s^2.
-        start: "equilibrium", "steady", or None for the initial values of bodies and joints.
-        lowering: "flat", "instances" or, by default, "auto".
-        redundant: "auto", "resolve" or "error", the treatment of redundant joints.
-        coordinates: "auto", "relative" or "absolute", those of rigid bodies that joints connect to bodies that move.
         bodies: rigid bodies with their tensors of inertia, and finite-element bodies.
-        joints: such as {"hinge": {"kind": "revolute", "between": ["ground.pivot", "rod.left"]}}, about z of the first.
-        drives: prescribed motions of joints.
-        gears: ratios of the motions of two joints.
-        forces: forces at markers or in joints.
-        torques: torques at markers or in joints.
-        springs: springs, dampers and bushings between markers.
-        inputs: run-time inputs, which forces, torques and drives refer to.
-        outputs: quantities that are computed from the state.
         parameters: run-time parameters that functions of time call by name.
         tables: tables of values that functions of time call by name.
         simulation: duration, output and tolerance of a simulation.
-        plots: plots of a simulation.
 
     Raises:
         SpecError: with all faults of the arguments.
