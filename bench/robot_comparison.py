@@ -20,8 +20,9 @@ from robot_files import chain_count, chain_tables, scene_of
 from timed_program import Program
 
 from derive.backends.c.source import CBackend
-from derive.derivation import derive, lower
+from derive.derivation import derive
 from derive.ir.model import Model
+from derive.model_lowering import lower
 
 Array = NDArray[np.float64]
 

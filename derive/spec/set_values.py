@@ -16,7 +16,7 @@ from derive.spec.as_tables import specification_tables
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import beam_constants, scene_constants
-from derive.spec.construction import validated_tables
+from derive.spec.construction.validated import validated_tables
 from derive.spec.model.instances import COUNT, identifier, instance_parts
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene

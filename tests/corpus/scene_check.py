@@ -60,8 +60,7 @@ def quick_compiler(folder: Path) -> str:
 @contextmanager
 def derived_once() -> Iterator[None]:
     """Let the commands of a scene share equations and kernels of the same specification: a third of their time."""
-    derivation = sys.modules["derive.derivation"]
-    equations, kernels = derivation.derive, derivation.lower
+    equations, kernels = sys.modules["derive.derivation"].derive, sys.modules["derive.model_lowering"].lower
     derived: dict[str, Any] = {}
     lowered: dict[tuple[int, bool, bool], Any] = {}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.backends.c.source import CBackend
-from derive.derivation import derive, lower
+from derive.derivation import derive
 from derive.errors import SpecError
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
@@ -18,6 +18,7 @@ from derive.lowering.trees.choice import chosen
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.model_lowering import lower
 from derive.runtime.loading import load
 from derive.spec.toml.read import parse
 

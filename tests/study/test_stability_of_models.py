@@ -23,7 +23,8 @@ from derive.simulation.linear.settled_functions import settled_functions
 from derive.simulation.linear.steady_motion import NoSteadyMotion, steady_motion
 from derive.spec.model.beam_parts import BeamDamping
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import depends_on_time, value_at
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.enumerations import enumeration
 from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
@@ -39,8 +38,10 @@ class KnownLoss:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LadderStability:
+class LadderStability(Tabulated):
     """The result of a study of stability: where the models of a ladder lose their stability as a parameter grows.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each mode of each model at each value of the parameter.
 
     Attributes:
         name: that of the scene.
@@ -65,6 +66,8 @@ class LadderStability:
         >>> study = derive.study_stability(column, ("P", 2, 3.5, 2), shapes=[2], pieces=[], sines=[])
         >>> [(path.model.label, round(path.loss, 2)) for path in study.paths if path.loss]
         [('1 beam, P2, P3, first', 3.01), ('1 beam, P2, P3, truncated', 2.49)]
+        >>> study.to_pandas()["parameter"].max().item()
+        3.5
     """
 
     name: str
@@ -123,20 +126,6 @@ class LadderStability:
 
     def __repr__(self) -> str:
         return summary(f"LadderStability of {self.name}: {counted(len(self.paths), 'model')}", {"about": self.motion})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each mode of each model at each value of the parameter.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> study.to_pandas()["parameter"].max().item()
-            3.5
-        """
-        return data_frame(self)
 
 
 def agree(before: ModelPath, richest: ModelPath) -> bool:
