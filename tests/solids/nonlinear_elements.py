@@ -1,11 +1,11 @@
-"""The equilibrium of solid elements at large displacements: Green's strain with the law of Hooke, by Newton's method."""
+"""The equilibrium of solid elements at large displacements: Green strains, the law of Hooke, and the method of Newton."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, identity, kron
+from scipy.sparse import coo_array, csr_array, kron
 from scipy.sparse.linalg import splu
 
 from derive.solids.stresses import IntegratedMesh, element_points, hooke
