@@ -1,4 +1,4 @@
-"""The equilibrium of solid elements at large displacements: Green strains, the law of Hooke, and the method of Newton."""
+"""Equilibrium of solid elements at large displacements: Green strains, the law of Hooke, and the method of Newton."""
 
 from __future__ import annotations
 
