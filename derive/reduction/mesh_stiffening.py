@@ -7,7 +7,8 @@
    A rigid set of nodes that turns by theta moves its nodes by 1/2 theta x (theta x r) to second order, and so Psi_ij is
    a rigid motion of the set and the symmetric part of theta_i x (theta_j x r), which is given.
 3. The geometric stiffness under a load is minus its work on Psi_ij. By the theorem of Betti this is int sigma : (grad
-   Phi_i^T grad Phi_j) with the stress sigma of the load, balanced by the inertia forces of a rigid acceleration.
+   Phi_i^T grad Phi_j) with the stress sigma of the load, balanced by the inertia forces of a rigid acceleration, and
+   the work of the reactions of rigid sets on the given part of Psi_ij.
 
 The loads are -M a of the acceleration fields e_k (K0t), e_k x X (K0r) and omega x (omega x X) for the products of omega
 (K0omega), and unit forces at nodes (K0F). There is a static solution for each pair of modes, for any number of nodes.
