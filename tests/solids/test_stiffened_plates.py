@@ -37,7 +37,7 @@ def test_a_spinning_disc(squared: float) -> None:
     """Its frequencies with 2 and 3 nodal diameters and with a nodal circle, between bounds for n diameters, s circles.
 
     H. Lamb and R. V. Southwell (Proc. R. Soc. A 99, 1921, 272): a disc without bending stiffness at the spin W has the
-    frequencies omega^2 = W^2 {(n + 2 s)(n + 2 s + 2)(3 + nu) - n^2 (1 + 3 nu)}/8, with the shapes r^n cos n phi if s = 0.
+    frequencies omega^2 = W^2 {(n + 2 s)(n + 2 s + 2)(3 + nu) - n^2 (1 + 3 nu)}/8, with shapes r^n cos n phi if s = 0.
     Their sum with the squares at rest (A. W. Leissa, Vibration of plates, 1969: 5.358, 12.439 and 9.003) is a lower
     bound, and Rayleigh's quotient of r^n cos n phi an upper one. W^2 is `squared` times the first square at rest.
     """
@@ -87,7 +87,7 @@ def ritz(pull: float) -> np.ndarray:
 
 @pytest.mark.long
 def test_a_pulled_plate() -> None:
-    """Forces of fixed direction at two edges turn the plate back as well: its slowest motion is that of a rigid body."""
+    """Forces of fixed direction at two edges turn the plate back as well, which is its slowest motion."""
     loose, pulled = ritz(0), ritz(PULL)
     # A. W. Leissa, J. Sound Vib. 31 (1973) 257: upper bounds
     published = np.array([13.489, 19.789, 24.432]) * np.sqrt(BENDING / PER_AREA) / (2 * np.pi)
