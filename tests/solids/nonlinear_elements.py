@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, kron
+from scipy.sparse import block_array, coo_array, csr_array, kron
 from scipy.sparse.linalg import splu
 
 from derive.solids.stresses import IntegratedMesh, element_points, hooke
@@ -16,25 +16,26 @@ PLACES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """Elements whose nodes `held` do not move, with the mass matrix (nodes, nodes)."""
+    """Elements that are held by B u = 0, with the mass matrix (nodes, nodes); `rows` is B, (conditions, 3 nodes)."""
 
     solid: IntegratedMesh
-    held: list[int]
+    rows: csr_array
     mass: csr_array
 
     def displacements(self, forces: np.ndarray, spin: tuple[float, ...] = (0, 0, 0)) -> np.ndarray:
         """The displacements (nodes, 3) under dead forces (nodes, 3), N, in a frame that spins about the origin."""
-        x, size = self.solid.x, self.solid.x.size
-        moving = np.setdiff1d(np.arange(size), (3 * np.array(self.held)[:, None] + np.arange(3)).ravel())
+        x, size = self.solid.x.ravel(), self.solid.x.size
         turn = np.cross(np.eye(3), spin)
         pull = csr_array(kron(self.mass, turn.T @ turn))
         u = np.zeros(size)
         for _ in range(20):
             inner, tangent = self.resistance(u.reshape(-1, 3))
-            rest = (forces.ravel() + pull @ (x.ravel() + u) - inner)[moving]
-            step = splu((tangent - pull)[moving][:, moving].tocsc()).solve(rest)
-            u[moving] += step
-            if np.abs(step).max() < 1e-13 * max(np.abs(u).max(), 1e-9):
+            scale = tangent.diagonal().max()
+            matrix = block_array([[tangent - pull, scale * self.rows.T], [scale * self.rows, None]]).tocsc()
+            rest = forces.ravel() + pull @ (x + u) - inner
+            step, _ = np.split(splu(matrix).solve(np.append(rest, -scale * (self.rows @ u))), [size])
+            u += step
+            if np.abs(step).max() < 1e-12 * max(np.abs(u).max(), 1e-9):
                 return u.reshape(-1, 3)
         raise ArithmeticError("Newton's method does not converge")
 
@@ -60,3 +61,16 @@ class Held:
             rows = np.repeat(places, 3 * count, axis=1).ravel(), np.tile(places, (1, 3 * count)).ravel()
             matrix = matrix + csr_array(coo_array((k.ravel(), rows), shape=matrix.shape))
         return force, csr_array(matrix)
+
+
+def nodes_held(x: np.ndarray, nodes: list[int], motion: str) -> csr_array:
+    """B for a set of nodes that do not move, "rigid", or neither move nor turn in the mean, "mean"."""
+    places = (3 * np.array(nodes)[:, None] + np.arange(3)).ravel()
+    rows = np.eye(len(places))
+    if motion == "mean":
+        levers = x[nodes] - x[nodes].mean(axis=0)
+        mean = np.tile(np.eye(3), len(nodes))
+        rows = np.concatenate([mean, np.concatenate([np.cross(r, np.eye(3)).T for r in levers], axis=1)])
+    result = np.zeros((len(rows), x.size))
+    result[:, places] = rows
+    return csr_array(result)
