@@ -11,7 +11,7 @@ from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
 from derive.mechanics.multibody.space.nodal_loads import nodal_resultants
 from derive.reduction.arithmetic import Array
 from derive.reduction.body import Prepared, prepare, second_order_fields
-from derive.reduction.marker_motion import fitted_rotations, inertia_of_set, set_weights
+from derive.reduction.marker_motion import fitted_rotations, fitted_second_rotations, inertia_of_set, set_weights
 from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 
 ON_A_LINE = 1e-8
@@ -44,11 +44,14 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
     frames = []
     for marker in body.markers:
         point = mean(marker.name, _doc(marker), marker.nodes, set_weights(marker))
-        twists = np.zeros_like(point.shapes)
-        if marker.has_rotation:
-            nodes = list(marker.nodes)
-            twists = fitted_rotations(set_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes])
-        frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
+        if not marker.has_rotation:
+            frames.append(ModalFrame(point, np.zeros_like(point.shapes)))
+            continue
+        nodes, second = list(marker.nodes), None
+        of = set_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes]
+        if mean.second is not None:
+            second = fitted_second_rotations(*of, np.stack([mean.second[node] for node in nodes], axis=2))
+        frames.append(ModalFrame(point, np.ascontiguousarray(fitted_rotations(*of)), second))
     return tuple(frames)
 
 

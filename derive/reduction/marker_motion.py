@@ -36,6 +36,23 @@ def fitted_rotations(weights: Array, levers: Array, fields: Array) -> Array:
     return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), moments.T).T)
 
 
+def fitted_second_rotations(weights: Array, levers: Array, fields: Array, second: Array) -> Array:
+    """The rotations s_ij (n, n, 3) of second order that fit displacements sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij best.
+
+    fields (n, nodes, 3) are Phi; second (n, n, nodes, 3) are Psi. The turned levers R r, with the rotation R of the
+    vector sum a_i theta_i + 1/2 sum a_i a_j s_ij, are those of the least weighted squares of r + u - R r. Then the sum
+    of w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
+
+        J s_ij = sum w {r x (Psi_ij - theta_i x (theta_j x r)) + 2 (theta_i x r) x Phi_j}, made symmetric in i and j.
+    """
+    theta = fitted_rotations(weights, levers, fields)
+    turned = np.cross(theta[:, None], levers)
+    curved = second - np.cross(theta[:, None, None], turned[None])
+    moments = np.cross(levers, curved) + 2 * np.cross(turned[:, None], fields[None])
+    both = np.einsum("a,ijak->ijk", weights, moments + np.swapaxes(moments, 0, 1)) / 2
+    return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), both.reshape(-1, 3).T).T.reshape(both.shape))
+
+
 def inertia_of_set(weights: Array, levers: Array) -> Array:
     """The tensor of inertia (3, 3) of the weights at their levers."""
     return np.asarray(np.einsum("a,akl->kl", weights, _moments(levers)))
