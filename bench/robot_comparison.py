@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 
 BATCH = 8
 """The states of a batch."""
-TOLERANCE = 1e-12
-"""The largest difference, relative to the largest number of a state."""
 FUNCTIONS = ("accel", "inverse_dynamics", "mass")
 
 
@@ -55,7 +53,12 @@ def without_markers(model: Model) -> Model:
 
 
 class Comparison:
-    """The makers of one case, in one program: their calls, and their values in the coordinates of Pinocchio."""
+    """The makers of one case, in one program: their calls, and their values in the coordinates of Pinocchio.
+
+    tolerance: the largest difference, relative to the largest number of a state.
+    """
+
+    tolerance = 1e-12
 
     def __init__(self, case: str, folder: Path, flags: str, coordinates: str, states: int) -> None:
         import pinocchio
@@ -242,7 +245,7 @@ class Comparison:
             if function != "inverse_dynamics":
                 scale = abs(wanted).max()
             error = abs(given.ravel() - wanted.ravel()).max() / scale
-            if not error < TOLERANCE:
+            if not error < self.tolerance:
                 raise ArithmeticError(f"{self.case}: {function} of {call.name} is off by {error:.1e}")
 
     def in_pinocchio(self, function: str, maker: str, q: Array, v: Array, values: Array) -> Array:
