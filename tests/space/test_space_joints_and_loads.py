@@ -118,3 +118,34 @@ def test_drives_prescribe_rotations(keep: bool) -> None:
     more = '[drives.motor]\njoint = "first"\nmotion = "0.3*sin(4*t)"\n[outputs.turn]\nkind = "joint"\njoint = "first"'
     trajectory = run("revolute", keep=keep, more=more)
     assert trajectory["turn"] == pytest.approx(0.3 * np.sin(4 * trajectory.t), abs=1e-10)
+
+
+def test_a_spring_along_a_guide_pulls_by_its_length() -> None:
+    # the length is the root of one square, which has a kink where the ends coincide
+    text = """
+name = "buffer"
+[scene]
+gravity = [0, 0, 0]
+[ground.markers]
+rail = { at = [0.1, 0, 0], rotation = { z = [3, 0, 4], x = [0, 1, 0] } }
+[bodies.carriage]
+mass = 2
+inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
+markers.m = { at = [0, 0, 0], rotation = { z = [3, 0, 4], x = [0, 1, 0] } }
+[joints.guide]
+kind = "prismatic"
+between = ["ground.rail", "carriage.m"]
+start = { displacement = -0.5, speed = 0 }
+[springs.buffer]
+between = ["ground.rail", "carriage.m"]
+stiffness = 50
+rest = 0.4
+[outputs.length]
+kind = "distance"
+between = ["ground.rail", "carriage.m"]
+[simulation]
+duration = 1
+output = 0.05
+"""
+    trajectory = PreparedRun(parse(text), complete=False).trajectory()
+    assert trajectory["length"] == pytest.approx(0.4 + 0.1 * np.cos(5 * trajectory.t), abs=1e-8)
