@@ -7,9 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
+from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.space.marker_frames import own_frame
 from derive.simulation.trajectory import Trajectory
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import parse
 
 SCENE = """
@@ -111,6 +113,17 @@ def test_free_motions_of_a_joint_have_no_reaction() -> None:
     assert np.abs(force[:, :2]).max() < 1e-11
     assert np.abs(torque[:, 2]).max() < 1e-11
     assert np.abs(force[:, 2]).max() > 1.0
+
+
+def test_plots_leave_out_torques_of_what_exerts_none() -> None:
+    more = '[outputs.%s]\nkind = "%s"\n%s = "%s"\n'
+    lines = [("S", "spring", "spring", "pull"), ("B", "reaction", "joint", "ball")]
+    text = SCENE.replace("BETWEEN", 'kind = "planar"\nbetween = ["ground.o", "arm.hub"]')
+    scene = parse(text.replace("[simulation]", "".join(more % line for line in lines) + "[simulation]"))
+    assert isinstance(scene, SpatialScene)
+    plots = {plot.name: plot.quantity.y for plot in default_plots(scene, run("planar").model)}
+    assert plots["S"] == ("S_1", "S_2", "S_3") and plots["B"] == ("B_1", "B_2", "B_3")
+    assert plots["R"] == ("R_1", "R_2", "R_3", "R_torque1", "R_torque2", "R_torque3")
 
 
 @pytest.mark.parametrize("keep", [False, True])
