@@ -28,6 +28,8 @@ CONVERGED = 0.05
 
 TRIED = 4
 """The number of models in space, ever finer, of which the first two that agree give the reference."""
+HOPELESS = 3
+"""The number of models of which none has a steady motion, after which no other is tried."""
 
 
 @dataclass(frozen=True)
@@ -237,14 +239,28 @@ def ladder_stability(
             paths[model] = model_path(parameter, model)
         return paths[model]
 
+    def is_hopeless() -> bool:
+        """Whether the first models, which are quick, have motions and no steady one: others cost minutes each."""
+        return sum(path.coordinates > 0 for path in paths.values()) >= HOPELESS and all(
+            p.failure for p in paths.values()
+        )
+
     for model in models:
         compute(model)
+        if is_hopeless():
+            break
     for before, richest in pairwise(steps):
+        if is_hopeless():
+            break
         pair = compute(before), compute(richest)
         if known is not None or agree(*pair):
             break
     if all(path.failure for path in paths.values()):
-        reasons = dict.fromkeys(path.failure for path in paths.values())
-        raise SimulationError("\n".join(["no model has a steady motion:", *(f"  {reason}" for reason in reasons)]))
+        reasons = [f"  {reason}" for reason in dict.fromkeys(path.failure for path in paths.values())]
+        left = len({*models} - {*paths})
+        untried = (
+            [f"{counted(left, 'finer model')} of the ladder {'was' if left == 1 else 'were'} not tried"] if left else []
+        )
+        raise SimulationError("\n".join(["no model has a steady motion:", *reasons, *untried]))
     shown = tuple(paths[model] for model in models)
     return LadderStability(name, parameter.range, shown, paths[richest], paths[before], known, parameter.motion)
