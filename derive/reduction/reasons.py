@@ -9,17 +9,12 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from derive.mechanics.bodies.foreshortening import CONDITION_17 as SECOND_17
+from derive.mechanics.tables import AT_CENTRE, CONDITION_17, CONDITION_19, EXACT_SUM, ORTHONORMAL, UNDAMPED
 from derive.reduction.arithmetic import Array
 from derive.reduction.integrals import Integrals
 
-CENTRE = "the choice of the origin (the centre of mass)"
-DISPLACEMENT = "condition (17) (no mean displacement)"
-ROTATION = "condition (19) (no mean rotation)"
-ORTHOGONAL = "orthogonality (modes orthonormal in the mass)"
-UNDAMPED = "the specification (no damping)"
-SECOND_DISPLACEMENT = "condition (17) at second order (no mean displacement)"
 SECOND_ROTATION = "condition (19) at second order (no mean rotation)"
-EXACT_SUM = "the sum over the nodes, which is exactly zero"
 
 PAIRS = tuple(combinations_with_replacement(range(3), 2))
 """The components (a, b), a <= b, of a symmetric tensor."""
@@ -142,12 +137,12 @@ def with_exact_zeros(
 def _by_frame(entry: IntegralEntry, *, mean: bool, orthonormal: bool) -> str:
     """The reason why the frame or the orthogonality of the modes makes an entry zero; empty if they do not."""
     if mean and entry.table in ("c1", "c2", "c6"):
-        return {"c1": CENTRE, "c2": DISPLACEMENT, "c6": ROTATION}[entry.table]
+        return {"c1": AT_CENTRE, "c2": CONDITION_17, "c6": CONDITION_19}[entry.table]
     if mean and entry.table in ("c9", "c10"):
-        return {"c9": SECOND_DISPLACEMENT, "c10": SECOND_ROTATION}[entry.table]
+        return {"c9": SECOND_17, "c10": SECOND_ROTATION}[entry.table]
     diagonal = ("c8", "stiffness", "damping") if mean else ("c8", "stiffness")  # damping is that of the free modes
     if orthonormal and entry.table in diagonal and entry.index[0] != entry.index[1]:
-        return ORTHOGONAL
+        return ORTHONORMAL
     return ""
 
 

@@ -80,11 +80,13 @@ CHAIN = {f"joint_{k}": [f"link_{k}.right", f"link_{k + 1}.left"] for k in range(
 TREE = {"joint_0": ["link_0.right", "link_1.left"], "joint_1": ["link_0.middle", "link_2.left"]}
 
 
-@pytest.mark.parametrize("kind", ["weld", "revolute"])
+ONE = {"joint_0": CHAIN["joint_0"]}
+CASES = [(pairs, kind) for kind in ("weld", "revolute") for pairs in ({}, ONE, CHAIN, TREE)]
+QUICK = (({}, "weld"), (CHAIN, "revolute"), (TREE, "weld"))
+
+
 @pytest.mark.parametrize(
-    "pairs",
-    [{}, pytest.param({"joint_0": CHAIN["joint_0"]}, marks=pytest.mark.long), CHAIN, TREE],
-    ids=["0", "1", "5", "tree"],
+    ("pairs", "kind"), [pytest.param(*case, marks=() if case in QUICK else pytest.mark.long) for case in CASES]
 )
 def test_loops_compile_without_warnings(tmp_path: Path, pairs: dict[str, list[str]], kind: str) -> None:
     """With markers, batches and forms: of a body alone, of paths, and of joints in any graph."""

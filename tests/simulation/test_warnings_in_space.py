@@ -42,7 +42,7 @@ def causes(scene: derive.SpatialScene, load: tuple[float, float, float]) -> set[
     return {monitor.cause for monitor in run.validity if monitor.passed}
 
 
-TWIST = {"torsion": {"ansatz": ["xi", "xi^2"], "stiffness": 1}}
+TWIST = {"torsion": {"ansatz": ["xi"], "stiffness": 1}, "ansatz": ["1", "xi", "xi^2", "xi^3"]}
 
 
 @pytest.mark.parametrize(

@@ -31,8 +31,12 @@ output = 0.25
 ORDERS = {1: 'ground.o", "wheel.o', -1: 'wheel.o", "ground.o'}
 
 
-@pytest.mark.parametrize("kept", ["true", "false"])
-@pytest.mark.parametrize("sign", [1, -1])
+OTHERS = ((1, "true"), (-1, "false"))
+
+
+@pytest.mark.parametrize(
+    ("sign", "kept"), [(-1, "true"), (1, "false"), pytest.param(1, "true", marks=pytest.mark.long)]
+)
 def test_turns_beyond_a_limit(kept: str, sign: int) -> None:
     """Also beyond half a turn, with the sign of the second body against the first."""
     text = HINGE.format(kept=kept, kind="revolute", first=ORDERS[sign], limits="-4, 3.9", speed=2)

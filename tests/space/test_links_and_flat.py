@@ -18,7 +18,7 @@ from derive.simulation.configurations import normalised
 
 MATRICES = ("M", "G", "A", "jacobian")
 FUNCTIONS = ("inverse_dynamics", "gravity_compensation", "centre_of_mass", "centroidal_momentum")
-BALLS = ("spherical", "revolute", "spherical", "universal", "spherical", "prismatic")
+BALLS = ("spherical", "revolute", "universal", "spherical", "prismatic")
 
 
 def tree(seed: int, kinds: tuple[str, ...], free: bool = False, **more: Any) -> dict[str, Any]:

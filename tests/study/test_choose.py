@@ -270,6 +270,7 @@ def test_the_command(
     before = out.read_bytes()
     assert main(["choose", str(SCENE), "--out", str(out)]) == 2
     assert "exists, and is not overwritten" in capsys.readouterr().err and out.read_bytes() == before
+    monkeypatch.setattr(one_beam, "candidates", lambda *_: (RIGID,))
     assert main(["choose", str(SCENE), "--error", "1e-4", "--out", str(tmp_path / "none.toml")]) == 1
     assert "No model that was tried" in capsys.readouterr().out and not (tmp_path / "none.toml").exists()
 

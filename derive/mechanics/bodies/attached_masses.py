@@ -25,6 +25,7 @@ from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import rational
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.symbols import Family, pair
+from derive.mechanics.tables import CANCEL, ZERO_THERE
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AttachedMass
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
     from derive.mechanics.bodies.foreshortening import Foreshortening
 
 NO_SLOPE = "these shapes (no slope at the attached masses)"
-ZERO_THERE = "a zero of the integrand at the attached masses"
-CANCEL = "the attached masses, which cancel"
 
 
 @dataclass(frozen=True)

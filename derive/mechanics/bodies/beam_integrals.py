@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.planar_integrals import Value
+from derive.mechanics.tables import CONDITION_17, CONDITION_19
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
 PARALLEL = "geometry (all deflections are along e2)"
 ALONG = "geometry (both are along e1)"
 CENTRED = "the choice of the origin (the centre of the undeformed beam)"
-CONDITION_17 = "condition (17) (no mean displacement)"
-CONDITION_19 = "condition (19) (no mean rotation)"
 PARITY = "parity (the integrand is odd in xi)"
 BY_CHANCE = "these shapes (the integral vanishes exactly)"
 ORTHOGONAL = "orthogonality (the integral vanishes exactly)"

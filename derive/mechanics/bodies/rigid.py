@@ -10,12 +10,11 @@ from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity
+from derive.mechanics.tables import AT_CENTRE
 from derive.mechanics.terms import ModelConstant
 
 if TYPE_CHECKING:
     pass
-
-AT_CENTRE = "the choice of the origin (the centre of mass)"
 
 
 @dataclass(frozen=True)

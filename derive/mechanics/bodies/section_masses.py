@@ -15,9 +15,6 @@ from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.spec.model.spatial_beam_parts import SpatialAttachedMass
 
-ZERO_THERE = "a zero of the integrand at the attached masses"
-CANCEL = "the attached masses, which cancel"
-
 
 @dataclass(frozen=True)
 class SectionMass:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import LEFT, ONE, rational
-from derive.mechanics.bodies.beam_integrals import CENTRED, CONDITION_17, CONDITION_19, ORTHOGONAL, PARITY
+from derive.mechanics.bodies.beam_integrals import CENTRED, ORTHOGONAL, PARITY
 from derive.mechanics.bodies.section_fields import (
     SectionField,
     SectionShape,
@@ -26,11 +26,11 @@ from derive.mechanics.bodies.section_fields import (
     second_field,
     shape_field,
 )
-from derive.mechanics.bodies.section_masses import CANCEL, ZERO_THERE, SectionMass
+from derive.mechanics.bodies.section_masses import SectionMass
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.symbols import Family
 from derive.mechanics.symbols import quantity as quantity_symbol
-from derive.mechanics.tables import AXES, PAIRS
+from derive.mechanics.tables import AXES, CANCEL, CONDITION_17, CONDITION_19, PAIRS, ZERO_THERE
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder

@@ -16,7 +16,6 @@ from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.spatial_tables import (
     DOCS,
-    NOTHING,
     SECOND_ORDER_DOCS,
     kept_entries,
     modal_tables,
@@ -27,7 +26,7 @@ from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.symbols import parameter as parameter_symbol
-from derive.mechanics.tables import CoefficientTable, TableKind, entries
+from derive.mechanics.tables import EXACT_SUM, CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder, Gravity, SymbolicBody
@@ -84,7 +83,7 @@ class NumberValues:
         zeros = self.body.zeros
 
         def reason(entry: Symbol) -> str:
-            return zeros.get(entry.name, NOTHING) if zeros else NOTHING
+            return zeros.get(entry.name, EXACT_SUM) if zeros else EXACT_SUM
 
         return _constants(
             table,

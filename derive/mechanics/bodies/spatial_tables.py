@@ -10,7 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.symbols import Family
-from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
+from derive.mechanics.tables import (
+    AT_CENTRE,
+    CONDITION_17,
+    CONDITION_19,
+    EXACT_SUM,
+    NO_SHAPES,
+    ODD,
+    ORTHONORMAL,
+    PAIRS,
+    SCALARS,
+    TENSORS,
+    UNDAMPED,
+    CoefficientTable,
+    TableKind,
+    entries,
+)
 from derive.spec.model.body import SymbolicBody
 
 if TYPE_CHECKING:
@@ -41,17 +56,14 @@ SECOND_ORDER_DOCS = DOCS | {
 
 
 MEAN = {
-    Family.C1: "the choice of the origin (the centre of mass)",
-    Family.C2: "condition (17) (no mean displacement)",
-    Family.C6: "condition (19) (no mean rotation)",
-    Family.C8: "orthogonality (modes orthonormal in the mass)",
+    Family.C1: AT_CENTRE,
+    Family.C2: CONDITION_17,
+    Family.C6: CONDITION_19,
+    Family.C8: ORTHONORMAL,
     Family.STIFFNESS: "orthogonality (modes orthonormal in the mass and the stiffness)",
     Family.DAMPING: "orthogonality (damping of each mode alone)",
 }
 """The reasons why integrals vanish in the mean frame; of c8, K and B the entries off the diagonal."""
-
-NOTHING = "the sum over the nodes, which is exactly zero"
-UNDAMPED = "the specification (no damping)"
 
 
 def symbolic_tables(spec: SymbolicBody) -> tuple[CoefficientTable, ...]:
@@ -149,6 +161,6 @@ def kept_entries(table: CoefficientTable, n: int, values: Array) -> Array:
 def _reason(given: ModalBody, family: Family) -> str:
     """The reason that a table vanishes (off its diagonal): the reason of its first zero entry in the body."""
     if not given.zeros:
-        return NOTHING
+        return EXACT_SUM
     names = (entry.name for entry in entries(full_table(family), given.modes))
-    return next((given.zeros[name] for name in names if name in given.zeros), NOTHING)
+    return next((given.zeros[name] for name in names if name in given.zeros), EXACT_SUM)

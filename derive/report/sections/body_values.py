@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from derive.mechanics.multibody.space.rigid import ENTRIES
 from derive.report.document.page import Block, Content, table
 from derive.spec.model.beam_parts import AttachedMass, AxialDeformation, BeamDamping
 from derive.spec.model.beam_pieces import whole_beam
@@ -16,8 +17,6 @@ from derive.spec.model.specification import AnyScene
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """The digits of exponents."""
 INERTIA, BENDING = "kg\u00a0m²", "N\u00a0m²"
-PRODUCTS = ("Jxx", "Jyy", "Jzz", "Jxy", "Jxz", "Jyz")
-"""The entries of a tensor of inertia."""
 
 
 def body_kind(body: SceneBody | SpatialBody) -> str:
@@ -103,7 +102,7 @@ def section_mass_blocks(spec: AnyScene) -> tuple[Block, ...]:
     rows: list[list[Content]] = []
     for beam in {beam.name: beam for beam in beams}.values():
         for of in beam.masses:
-            entries = zip(PRODUCTS, of.inertia or (), strict=False)
+            entries = zip(ENTRIES, of.inertia or (), strict=False)
             inertia = ", ".join(
                 f"{name}\u00a0=\u00a0{value_text(entry, INERTIA)}" for name, entry in entries if entry != 0
             )

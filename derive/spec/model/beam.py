@@ -13,6 +13,7 @@ from derive.spec.model.beam_parts import (
     DEFAULT_LENGTH,
     DEFAULT_MASS,
     DEFAULT_POLYNOMIALS,
+    MASSES,
     AssumedDeflection,
     AttachedMass,
     AxialDeformation,
@@ -157,12 +158,7 @@ class PlanarBeam:
     ] = None
     masses: Annotated[
         tuple[AttachedMass, ...],
-        key(
-            AttachedMass,
-            "Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions of the frame "
-            "and the damping are those of the beam without them.",
-            example="[bodies.rod.masses.tip]",
-        ),
+        key(AttachedMass, MASSES, example="[bodies.rod.masses.tip]"),
     ] = ()
     axial: Annotated[
         AxialDeformation | None,

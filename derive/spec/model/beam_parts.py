@@ -156,6 +156,13 @@ class Marker:
     __repr__ = record_text
 
 
+POSITION = key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")
+MASSES = (
+    "Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions of the frame and the "
+    "damping are those of the beam without them."
+)
+
+
 @documented
 @dataclass(frozen=True)
 class AttachedMass:
@@ -172,7 +179,7 @@ class AttachedMass:
     """
 
     name: str
-    at: Annotated[Fraction, key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")]
+    at: Annotated[Fraction, POSITION]
     mass: Annotated[Quantity, key(KeyType.POSITIVE_QUANTITY, "Mass, kg.", DEFAULT_MASS.unit, example="0.5")]
     inertia: Annotated[
         Quantity,

@@ -15,6 +15,12 @@ from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
 
 ForceFrame = Literal["inertial", "body"]
+LOAD_FACTOR = key(
+    KeyType.FUNCTION,
+    "Factor of the load: a number, a function of t, or an input.",
+    default=TimeFunction("number", value=Fraction(1)),
+    shown=1,
+)
 
 BETWEEN = key(
     KeyType.MARKER_PAIR,

@@ -11,6 +11,7 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import (
     DEFAULT_LENGTH,
     INERTIA_UNIT,
+    MASSES,
     AssumedDeflection,
     AxialDeformation,
     BeamDamping,
@@ -173,12 +174,7 @@ class SpatialBeam:
     start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
     masses: Annotated[
         tuple[SpatialAttachedMass, ...],
-        key(
-            SpatialAttachedMass,
-            "Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions of the frame "
-            "and the damping are those of the beam without them.",
-            example="[bodies.rod.masses.tip]",
-        ),
+        key(SpatialAttachedMass, MASSES, example="[bodies.rod.masses.tip]"),
     ] = ()
     loads: Annotated[
         tuple[SpatialDistributedLoad, ...],

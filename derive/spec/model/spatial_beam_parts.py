@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import Annotated
 
 from derive.short_text import record_text
-from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Polynomial, ShapeFamily
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, POSITION, Polynomial, ShapeFamily
 from derive.spec.model.documentation import documented
-from derive.spec.model.forces import ForceFrame
+from derive.spec.model.forces import LOAD_FACTOR, ForceFrame
 from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_start import NO_ROTATION, ROTATION_FORMS, UnitQuaternion
@@ -34,7 +34,7 @@ class SectionFrame:
     """
 
     name: str
-    at: Annotated[Fraction, key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")]
+    at: Annotated[Fraction, POSITION]
     rotation: Annotated[
         UnitQuaternion,
         key(
@@ -138,15 +138,7 @@ class SpatialDistributedLoad:
     name: str
     force: Annotated[LoadTriple, _components("Force per length", "N/m", '[0, 0, "-10*(1 - xi^2)"]')]
     torque: Annotated[LoadTriple, _components("Torque per length", "N", "[2, 0, 0]")]
-    time: Annotated[
-        TimeFunction,
-        key(
-            KeyType.FUNCTION,
-            "Factor of the load: a number, a function of t, or an input.",
-            default=TimeFunction("number", value=Fraction(1)),
-            shown=1,
-        ),
-    ]
+    time: Annotated[TimeFunction, LOAD_FACTOR]
     frame: Annotated[
         ForceFrame,
         key(
@@ -175,7 +167,7 @@ class SpatialAttachedMass:
     """
 
     name: str
-    at: Annotated[Fraction, key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")]
+    at: Annotated[Fraction, POSITION]
     mass: Annotated[Quantity, key(KeyType.POSITIVE_QUANTITY, "Mass, kg.", DEFAULT_MASS.unit, example="0.5")]
     inertia: Annotated[
         tuple[Quantity, ...] | None,

@@ -10,7 +10,7 @@ from derive.short_text import record_text
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT
 from derive.spec.model.body import NodalBody
 from derive.spec.model.documentation import documented
-from derive.spec.model.forces import ForceFrame
+from derive.spec.model.forces import LOAD_FACTOR, ForceFrame
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.planar_bodies import BODY_MASS, NOT_NEEDED
 from derive.spec.model.quantity import Quantity
@@ -209,15 +209,7 @@ class NodalLoad:
             example="[[0, 0, -5], [0, 0, -10]]",
         ),
     ]
-    time: Annotated[
-        TimeFunction,
-        key(
-            KeyType.FUNCTION,
-            "Factor of the load: a number, a function of t, or an input.",
-            default=TimeFunction("number", value=Fraction(1)),
-            shown=1,
-        ),
-    ]
+    time: Annotated[TimeFunction, LOAD_FACTOR]
     frame: Annotated[
         ForceFrame,
         key(KeyType.CHOICE, "The frame of the components: inertial, or body, the floating frame of the body."),

@@ -31,6 +31,7 @@ from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.planar_bodies import BeamBody, DistributedLoad
 from derive.spec.model.simulation import OF_BEAMS, InitialValues
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.parsing import choices
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.declared_tables import TABLES, declare
@@ -94,26 +95,26 @@ def _beam(order: int, terms: str | None = None, **given: Any) -> PlanarBeam:
     by_default = "full" if shapes.frame.kind in ("point", "tangent") else "truncated"
     second = DisplacementOrder.FULL if (terms or by_default) == "full" else DisplacementOrder.TRUNCATED
     beam = PlanarBeam(order=DisplacementOrder.FIRST_ORDER if order == 1 else second, **vars(shapes), **given)
-    _check_axial(beam)
-    if order == 1 and terms is not None:
-        raise WrongValueError(f'terms = "{terms}" is for beams of order 2; write order = 2 beside it, or leave it out')
-    return beam
-
-
-def _check_axial(beam: PlanarBeam) -> None:
-    """Refuse a preload at first order, and rotary inertia of masses in the full model of a beam that stretches."""
-    if beam.axial is None:
-        return
-    if beam.order is DisplacementOrder.FIRST_ORDER and beam.axial.preload != 0:
-        raise WrongValueError(
-            "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
-        )
+    check_first_order(beam, terms)
     turning = [mass.name for mass in beam.masses if mass.inertia != 0]
-    if turning and beam.order is DisplacementOrder.FULL:
+    if turning and beam.axial is not None and beam.order is DisplacementOrder.FULL:
         raise WrongValueError(
             f"the full model of a beam that stretches takes no rotary inertia of attached masses ({turning[0]}); "
             'write terms = "truncated", or leave `inertia` out'
         )
+    return beam
+
+
+def check_first_order(beam: PlanarBeam | SpatialBeam, terms: str | None) -> None:
+    """Refuse what a beam of first order does not have: terms of second order, and the effect of a preload."""
+    if beam.order is not DisplacementOrder.FIRST_ORDER:
+        return
+    if beam.axial is not None and beam.axial.preload != 0:
+        raise WrongValueError(
+            "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
+        )
+    if terms is not None:
+        raise WrongValueError(f'terms = "{terms}" is for beams of order 2; write order = 2 beside it, or leave it out')
 
 
 def _beam_body(name: str, **given: Any) -> BeamBody:

@@ -21,7 +21,7 @@ from derive.spec.model.spatial_beam_parts import (
 )
 from derive.spec.model.spatial_start import CURVE_RATES, CURVES, SpatialInitialValues
 from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.beam import assumed_deflection
+from derive.spec.tables.beam import assumed_deflection, check_first_order
 from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare
 from derive.spec.tables.inertia_tensor import check_tensor
 from derive.spec.tables.value_types import VALUE_TYPES, markers_type
@@ -78,12 +78,7 @@ def _beam(name: str, order: int, terms: str | None = None, **given: Any) -> Spat
     taken = of_loads & {marker.name for marker in beam.markers}
     if taken:
         raise WrongValueError(f"a point of a load is called like the marker {min(taken)}; rename one of them")
-    if order == 1 and beam.axial is not None and beam.axial.preload != 0:
-        raise WrongValueError(
-            "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
-        )
-    if order == 1 and terms is not None:
-        raise WrongValueError(f'terms = "{terms}" is for beams of order 2; write order = 2 beside it, or leave it out')
+    check_first_order(beam, terms)
     return beam
 
 

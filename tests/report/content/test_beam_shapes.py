@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 import derive
-from derive import pipeline
 from derive.mechanics.bodies.section_fields import section_shapes
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.model_lowering import lowered_form
 from derive.report.document.page import Details, Paragraph, Picture
 from derive.report.sections.beam_shapes import beam_shape_picture, beam_shapes_of_scene
 from derive.report.sections.mechanism import body_blocks
@@ -74,8 +74,9 @@ def test_a_planar_beam_that_stretches_has_two_panels() -> None:
 
 
 def test_a_piece_is_described_as_a_part_of_its_beam() -> None:
-    built = pipeline.generate(rods(arm={"pieces": 2}))
-    assert isinstance(built.derived, SpatialMechanism)
-    described = str(body_blocks(built.derived.scene, built.model, built.equations)).replace(r"\xa0", " ")
+    derived = derive.derive(rods(arm={"pieces": 2}))
+    assert isinstance(derived, SpatialMechanism)
+    model = derive.lower(derived, explicit=True)
+    described = str(body_blocks(derived.scene, model, lowered_form(derived, model))).replace(r"\xa0", " ")
     assert "piece 2 of 2 of arm, a beam in space" in described and "the whole beam: 2 kg" in described
     assert "torsional stiffness 10 N m²" in described

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from derive.algebra import sp
-from derive.mechanics.multibody.outputs.energies import material_damping
+from derive.mechanics.multibody.outputs.energies import Energies, Powers, material_damping
 from derive.mechanics.multibody.space.joints import Freedom
 from derive.mechanics.multibody.space.marker_outputs import AXES, FRAME, LABELS, MARKER_OUTPUTS, along, observer
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
@@ -121,14 +121,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
             of_motion=True,
         ),
         "joint_speed": SpatialOutputType("rate of that motion", (JOINT,), ("",), _joint_speed, of_motion=True),
-        "energy": SpatialOutputType(
-            "kinetic, strain (with springs), gravitational and total energy",
-            (),
-            ("kinetic", "strain", "gravity", "total"),
-            _energy,
-            counts_inertia=True,
-            adds=True,
-        ),
+        "energy": SpatialOutputType(Energies.doc, (), Energies.labels, _energy, counts_inertia=True, adds=True),
         "reaction": SpatialOutputType(
             "what a joint exerts on body 2, with its drive, the torque about the second marker",
             (JOINT, FRAME),
@@ -146,14 +139,7 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
         "joint_load": SpatialOutputType(
             "the force or the torque of a load in a joint, and its power", (LOAD,), ("", "power"), _joint_load
         ),
-        "power": SpatialOutputType(
-            "power of loads and drives, and dissipation: their sum is the time derivative of the total energy",
-            (),
-            ("loads", "drives", "dissipated"),
-            _power,
-            counts_inertia=True,
-            adds=True,
-        ),
+        "power": SpatialOutputType(Powers.doc, (), Powers.labels, _power, counts_inertia=True, adds=True),
     },
     doc="""The kinds of outputs in space by their names, which are the values of `kind` in [outputs.NAME].
 
