@@ -8,7 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.errors import printable
+from derive.reduction.body import ZERO_STIFFNESS, prepare
 from derive.reduction.frames import centre_of_mass
+from derive.reduction.integrals import mass_products
+from derive.reduction.marker_motion import marker_motion
 from derive.spec.model.body import NodalBody
 from derive.spec.parsing.names import free_name
 
@@ -52,9 +55,34 @@ class BodyTable:
     mesh: str
 
 
+LARGEST_DISPLACEMENT = 0.01
+"""The largest displacement at which a body alone starts, as a part of its length."""
+
+PERIODS, ROWS = 5, 200
+"""The duration of its simulation in periods of the first mode, and the rows of the output."""
+
+
 def body_text(table: BodyTable) -> str:
-    """The specification of a body alone."""
-    return "\n".join([*_head(table), "[body]", *_keys(table, table.interface), ""])
+    """The specification of a body alone, whose simulation is the vibration of its first mode."""
+    return "\n".join([*_head(table), "[body]", *_keys(table, table.interface), "", *_vibration(table.body)])
+
+
+def _vibration(body: NodalBody) -> Iterator[str]:
+    """The start with an amplitude of the first mode, and the simulation of a few periods of it."""
+    shapes = prepare(body).shapes
+    squares = np.diag(shapes.stiffness)
+    if not len(squares) or not squares[0] > ZERO_STIFFNESS * squares.max():
+        return
+    c8 = float(mass_products(prepare(body).mass, shapes.phi[:1], shapes.phi[:1])[0, 0])
+    period = 2 * np.pi * (c8 / squares[0]) ** 0.5
+    size = np.ptp(body.data.positions, axis=0).max() / np.linalg.norm(shapes.phi[0], axis=1).max()
+    yield "[body.start]"
+    yield f"amplitudes = [{LARGEST_DISPLACEMENT * size:.3g}]  # of the first mode, whose period is {period:.4g} s"
+    yield ""
+    yield "[simulation]"
+    yield f"duration = {PERIODS * period:.3g}"
+    yield f"output = {PERIODS * period / ROWS:.3g}"
+    yield ""
 
 
 def scene_text(table: BodyTable) -> str:
@@ -66,8 +94,9 @@ def scene_text(table: BodyTable) -> str:
     data, inertial = table.body.data, centre_of_mass(table.body.data.mass, table.body.data.positions)
     nodes = {marker.name: marker.nodes for marker in table.body.interface_markers}
     shown = dict.fromkeys((table.interface[0], table.interface[-1]))
-    means = {names[name]: data.positions[list(nodes[name])].mean(axis=0) for name in shown}
-    places = [f"{own} = {_vector(mean)}  # the mean of the nodes of this set" for own, mean in means.items()]
+    of_name = {marker.name: marker for marker in table.body.interface_markers}
+    means = {names[name]: marker_motion(table.body, of_name[name], data.positions).centre for name in shown}
+    places = [f"{own} = {_vector(mean)}  # the mean of this set" for own, mean in means.items()]
     markers = [
         f"{own} = {{ set = {_text(name)} }}" if len(nodes[name]) > 1 else f"{own} = {nodes[name][0]}"
         for name, own in names.items()
@@ -79,7 +108,7 @@ def scene_text(table: BodyTable) -> str:
         *(f"[bodies.{table.name}]", *_keys(table, tuple(names.values()))),
         "damping = { ratio = 0.01 }  # of critical damping, in each mode of the free body; less when it is held",
         f"start = {{ guess = true, position = {_vector(inertial)} }}  # the centre of mass",
-        *("", f"[bodies.{table.name}.markers]  # weighted means of the nodes of these sets", *markers, ""),
+        *("", f"[bodies.{table.name}.markers]  # means over the areas of these sets, or of their nodes", *markers, ""),
         *(f"[joints.{held}]", 'kind = "fixed"', f'between = ["ground.{held}", "{table.name}.{held}"]', ""),
         *_plot(table.name, list(names.values())),
         *("[simulation]", "duration = 0.1", "output = 1e-3", ""),

@@ -26,7 +26,7 @@ from derive.spec.parsing.values import WrongValueError, mode_count
 from derive.spec.tables.beam import DAMPING
 from derive.spec.tables.declared_tables import TABLES, declare
 from derive.spec.tables.shared import TomlTable, one_of
-from derive.spec.tables.value_types import MODE_COUNT_SCHEMA, VALUE_TYPES
+from derive.spec.tables.value_types import MODE_COUNT_SCHEMA
 
 _POINT = (
     "a point frame needs the node it is at, and turns with those in `around`, or with its nearest neighbours: "
