@@ -113,7 +113,7 @@ def _mass_faults(body: NodalBody) -> list[Problem]:
     sum_ = float(pairwise_sum(mass.data))
     if not sum_ > 0:
         return [Problem("body.nodes", f"the mass of all nodes is {sum_:.6g} kg; it has to be positive")]
-    if (message := indefinite(mass)) is not None:
+    if body.data.moments is None and (message := indefinite(mass)) is not None:
         return [Problem("body.nodes", message)]
     x = from_centre_of_mass(mass, body.data.positions)
     inertia, _ = eigh(mass_products(mass, rigid_fields(x)[3:], rigid_fields(x)[3:]))

@@ -93,7 +93,9 @@ def drawn_body(body: NodalBody) -> DrawnBody:
     """The surface of a body of nodes with its markers: that of its elements if the files have them, and otherwise a
     guess. A guess with more than MAX_NODES is replaced by the box around it, whose corners move as the nearest nodes.
     """
+    own = slice(len(body.data.positions))  # without the point masses of a body that is given by moments
     shapes = prepare(body).shapes
+    shapes = replace(shapes, x=shapes.x[own], phi=shapes.phi[:, own])
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
     whole = _surface(body, shapes.x)
     marked = [marker.node for marker in body.markers]
