@@ -20,6 +20,8 @@ from derive.spec.model.body import NodeData
 FIRST_MODE = 4
 """The row of the first mode among the moments, behind 1, x, y and z."""
 
+ROUNDING = 1e-15
+
 INDEPENDENT = 1e-13
 """Fields depend on each other if an eigenvalue of their moments, relative to their sizes, is below this."""
 
@@ -69,4 +71,7 @@ def integrals_of_moments(moments: Array, modes: int) -> Integrals:
     count = FIRST_MODE + 3 * modes
     linear = moments[0, 1:count].reshape(-1, 3)
     second = moments[1:count, 1:count].reshape(1 + modes, 3, 1 + modes, 3).transpose(0, 2, 1, 3)
-    return integrals_of(float(moments[0, 0]), linear, second)
+    result = integrals_of(float(moments[0, 0]), linear, second)
+    sizes = np.sqrt(np.abs(np.diag(result.c8)))
+    rounding = np.abs(result.c8) <= ROUNDING * np.multiply.outer(sizes, sizes)  # of sums of three numbers
+    return replace(result, c8=np.where(rounding, 0.0, result.c8))

@@ -219,7 +219,7 @@ def test_a_part_of_second_order(folder: Path) -> None:
 
 
 def test_a_file_of_another_kind_names_those_that_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Standard input data have no nodes, and are no robot either."""
-    (tmp_path / "part.sid").write_text("part")
-    assert main(["import", str(tmp_path / "part.sid")]) == 2
-    assert 'files of the kind ".sid" are not read; those that are end in .urdf, .inp, ' in capsys.readouterr().err
+    """A mesh of another program is no robot either."""
+    (tmp_path / "part.msh").write_text("part")
+    assert main(["import", str(tmp_path / "part.msh")]) == 2
+    assert 'files of the kind ".msh" are not read; those that are end in .urdf, .inp, ' in capsys.readouterr().err
