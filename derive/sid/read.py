@@ -31,7 +31,7 @@ ZERO_REASON = "the SID file, where it is exactly zero"
 
 @dataclass(frozen=True)
 class StandardInput:
-    """What a SID contains: the body, the rotations (N, 3), rad/m, of its points by name, and what is not used of it."""
+    """The contents of a SID: the body, the rotations (N, 3), rad/m, of its points by name, and what is not used."""
 
     body: ModalBody
     twists: dict[str, Array]
