@@ -27,7 +27,7 @@ def bracket() -> dict[str, np.ndarray]:
     along, across = np.concatenate([[0], np.linspace(THICKNESS, LEG, 5)]), np.linspace(0, WIDTH, 2)
     whole = MeshTet.init_tensor(along, across, along)
     outside = whole.p[:, whole.t].mean(axis=1).min(axis=0, initial=1, where=[[True], [False], [True]]) > THICKNESS
-    mesh = whole.remove_elements(np.flatnonzero(outside))
+    mesh = whole.remove_elements(np.flatnonzero(outside)).oriented()
     scalar, vector = (Basis(mesh, e, intorder=4) for e in (ElementTetP2(), ElementVector(ElementTetP2())))
     x = scalar.doflocs.T
     return {

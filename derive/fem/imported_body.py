@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -208,8 +209,13 @@ def _size(model: FiniteElementModel) -> str:
     """The mesh in words, or the frames of a body without one."""
     if model.moments is not None:
         return f"moments and {counted(len(model.node_sets), 'frame')}"
-    elements = [f"{len(block.nodes)} {block.kind.value}" for block in model.elements]
-    return ", ".join([counted(len(model.positions), "node"), *elements])
+    counts: Counter[str] = Counter()
+    for block in model.elements:
+        counts[block.kind.value] += len(block.nodes)
+    materials = {block.material for block in model.elements}
+    of = f" of {len(materials)} materials" if len(materials) > 1 else ""
+    elements = [f"{count} {kind}" for kind, count in counts.items()]
+    return f"{', '.join([counted(len(model.positions), 'node'), *elements])}{of}"
 
 
 def _doc(body: NodalBody) -> str:

@@ -73,8 +73,9 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: 
         return
     if "BOUNDARY" in mesh.cards:
         where = np.concatenate([partly, absent])
-        text = f"the part is held at the nodes {node_list(where)}; a body is stored without supports"
-        yield Problem("*BOUNDARY", f"{text}: leave them out of the step, and run ccx again", mesh.cards["BOUNDARY"][0])
+        text = f"the part is held at the nodes {node_list(where)}; a body is stored without supports: leave them out"
+        free = f"{text}, or free it in the step that stores the matrices by a line *BOUNDARY, OP=NEW, and run ccx again"
+        yield Problem("*BOUNDARY", free, mesh.cards["BOUNDARY"][0])
     elif partly.size:
         text = f"displacements of the nodes {node_list(partly)} are missing in some directions"
         yield Problem("", f"{text}{_ties(mesh)}; tie nodes in all three directions, or leave the ties out")
