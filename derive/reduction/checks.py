@@ -268,7 +268,8 @@ def _supports(body: NodalBody, mass: csr_array, x: Array, raw: ModeShapes) -> li
     names = ("translation e1", "translation e2", "translation e3", "rotation 1", "rotation 2", "rotation 3")
     motion = names[int(np.argmax(np.abs(vectors[-1])))]
     message = f"the stiffness resists rigid motion ({motion}, {math.sqrt(values[-1]):.3g} rad/s)"
-    return [Problem("body.nodes", f"{message}: the body is tied to the ground; export it without supports")]
+    why = "the body is tied to the ground, or equations tie nodes at different places"
+    return [Problem("body.nodes", f"{message}: {why}; export it without these")]
 
 
 def _noise(body: NodalBody, mass: csr_array) -> float:
