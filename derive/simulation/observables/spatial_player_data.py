@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from derive.reduction.body import prepare
+from derive.reduction.modal_stresses import modal_stresses
 from derive.simulation.observables.body_surface import Surface, surface
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.mesh_surface import coarsened, mesh_surface
@@ -26,7 +27,6 @@ from derive.simulation.observables.player_data import (
     rounded,
     speeds,
 )
-from derive.simulation.observables.stresses import modal_stresses
 from derive.simulation.observables.visual_surfaces import BOX_FACES, VisualSurface, box
 from derive.solids.stresses import von_mises
 from derive.spec.model.body import NodalBody

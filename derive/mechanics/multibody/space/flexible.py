@@ -92,7 +92,12 @@ def _section(frame: ModalFrame, axes: sp.ImmutableMatrix, looped: bool) -> Cross
         of = dict(zip(pairs, constants(Family.POINT_SECOND, pairs, values, "displacement", "1/m"), strict=True))
         second = tuple(tuple(of[min(i, j), max(i, j)] for j in modes) for i in modes)
     material = MaterialPoint(point.name, point.doc, position, shapes, tuple(constants.made), second)
-    return CrossSection(material, axes=axes, twists=twists)
+    stresses = () if frame.stresses is None else tuple(_exact_column(row) for row in frame.stresses)
+    return CrossSection(material, axes=axes, twists=twists, stresses=stresses)
+
+
+def _exact_column(numbers: Array) -> sp.ImmutableMatrix:
+    return sp.ImmutableMatrix([sp.Rational(float(x)) for x in numbers])
 
 
 class _PointNumbers:
