@@ -14,7 +14,7 @@ def clamped_response(stiffness: csr_array, fixed: np.ndarray) -> Response:
     moving = np.setdiff1d(np.arange(stiffness.shape[0]), fixed)
     factors = splu(stiffness[moving][:, moving].tocsc())
 
-    def respond(loads: np.ndarray) -> np.ndarray:
+    def respond(loads: np.ndarray, *_: np.ndarray) -> np.ndarray:
         result = np.zeros_like(loads)
         result[:, moving] = factors.solve(loads[:, moving].T).T
         return result

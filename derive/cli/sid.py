@@ -40,5 +40,5 @@ def _of_scene(spec: object, name: str | None) -> str:
         raise SpecError((Problem("bodies", text),))
     reduced = bodies[name] if name is not None else next(iter(bodies.values()))
     points = tuple(frame.point for frame in reduced.frames)
-    twists = {frame.point.name: frame.twists for frame in reduced.frames}
-    return write(replace(reduced.body, points=points), twists=twists)
+    frames = {frame.point.name: frame for frame in reduced.frames}
+    return write(replace(reduced.body, points=points), frames=frames)

@@ -13,7 +13,9 @@ from derive.reduction.body import ZERO_STIFFNESS, prepare
 from derive.reduction.integrals import mass_products
 from derive.reduction.marker_motion import marker_motion
 from derive.reduction.properties import body_properties
-from derive.spec.model.body import InterfaceMarker, NodalBody, NodeData
+from derive.spec.model.body import NodalBody
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.node_markers import InterfaceMarker
 from derive.spec.parsing.names import free_name
 
 

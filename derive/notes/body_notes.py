@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.notes.component_mode_notes import component_mode_notes
-from derive.spec.model.body import InterfaceMarker, NodalBody
+from derive.spec.model.body import NodalBody
+from derive.spec.model.node_markers import InterfaceMarker
 from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.parsing.faults import names_text

@@ -46,8 +46,13 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
     for marker in body.markers:
         motion = marker_motion(body.body, marker, mean.x)
         point = mean(marker.name, _doc(marker, motion), marker.nodes, motion.weights)
-        twists = motion.rotation(mean.phi[:, motion.nodes]) if marker.has_rotation else np.zeros_like(point.shapes)
-        frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
+        if not marker.has_rotation:
+            frames.append(ModalFrame(point, np.zeros_like(point.shapes)))
+            continue
+        fields, second = mean.phi[:, motion.nodes], None
+        if mean.second is not None:
+            second = motion.second_rotation(fields, np.stack([mean.second[node] for node in motion.nodes], axis=2))
+        frames.append(ModalFrame(point, np.ascontiguousarray(motion.rotation(fields)), second))
     return tuple(frames)
 
 
@@ -113,7 +118,7 @@ def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Proble
     for marker in body.markers:
         if marker.motion != "rigid" or not len(phi):
             continue
-        motion, own = equal_motion(marker, x), phi[:, list(marker.nodes)]
+        motion, own = equal_motion(marker.nodes, x), phi[:, list(marker.nodes)]
         rigid = motion.displacement(own)[:, None] + np.cross(motion.rotation(own)[:, None], motion.levers[None])
         parts = np.abs(own - rigid).max(axis=(1, 2)) / sizes
         worst = int(np.argmax(parts))

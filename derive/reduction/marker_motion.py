@@ -6,6 +6,7 @@ displacements of all of it. Other nodes have the weights that are given, or equa
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
@@ -62,23 +63,41 @@ class MarkerMotion:
         moments = np.cross(self.arms[None], fields).sum(axis=1)
         return np.asarray(np.linalg.solve(self.inertia, moments.T).T)
 
+    def second_rotation(self, fields: Array, second: Array) -> Array:
+        """The rotations s_ij (N, N, 3) of second order that fit sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij best.
+
+        fields (N, n, 3) are Phi; second (N, N, n, 3) are Psi. The turned levers R r, with the rotation R of the vector
+        sum a_i theta_i + 1/2 sum a_i a_j s_ij, are those of the least weighted squares of r + u - R r. Then the sum of
+        w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
+
+            J s_ij = sum w {r x (Psi_ij - theta_i x (theta_j x r)) + 2 (theta_i x r) x Phi_j},
+
+        made symmetric in i and j. The arms take the place of w r.
+        """
+        theta = self.rotation(fields)
+        curved = second - np.cross(theta[:, None, None], np.cross(theta[:, None], self.levers)[None])
+        turned = np.cross(theta[:, None], self.arms)
+        moments = np.cross(self.arms, curved) + 2 * np.cross(turned[:, None], fields[None])
+        both = (moments + np.swapaxes(moments, 0, 1)).sum(axis=2) / 2
+        return np.asarray(np.linalg.solve(self.inertia, both.reshape(-1, 3).T).T.reshape(both.shape))
+
 
 def marker_motion(body: NodalBody, marker: MarkerNodes, x: Array) -> MarkerMotion:
     """The motion of a marker of a body whose nodes are at x (nodes, 3)."""
     products = _area(body, marker, x)
     if products is None:
         given = np.array([float(w) for w in marker.weights] or [1.0] * len(marker.nodes))
-        return _motion(marker, x, np.diag(given / given.sum()), by_area=False)
-    return _motion(marker, x, products / products.sum(), by_area=True)
+        return _motion(marker.nodes, x, np.diag(given / given.sum()), by_area=False)
+    return _motion(marker.nodes, x, products / products.sum(), by_area=True)
 
 
-def equal_motion(marker: MarkerNodes, x: Array) -> MarkerMotion:
-    """The motion of a marker whose nodes have equal weights."""
-    return _motion(marker, x, np.eye(len(marker.nodes)) / len(marker.nodes), by_area=False)
+def equal_motion(nodes: Sequence[int], x: Array) -> MarkerMotion:
+    """The motion of a set of nodes with equal weights."""
+    return _motion(nodes, x, np.eye(len(nodes)) / len(nodes), by_area=False)
 
 
-def _motion(marker: MarkerNodes, x: Array, products: Array, by_area: bool) -> MarkerMotion:
-    nodes = list(marker.nodes)
+def _motion(of: Sequence[int], x: Array, products: Array, by_area: bool) -> MarkerMotion:
+    nodes = list(of)
     weights = products.sum(axis=0)
     centre = weights @ x[nodes]
     levers = x[nodes] - centre

@@ -4,8 +4,11 @@
 2. Psi_ij is the static displacement of the linear body under minus these stresses. A free body is not held by any
    support, and its mean displacement and rotation vanish: this is the mean frame, in which K0t and K0r vanish. The
    conditions of other frames replace it, as `second_order` describes.
+   A rigid set of nodes that turns by theta moves its nodes by 1/2 theta x (theta x r) to second order, and so Psi_ij is
+   a rigid motion of the set and the symmetric part of theta_i x (theta_j x r), which is given.
 3. The geometric stiffness under a load is minus its work on Psi_ij. By the theorem of Betti this is int sigma : (grad
-   Phi_i^T grad Phi_j) with the stress sigma of the load, balanced by the inertia forces of a rigid acceleration.
+   Phi_i^T grad Phi_j) with the stress sigma of the load, balanced by the inertia forces of a rigid acceleration, and
+   the work of the reactions of rigid sets on the given part of Psi_ij.
 
 The loads are -M a of the acceleration fields e_k (K0t), e_k x X (K0r) and omega x (omega x X) for the products of omega
 (K0omega), and unit forces at nodes (K0F). There is a static solution for each pair of modes, for any number of nodes.
@@ -22,6 +25,7 @@ from derive.reduction.arithmetic import Array
 from derive.reduction.component_modes import inertia_relief
 from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
 from derive.reduction.frames import ModeShapes, from_centre_of_mass, rigid_basis
+from derive.reduction.marker_motion import equal_motion
 from derive.solids.quadratic_strains import quadratic_loads
 from derive.solids.stresses import IntegratedMesh, strain_energies
 from derive.spec.model.mesh import ElementKind, NodeMesh
@@ -36,8 +40,8 @@ PAIRS_AT_ONCE = 60
 ZERO_ENERGY = 1e-9
 """The strain energy of a mode without stiffness, relative to the largest."""
 
-Response = Callable[[Array], Array]
-"""The static displacements (L, displacements) of a body under loads (L, displacements)."""
+Response = Callable[[Array, Array, Array], Array]
+"""The displacements (L, displacements) of second order of pairs of modes, both (L, nodes, 3), from their loads."""
 
 
 def free_response(
@@ -46,18 +50,34 @@ def free_response(
     """The response of a free body with inertia relief, without mean displacement and rotation. Raises SpecError.
 
     x (nodes, 3), m; mass (nodes, nodes); stiffness (3 nodes, 3 nodes). rigid_sets: sets of nodes that move as rigid
-    bodies, whose reactions are a part of the response.
+    bodies in all modes, by finite rotations, and whose reactions are a part of the response.
     """
     coordinates = rigid_set_motions(x, rigid_sets) if rigid_sets else csr_array(identity(x.size))
     basis = rigid_basis(mass, from_centre_of_mass(mass, x))
     flat, m = basis.reshape(len(basis), -1), mass_of_displacements(mass)
-    relieved = inertia_relief(symmetric_matrix(stiffness), m, coordinates, flat)
+    k = symmetric_matrix(stiffness)
+    relieved = inertia_relief(k, m, coordinates, flat)
 
-    def respond(loads: Array) -> Array:
-        found = relieved(loads)
+    def respond(loads: Array, first: Array, second: Array) -> Array:
+        given = turned_sets(x, rigid_sets, first, second)
+        found = given + relieved(loads - given @ k)
         return np.asarray(found - (found @ (m @ flat.T)) @ flat)
 
     return respond
+
+
+def turned_sets(x: Array, rigid_sets: tuple[tuple[int, ...], ...], first: Array, second: Array) -> Array:
+    """The symmetric parts of theta_i x (theta_j x r) of rigid sets, (L, displacements), which vanish at other nodes.
+
+    theta_i and theta_j are the rotations of a set in the modes first and second, both (L, nodes, 3).
+    """
+    result = np.zeros_like(first)
+    for nodes in map(list, rigid_sets):
+        motion = equal_motion(nodes, x)
+        one, two = (motion.rotation(of[:, nodes])[:, None] for of in (first, second))
+        levers = motion.levers
+        result[:, nodes] = (np.cross(one, np.cross(two, levers)) + np.cross(two, np.cross(one, levers))) / 2
+    return result.reshape(len(first), -1)
 
 
 def integrated_mesh(mesh: NodeMesh, shapes: ModeShapes) -> IntegratedMesh:
@@ -95,7 +115,7 @@ def geometric_stiffness_tables(
     first, second = np.triu_indices(count)
     for start in range(0, len(first), PAIRS_AT_ONCE):
         i, j = (each[start : start + PAIRS_AT_ONCE] for each in (first, second))
-        psi = respond(quadratic_loads(solid, phi, i, j).reshape(len(i), -1))
+        psi = respond(quadratic_loads(solid, phi, i, j).reshape(len(i), -1), phi[i], phi[j])
         at_nodes = psi.reshape(len(i), -1, 3)[:, list(nodes)].reshape(len(i), -1)
         work[:, i, j] = work[:, j, i] = np.concatenate([inertia @ psi.T, -at_nodes.T])
     return {

@@ -15,7 +15,7 @@ from scipy.sparse import block_diag, csr_array
 
 from derive.reduction.arithmetic import Array
 from derive.reduction.integrals import Integrals, integrals_of
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 
 FIRST_MODE = 4
 """The row of the first mode among the moments, behind 1, x, y and z."""

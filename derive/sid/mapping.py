@@ -38,7 +38,8 @@ this.
 A SID contains neither the reasons of zeros nor the description of a body. `read` treats values that are exactly zero
 as structural zeros, with the file as the reason. It refuses data that a modal body cannot represent, namely stresses
 of the reference configuration (ksigma) and nodes with rotated frames (AP), and warns of data that it does not use, such
-as rotations of nodes (psi) and with them K0M. `write` writes psi of markers of scenes, and of other points as zeros.
+as rotations of nodes (psi) and with them K0M. `write` writes psi of markers of scenes, the first order of which is the
+second one of their rotation vectors, and zeros of other points.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
+from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame, ModalPoint
 from derive.sid.mapping import GENERAL, INERTIA_COLUMN, MATRICES, SYMMETRIC, Array, Taylor, constant_matrix, to_matrices
 
 
@@ -17,12 +17,12 @@ def write(
     body: ModalBody,
     *,
     inertia: Literal["matrix", "vector"] = "matrix",
-    twists: Mapping[str, Array] = MappingProxyType({}),
+    frames: Mapping[str, ModalFrame] = MappingProxyType({}),
 ) -> str:
     """The text of a SID of a modal body, by the relations in `derive.sid.mapping`.
 
     inertia: the form of J, a symmetric 3 x 3 matrix, or the column J11, J22, J33, J12, J13, J23 that some programs
-    expect. twists: the rotation vectors (N, 3), rad/m, at points by their names, which are psi there and else zero.
+    expect. frames: the frames at points by their names, whose rotation vectors are psi there; it is zero elsewhere.
     Numbers have 17 digits, so that `read` returns the same doubles; zeros are omitted. The points of the body
     become the nodes 1, 2, ...; their names and that of the body are in the first line, after the numbers of nodes and
     modes, which are all that other programs read there.
@@ -30,10 +30,10 @@ def write(
     matrices = to_matrices(body)
     if inertia == "vector":
         matrices["J"] = _as_column(matrices["J"])
-    return "\n".join([*_lines(body, matrices, twists), ""])
+    return "\n".join([*_lines(body, matrices, frames), ""])
 
 
-def _lines(body: ModalBody, matrices: dict[str, Taylor], twists: Mapping[str, Array]) -> Iterator[str]:
+def _lines(body: ModalBody, matrices: dict[str, Taylor], frames: Mapping[str, ModalFrame]) -> Iterator[str]:
     """The lines of the text."""
     points = " ".join(point.name for point in body.points)
     stiffening = "yes" if body.second_order else "no"
@@ -49,7 +49,7 @@ def _lines(body: ModalBody, matrices: dict[str, Taylor], twists: Mapping[str, Ar
     yield "      end refmod"
     yield "      frame"
     for at, point in enumerate(body.points, 1):
-        yield from _node(at, point, body.modes, twists.get(point.name))
+        yield from _node(at, point, body.modes, frames.get(point.name))
     yield "      end frame"
     for name in MATRICES:
         yield from _taylor(name, matrices[name], body.modes, "      ")
@@ -57,17 +57,22 @@ def _lines(body: ModalBody, matrices: dict[str, Taylor], twists: Mapping[str, Ar
     yield "end part"
 
 
-def _node(at: int, point: ModalPoint, n: int, twist: Array | None) -> Iterator[str]:
-    """The lines of a node; `at` is its number, n that of modes, and twist (n, 3) the rotations there, if known."""
-    shapes = np.ascontiguousarray(point.shapes.T)
+def _node(at: int, point: ModalPoint, n: int, frame: ModalFrame | None) -> Iterator[str]:
+    """The lines of a node; `at` is its number, n that of modes, and `frame` turns there, if one is known."""
     yield f"         new node = {at}"
     yield "            rframe = body ref"
-    yield from _taylor("origin", Taylor(point.position[:, None], shapes[:, :, None]), n, "            ")
-    second = None if point.second is None else np.ascontiguousarray(point.second.transpose(2, 1, 0))
-    yield from _taylor("phi", constant_matrix(shapes) if second is None else Taylor(shapes, second), n, "            ")
-    yield from _taylor("psi", constant_matrix(np.zeros((3, n)) if twist is None else twist.T), n, "            ")
+    yield from _taylor("origin", Taylor(point.position[:, None], point.shapes.T[:, :, None]), n, "            ")
+    yield from _taylor("phi", _by_modes(point.shapes, point.second), n, "            ")
+    turned = (np.zeros((n, 3)), None) if frame is None else (frame.twists, frame.second_twists)
+    yield from _taylor("psi", _by_modes(*turned), n, "            ")
     yield from _taylor("AP", constant_matrix(np.eye(3)), n, "            ")
     yield "         end node"
+
+
+def _by_modes(first: Array, second: Array | None) -> Taylor:
+    """Vectors (N, 3) of the modes with those of second order, (N, N, 3), if there are any."""
+    columns = np.ascontiguousarray(first.T)
+    return constant_matrix(columns) if second is None else Taylor(columns, second.transpose(2, 1, 0))
 
 
 def _taylor(name: str, matrix: Taylor, n: int, indent: str) -> Iterator[str]:

@@ -59,7 +59,8 @@ class Problem:
         lam, mu = lame_parameters(3e9, 0.3)
         basis = self.basis
         gradients = [basis.interpolate(mode).grad for mode in self.modes]
-        strain = sym_grad(basis.interpolate(self.solve(load[None])[0]))
+        still = np.zeros((1, *self.x.shape))
+        strain = sym_grad(basis.interpolate(self.solve(load[None], still, still)[0]))
         sigma = np.asarray(2 * mu * strain + lam * eye(trace(strain), 3))
         pulled = [np.einsum("kl...,ml...->mk...", sigma, g) * basis.dx for g in gradients]
         return np.array([[np.vdot(p, g) for g in gradients] for p in pulled])

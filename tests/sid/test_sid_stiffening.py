@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.mechanics.bodies.modal_body import ModalBody
+from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
 from derive.reduction import reduce
 from derive.reduction.body import prepare
 from derive.sid import SidError, SidWarning, read, write
 from derive.sid.mapping import to_matrices
+from derive.sid.write import fortran_number
 from derive.spec.model.body import BodyFrame, DisplacementOrder
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
@@ -46,6 +47,15 @@ def test_round_trip(frame: BodyFrame) -> None:
         if frame.kind != "mean"
         else "body with 4 modes and geometric stiffness (K0omega, K0F) from a SID file"
     )
+
+
+def test_rotations_of_second_order_are_the_first_order_of_psi() -> None:
+    point, rng = BODY.points[0], np.random.default_rng(6)
+    second = rng.normal(size=(4, 4, 3))
+    frame = ModalFrame(point, rng.normal(size=(4, 3)), second + second.swapaxes(0, 1))
+    text = write(BODY, frames={point.name: frame}).partition("psi")[2].partition("end psi")[0]
+    for i, j, k in np.ndindex(4, 4, 3):
+        assert f"m1( {k + 1}, {j + 1}, {i + 1}) = {fortran_number(frame.second_twists[i, j, k])}" in text
 
 
 def test_matrices_make_the_row_of_a_mode() -> None:

@@ -14,8 +14,9 @@ import derive
 from derive.reduction.interface import interface_of
 from derive.solids.face_areas import area_products
 from derive.solids.stresses import IntegratedMesh
-from derive.spec.model.body import NodalBody, NodeData
+from derive.spec.model.body import NodalBody
 from derive.spec.model.mesh import ElementKind, NodeMesh
+from derive.spec.model.node_data import NodeData
 
 SIDES = (0.3, 0.1, 0.06)  # m
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from decimal_vectors import (
+    ONE,
     ZERO,
     Array,
     array,
@@ -22,11 +23,12 @@ from decimal_vectors import (
     cross,
     identity,
     number,
+    of_quaternion,
     rotation_vector_of_set,
     solved,
     zeros,
 )
-from mass_points import MarkerFrame, PointBody
+from mass_points import MarkerFrame, PointBody, moved
 from written_scene import Numbers, Table, rotation
 
 
@@ -129,8 +131,45 @@ def nodal_marker(of: Any, fields: NodalFields) -> MarkerFrame:
     rigid = table.get("motion", "mean") == "rigid"
     of = rotation_of_rigid_set if rigid else lambda r, u: rotation_vector_of_set(weights, r, u)
     turns = [of(x - centre, phi[nodes]) for phi in fields.phi]
-    second = None if fields.psi is None else np.einsum("a,ijak->ijk", weights, fields.psi[:, :, nodes])
-    return MarkerFrame(centre, turned, shapes, np.array(turns, dtype=object).reshape(-1, 3), second)
+    second = second_turns = None
+    if fields.psi is not None:
+        second = np.einsum("a,ijak->ijk", weights, fields.psi[:, :, nodes])
+        second_turns = turns_of_second_order(weights, x - centre, fields.phi[:, nodes], fields.psi[:, :, nodes])
+    return MarkerFrame(centre, turned, shapes, np.array(turns, dtype=object).reshape(-1, 3), second, second_turns)
+
+
+def turns_of_second_order(weights: Array, arms: Array, phi: Array, psi: Array) -> Array:
+    """The second derivatives (N, N, 3) of the rotation vector that fits the moved nodes best, by differences.
+
+    weights (P,); arms (P, 3); phi (N, P, 3); psi (N, N, P, 3).
+    """
+    h, n = Decimal("1e-14"), len(phi)
+    result = zeros(n, n, 3)
+
+    def fitted(*modes: int) -> Array:
+        """The even part of the rotation vector of equal amplitudes h of some modes."""
+        a = np.array([h if i in modes else ZERO for i in range(n)], dtype=object)
+        return sum(best_rotation(weights, arms, moved(zeros(*arms.shape), phi, psi, sign * a)) for sign in (1, -1))
+
+    own = [fitted(i) for i in range(n)]
+    for i in range(n):
+        result[i, i] = own[i] / h**2
+        for j in range(i):
+            result[i, j] = result[j, i] = (fitted(i, j) - own[i] - own[j]) / (2 * h**2)
+    return result
+
+
+def best_rotation(weights: Array, arms: Array, displacements: Array) -> Array:
+    """The vector of the rotation R for which the sum of w |r + u - R r|^2 is least, of small displacements u (P, 3).
+
+    R is that of the quaternion along (1, vector/2).
+    """
+    theta = zeros(3)
+    for _ in range(8):  # each gains the digits by which u is smaller than the arms
+        R = of_quaternion(np.array([ONE, *(theta / 2)], dtype=object))
+        turned = arms @ R.T
+        theta = theta + rotation_vector_of_set(weights, turned, arms + displacements - turned)
+    return theta
 
 
 def rotation_of_rigid_set(arms: Array, displacements: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -85,15 +86,11 @@ def _section(frame: ModalFrame, axes: sp.ImmutableMatrix, looped: bool) -> Cross
     (position,) = constants(Family.POINT_POSITION, [()], point.position[None], "X", "m", "(1)")
     shapes = constants(Family.POINT_SHAPE, ones, point.shapes, "displacement", "", "(1)")
     twists = constants(Family.SECTION_ROTATION, ones, frame.twists, "rotation", "1/m", "(1)")
-    second: tuple[tuple[sp.ImmutableMatrix, ...], ...] = ()
-    if point.second is not None:
-        pairs = [(i, j) for i in modes for j in modes if i <= j]
-        values = np.array([point.second[i - 1, j - 1] for i, j in pairs])
-        of = dict(zip(pairs, constants(Family.POINT_SECOND, pairs, values, "displacement", "1/m"), strict=True))
-        second = tuple(tuple(of[min(i, j), max(i, j)] for j in modes) for i in modes)
+    second = constants.of_pairs(Family.POINT_SECOND, point.second, "displacement", "1/m")
+    second_twists = constants.of_pairs(Family.SECTION_ROTATION, frame.second_twists, "rotation", "1/m^2")
     material = MaterialPoint(point.name, point.doc, position, shapes, tuple(constants.made), second)
     stresses = () if frame.stresses is None else tuple(_exact_column(row) for row in frame.stresses)
-    return CrossSection(material, axes=axes, twists=twists, stresses=stresses)
+    return CrossSection(material, axes=axes, twists=twists, second_twists=second_twists, stresses=stresses)
 
 
 def _exact_column(numbers: Array) -> sp.ImmutableMatrix:
@@ -131,6 +128,18 @@ class _PointNumbers:
                     self.made.append(ModelConstant(symbol, exact, equation, text, unit))
             result.append(sp.ImmutableMatrix(entries))
         return tuple(result)
+
+    def of_pairs(
+        self, family: Family, vectors: Array | None, doc: str, unit: str
+    ) -> tuple[tuple[sp.ImmutableMatrix, ...], ...]:
+        """The vectors (N, N) of pairs of modes, which are symmetric in these; none at first order."""
+        if vectors is None:
+            return ()
+        modes = range(1, len(vectors) + 1)
+        pairs = [*combinations_with_replacement(modes, 2)]
+        values = np.array([vectors[i - 1, j - 1] for i, j in pairs])
+        of = dict(zip(pairs, self(family, pairs, values, doc, unit), strict=True))
+        return tuple(tuple(of[min(i, j), max(i, j)] for j in modes) for i in modes)
 
 
 ROUNDING = 1e-13
