@@ -25,6 +25,7 @@ from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.space.assembly import spatial_mechanism
 from derive.mechanics.multibody.space.flexible import ReducedBody
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
+from derive.mechanics.multibody.space.stress_outputs import bodies_without_stresses
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene
@@ -118,13 +119,15 @@ def modal(spec: NodalBody) -> ModalBody:
 def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
     """The finite-element bodies of a scene as numbers, by their names. Raises SpecError with faults of their data."""
     flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    if problems := [*bodies_without_stresses(scene)]:
+        raise SpecError(tuple(problems))
     if not flexible:
         return {}
     from derive.reduction import reduce
     from derive.reduction.frame_points import load_frames, modal_frames
+    from derive.reduction.stress_outputs import with_stresses
 
     frames: dict[str, tuple[ModalFrame, ...]] = {}
-    problems: list[Problem] = []
     for flexible_body in flexible:  # first, since modes need rigid sets that it checks
         try:
             frames[flexible_body.name] = modal_frames(flexible_body)
@@ -132,6 +135,7 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
             problems += (_in_scene(problem, flexible_body.name) for problem in error.problems)
     if problems:
         raise SpecError(tuple(problems))
+    frames = {body.name: with_stresses(scene, body, frames[body.name]) for body in flexible}
     alike = {body.name: replace(body.body, name="") for body in flexible}
     integrals = {body: reduce(body) for body in dict.fromkeys(alike.values())}
     return {

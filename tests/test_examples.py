@@ -60,6 +60,7 @@ CHECKS: dict[str, Check] = {
     "force_of_my_own": near(1, 1e-8),
     "four_bar_rigid": lambda value: value < 1e-9,
     "free_beam_frequencies": near(2.5e-4, 0.02),  # of the Ritz method with P2 to P7
+    "from_scikit_fem": lambda value: value < 2e-3,
     "gravity_pendulum": near(1, 1e-9),
     "jax_identification": near([1, 1], 1e-3),
     "joint_of_my_own": near(1, 1e-8),

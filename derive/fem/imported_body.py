@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
+from scipy.optimize import nnls
 from scipy.sparse import csr_array
 
 from derive.errors import Problem, SpecError, quoted
@@ -15,13 +19,14 @@ from derive.fem.node_archive import archive_bytes, node_arrays
 from derive.fem.plausibility import unit_notes
 from derive.fem.written_body import SI, BodyTable, FileUnits, body_text, scene_text
 from derive.progress_line import show_progress
-from derive.reduction.body import ZERO_STIFFNESS, prepare
+from derive.reduction.body import ZERO_STIFFNESS, damping_of, prepare
 from derive.reduction.checks import indefinite
 from derive.reduction.component_modes import static_mode_count
+from derive.reduction.properties import body_properties
 from derive.short_text import counted
 from derive.spec.construction.bodies import nodal_body
 from derive.spec.files.node_files import MAX_BYTES
-from derive.spec.model.body import ComponentModes, NodalBody
+from derive.spec.model.body import ComponentModes, Damping, NodalBody
 from derive.spec.model.mode_selection import ModeSelection
 from derive.spec.model.node_markers import InterfaceMarker
 from derive.spec.parsing.faults import did_you_mean, names_text
@@ -75,8 +80,9 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
 
     `source` is the file that errors and comments name. Raises SpecError with the faults of the part and of the options.
     """
-    interface = _interface(model, options, source)
-    markers = tuple(InterfaceMarker(name, tuple(model.node_sets[name].tolist())) for name in interface)
+    held = _interface(model, options, source)
+    markers = tuple(InterfaceMarker(name, tuple(model.node_sets[name].tolist())) for name in held)
+    interface = held if model.stiffness is not None else ()
     kind = options.component_modes or ("craig_bampton" if interface else "free")
     static = static_mode_count(kind, markers) if interface else 0
     modes = options.modes
@@ -89,8 +95,9 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
     try:
         body = nodal_body(
             name, arrays, units=options.units.table(), modes=modes, component_modes=options.component_modes,
-            interface=interface or None, order=2 if options.second_order else None,
+            interface=interface or None, order=2 if options.second_order else None, **_of_moments(model),
         )  # fmt: skip
+        body, undamped = _with_damping(body, model.modal_damping)
         show_progress("computing modes ...")
         own = modes if isinstance(modes, int) and not interface else 0  # a body without an interface has these modes
         count = max(COMPARED, own)
@@ -101,12 +108,37 @@ def imported_body(model: FiniteElementModel, options: BodyOptions, source: str, 
         raise SpecError(error.problems, source) from None
     finally:
         show_progress()
-    table = BodyTable(
-        name, source, nodes_file or f"{name}.npz", body, interface, options.component_modes, options.units, _size(model)
-    )
+    file = nodes_file or f"{name}.npz"
+    table = BodyTable(name, source, file, body, markers, options.component_modes, options.units, _size(model))
     text = scene_text(table) if options.scene else body_text(table)
-    notes = (*_notes(model, body, frequencies), *model.notes)
+    notes = (*_notes(model, body, frequencies), *undamped, *model.notes)
     return ImportedBody(name, _doc(body), text, archive_bytes(arrays), notes)
+
+
+def _of_moments(model: FiniteElementModel) -> dict[str, Any]:
+    """The keys of a body that is given by moments, whose modes stay as they are and whose frames are markers."""
+    if model.moments is None:
+        return {}
+    at = {name: int(nodes[0]) - 1 for name, nodes in model.node_sets.items()}
+    return {"frame": "given", "orthonormal": False, "markers": at}
+
+
+def _with_damping(body: NodalBody, damping: Array | None) -> tuple[NodalBody, tuple[str, ...]]:
+    """The body with the damping that its file has, and a note if a specification has none like it."""
+    if damping is None or not np.any(damping):
+        return body, ()
+    count = len(prepare(body).shapes.phi)
+    wanted = damping[:count, :count]
+    for names in (("ratio",), ("mass", "stiffness")):
+        units = [Damping(**{name: Fraction(1)}) for name in names]
+        columns = np.stack([damping_of(replace(body, damping=unit)).ravel() for unit in units], axis=1)
+        factors, rest = nnls(columns / np.linalg.norm(columns, axis=0), wanted.ravel())
+        if rest <= AGREEMENT * np.linalg.norm(wanted):
+            values = (factors / np.linalg.norm(columns, axis=0)).tolist()
+            given = {name: Fraction(repr(value)) for name, value in zip(names, values, strict=True)}
+            return replace(body, damping=Damping(**given)), ()
+    text = "the damping (De) is neither a fraction of critical damping nor proportional to mass and stiffness"
+    return body, (f"warning: {text}, and left out",)
 
 
 def _too_large(size: int) -> Iterator[Problem]:
@@ -120,8 +152,8 @@ def _faults_of_matrices(model: FiniteElementModel) -> Iterator[Problem]:
     """Faults of the matrices in which nodes have their numbers in the program."""
     size = 3 * len(model.positions)
     for name, matrix in (("stiffness", model.stiffness), ("mass", model.mass)):
-        if matrix is None and name == "stiffness" and model.modal_stiffness is not None:
-            continue  # its modes have a stiffness
+        if matrix is None and (model.modal_stiffness if name == "stiffness" else model.moments) is not None:
+            continue  # its modes have a stiffness, or moments
         if matrix is None:
             yield Problem("", f"the {name} matrix is missing, which the program has to write")
         elif matrix.shape != (size, size):
@@ -149,7 +181,7 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
         elif len(model.node_sets[spelled[name.lower()]]) == 2:
             text = f"the set {name} has two nodes, which do not determine a rotation; name a set of three or more"
             problems.append(Problem("--interface", f"{text}, not on a line, or of a single node"))
-    if options.interface and model.stiffness is None:
+    if options.interface and model.stiffness is None and not (options.scene and model.moments is not None):
         text = "the file has modes of its own and no stiffness, from which those of an interface are computed"
         problems.append(Problem("--interface", text))
     if options.scene and not options.interface:
@@ -161,6 +193,8 @@ def _interface(model: FiniteElementModel, options: BodyOptions, source: str) -> 
 
 def _elastic_frequencies(body: NodalBody, model: FiniteElementModel, count: int) -> Array:
     """The first elastic frequencies of the free body, Hz. Raises SpecError if it has motions without strain."""
+    if model.moments is not None:
+        return np.asarray(body_properties(body).frequencies[:COMPARED])
     if model.stiffness is not None:
         body = replace(body, component_modes="free", interface=(), interface_markers=(), modes=max(count, 0))
     shapes = prepare(body).shapes
@@ -173,9 +207,16 @@ def _elastic_frequencies(body: NodalBody, model: FiniteElementModel, count: int)
 
 
 def _size(model: FiniteElementModel) -> str:
-    """The mesh in words."""
-    elements = [f"{len(block.nodes)} {block.kind.value}" for block in model.elements]
-    return ", ".join([counted(len(model.positions), "node"), *elements])
+    """The mesh in words, or the frames of a body without one."""
+    if model.moments is not None:
+        return f"moments and {counted(len(model.node_sets), 'frame')}"
+    counts: Counter[str] = Counter()
+    for block in model.elements:
+        counts[block.kind.value] += len(block.nodes)
+    materials = {block.material for block in model.elements}
+    of = f" of {len(materials)} materials" if len(materials) > 1 else ""
+    elements = [f"{count} {kind}" for kind, count in counts.items()]
+    return f"{', '.join([counted(len(model.positions), 'node'), *elements])}{of}"
 
 
 def _doc(body: NodalBody) -> str:
@@ -183,12 +224,13 @@ def _doc(body: NodalBody) -> str:
     modes = counted(len(prepare(body).shapes.phi), "mode")
     if isinstance(body.modes, ModeSelection):
         modes += f", whose error is {body.modes.error:g} or less up to {body.modes.up_to:g} Hz,"
-    return f"a body in space of {counted(len(body.data.positions), 'node')} with {modes}{interface}"
+    of = "given by moments" if body.data.moments is not None else f"of {counted(len(body.data.positions), 'node')}"
+    return f"a body in space {of} with {modes}{interface}"
 
 
 def _notes(model: FiniteElementModel, body: NodalBody, frequencies: Array) -> Iterator[str]:
     """The size, the frequencies beside those of the program, and doubts about units."""
-    text = f"{_size(model)}; mass {float(body.data.mass.sum()):.6g} kg"
+    text = f"{_size(model)}; mass {body_properties(body).mass:.6g} kg"
     if (k := body.data.stiffness) is not None:
         size = (k.data.nbytes + k.indices.nbytes + k.indptr.nbytes) / 1e6
         text += f"; stiffness of {k.shape[0]} displacements with {k.nnz} entries, {size:.3g} MB in memory"
@@ -199,7 +241,8 @@ def _notes(model: FiniteElementModel, body: NodalBody, frequencies: Array) -> It
     if len(frequencies):
         shown = ", ".join(f"{f:.7g}" for f in frequencies)
         yield f"first natural frequencies of the free body: {shown} Hz{_compared(model, frequencies, body)}"
-        yield from unit_notes(body.data, float(frequencies[0]))
+        if model.moments is None:
+            yield from unit_notes(body.data, float(frequencies[0]))
 
 
 def _compared(model: FiniteElementModel, frequencies: Array, body: NodalBody) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import numpy as np
 from derive.errors import Problem, SpecError, quoted
 from derive.fem.keyword_file import Card, numbers_of, read_cards
 from derive.fem.model import Array, Indices
+from derive.solids.element_shapes import element_shape
 from derive.spec.model.mesh import ElementKind, Elements, Material
 from derive.spec.parsing.faults import did_you_mean
 
@@ -24,8 +26,18 @@ KINDS = {
 }
 """Solid elements, whose nodes have the order of VTK; letters behind these names choose the integration."""
 
-READ = ("NODE", "ELEMENT", "NSET", "ELSET", "MATERIAL", "ELASTIC", "DENSITY", "SOLID SECTION", "HEADING", "INCLUDE")
+READ = (
+    *("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "ELASTIC", "DENSITY", "SOLID SECTION"),
+    *("HEADING", "INCLUDE"),
+)
 """The keywords that are read."""
+
+FACES = {
+    4: ((1, 2, 3), (1, 4, 2), (2, 4, 3), (3, 4, 1)),
+    6: ((1, 2, 3), (4, 5, 6), (1, 2, 5, 4), (2, 3, 6, 5), (3, 1, 4, 6)),
+    8: ((1, 2, 3, 4), (5, 8, 7, 6), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 8, 4), (4, 8, 5, 1)),
+}
+"""The corners of the faces S1, S2, ... of elements, by the number of their corners."""
 
 OF_STEPS = ("STEP", "END STEP", "FREQUENCY", "NODE FILE", "EL FILE", "NODE PRINT", "EL PRINT", "OUTPUT", "NODE OUTPUT")
 """The keywords that choose what a program computes and writes, of which nothing is lost."""
@@ -86,6 +98,7 @@ class _Reader:
         self.blocks: list[_Block] = []
         self.element_sets: dict[str, Indices] = {}
         self.sections: list[tuple[str, str]] = []
+        self.surfaces: list[Card] = []
         self.material = ""
 
     def read(self, card: Card) -> None:
@@ -99,6 +112,8 @@ class _Reader:
                 self.add(self.mesh.sets, self.named(card, "NSET"), self.members(card, self.mesh.sets))
             case "ELSET":
                 self.add(self.element_sets, self.named(card, "ELSET"), self.members(card, self.element_sets))
+            case "SURFACE":
+                self.surfaces.append(card)
             case "MATERIAL":
                 self.material = self.named(card, "NAME")
                 self.mesh.materials[self.material] = Material(self.material)
@@ -225,6 +240,8 @@ class _Reader:
         backwards = np.unique(mesh.numbers[::-1], return_index=True)[1]
         last = np.sort(len(mesh.numbers) - 1 - backwards)
         mesh.numbers, mesh.positions = mesh.numbers[last], mesh.positions[last]
+        for card in self.surfaces:
+            self.surface(card)
         known = np.sort(mesh.numbers)
         for block in self.blocks:
             missing = np.setdiff1d(block.nodes, known)
@@ -238,6 +255,28 @@ class _Reader:
         mesh.elements = [part for block in self.blocks for part in self.by_material(block)]
         return mesh
 
+    def surface(self, card: Card) -> None:
+        """The nodes of a surface, as a set: those of faces of elements, or nodes and sets of nodes."""
+        name = self.named(card, "NAME")
+        if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
+            self.add(self.mesh.sets, name, self.members(card, self.mesh.sets))
+            return
+        parts = [np.zeros(0, np.int64)]
+        for line in card.lines:
+            which, _, face = (part.strip().upper() for part in line.partition(","))
+            labels = self.members(replace(card, lines=[which]), self.element_sets)
+            number = face.rstrip(", ").removeprefix("S")
+            if number.isdecimal():
+                parts += [nodes for block in self.blocks for nodes in _of_face(block, labels, int(number))]
+            else:
+                text = f"a line is an element or a set of elements, and one of its faces such as S1, not {quoted(line)}"
+                self.problems.append(card.fault(text))
+                return
+        if not sum(map(len, parts)):
+            self.problems.append(card.fault("no element of the surface has the face that is given"))
+            return
+        self.add(self.mesh.sets, name, np.concatenate(parts))
+
     def by_material(self, block: _Block) -> list[Elements]:
         """The elements of a block, of each material."""
         number = np.full(len(block.labels), -1)
@@ -248,3 +287,14 @@ class _Reader:
             Elements(block.kind, block.nodes[number == i], material)
             for i, material in zip(np.unique(number), materials, strict=True)
         ]
+
+
+def _of_face(block: _Block, labels: Indices, face: int) -> Iterator[Indices]:
+    """Yield the nodes of a face, counted from 1, of the elements of a block that have these labels."""
+    shape = element_shape(block.kind)
+    faces = FACES[shape.corners]
+    if face not in range(1, len(faces) + 1):
+        return
+    corners = [corner - 1 for corner in faces[face - 1]]
+    middles = [shape.corners + i for i, edge in enumerate(shape.edges) if {*edge} <= {*corners}]
+    yield block.nodes[np.isin(block.labels, labels)][:, [*corners, *middles]].ravel()

@@ -24,7 +24,8 @@ class FiniteElementModel:
     with adjacent displacements of a node, both of their halves filled; None if there are none. node_sets: indices of
     nodes by the names of sets. materials: by name. frequencies (modes,), in Hz if the unit of time is the second, and
     modes (modes, n, 3): those that the program computed, if any. modal_stiffness (modes, modes): that of the modes, of
-    a part without a stiffness matrix. notes: sentences on what is not read and what the reader decided.
+    a part without a stiffness matrix. moments, stiffening, modal_damping: those of a part without a mass matrix, see
+    `NodeData` and `Damping`. notes: sentences on what is not read and what the reader decided.
     """
 
     name: str
@@ -38,4 +39,7 @@ class FiniteElementModel:
     frequencies: Array | None = None
     modes: Array | None = None
     modal_stiffness: Array | None = None
+    moments: Array | None = None
+    stiffening: dict[str, Array] = field(default_factory=dict)
+    modal_damping: Array | None = None
     notes: tuple[str, ...] = ()

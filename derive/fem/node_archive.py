@@ -24,7 +24,9 @@ def node_arrays(model: FiniteElementModel) -> dict[str, Any]:
         if matrix is not None:
             arrays |= _entries(name, _of_nodes(matrix) if name == "mass" else matrix)
     if model.stiffness is None and model.modal_stiffness is not None:
-        arrays |= {"modes": model.modes, "modal_stiffness": model.modal_stiffness}
+        arrays |= {"modes": model.modes, "modal_stiffness": model.modal_stiffness, **model.stiffening}
+    if model.moments is not None:
+        arrays["moments"] = model.moments
     mesh = NodeMesh(model.elements, model.materials, model.node_sets, model.node_numbers)
     of_mesh = mesh_arrays(mesh).items()
     return arrays | {key: a.astype(np.int32) if key.startswith((SET, ELEMENTS)) else a for key, a in of_mesh}

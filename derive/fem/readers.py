@@ -12,6 +12,7 @@ from derive.fem.calculix.read import read_calculix
 from derive.fem.mbdyn.read import read_mbdyn
 from derive.fem.model import FiniteElementModel
 from derive.fem.nastran.read import read_nastran
+from derive.fem.standard_input import read_standard_input
 from derive.registry import Registry
 
 
@@ -36,6 +37,7 @@ READERS: Registry[ModelReader] = Registry(
         **dict.fromkeys((".bdf", ".nas"), ModelReader("Nastran", read_nastran)),
         ".cdb": ModelReader("ANSYS", read_ansys),
         ".fem": ModelReader("MBDyn", read_mbdyn),
+        **dict.fromkeys((".sid", ".sid_fem"), ModelReader("standard input data", read_standard_input)),
     },
 )
 """The readers by suffixes in small letters."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from derive.notes.component_mode_notes import component_mode_notes
 from derive.spec.model.body import NodalBody
-from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.node_markers import InterfaceMarker
+from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.parsing.faults import names_text
 
@@ -26,6 +27,7 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
 
     properties = body_properties(spec)
     notes = [*_of_properties(properties), *component_mode_notes(spec), *_of_geometric_stiffness(spec)]
+    notes += _of_weights(spec, spec.interface_markers)
     notes += _of_first_order(spec, properties)
     notes += _of_stresses(spec)
     frame = residuals(spec)
@@ -44,7 +46,12 @@ def body_notes(spec: NodalBody) -> tuple[str, ...]:
 
 def notes_on_flexible_bodies(scene: SpatialScene) -> tuple[str, ...]:
     """Return the notes of `body_notes` on each finite-element body of a scene, once for bodies that are alike."""
-    return tuple(f"{names_text(own)}: {note}" for body, own in alike_bodies(scene).items() for note in body_notes(body))
+    alike = tuple(
+        f"{names_text(own)}: {note}" for body, own in alike_bodies(scene).items() for note in body_notes(body)
+    )
+    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    markers = ((b, [m for m in b.markers if m.name not in b.body.interface]) for b in flexible)
+    return (*alike, *(f"{b.name}: {note}" for b, own in markers for note in _of_weights(b.body, own)))
 
 
 def alike_bodies(scene: SpatialScene) -> dict[NodalBody, list[str]]:
@@ -54,6 +61,20 @@ def alike_bodies(scene: SpatialScene) -> dict[NodalBody, list[str]]:
         if isinstance(body, FlexibleBody):
             names.setdefault(replace(body.body, name=""), []).append(body.name)
     return names
+
+
+def _of_weights(spec: NodalBody, markers: Iterable[InterfaceMarker | NodeFrame]) -> Iterator[str]:
+    """Yield which weights the mean motions of sets of nodes have."""
+    from derive.reduction.marker_motion import marker_motion
+
+    names: dict[str, list[str]] = {}
+    for marker in markers:
+        if len(marker.nodes) > 1 and tuple(marker.nodes) not in spec.rigid_sets:
+            by_area = marker_motion(spec, marker, spec.data.positions).by_area
+            weights = "weights as given" if marker.weights else "equal weights of the nodes"
+            names.setdefault("the area of faces of elements" if by_area else weights, []).append(marker.name)
+    if names:
+        yield f"mean motions of sets: {'; '.join(f'{names_text(own)} by {what}' for what, own in names.items())}"
 
 
 def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:

@@ -26,6 +26,7 @@ from derive.reduction.frames import (
 from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
 from derive.reduction.mesh_stiffening import free_response, geometric_stiffness_tables, integrated_mesh
 from derive.reduction.mode_selection import with_selected_modes
+from derive.reduction.point_masses import integrals_of_moments, with_point_masses
 from derive.reduction.reasons import Parities, with_exact_zeros
 from derive.reduction.second_order import (
     SecondOrderFields,
@@ -71,10 +72,14 @@ def reduce(body: NodalBody) -> ModalBody:
     prepared = prepare(body)
     shapes = prepared.shapes
     fields = second_order_fields(body, prepared)
+    if body.data.moments is not None and body.frame.kind == "given" and not prepared.orthonormal:
+        integrals = integrals_of_moments(body.data.moments, len(shapes.phi))  # which keeps zeros of the file exact
+    else:
+        integrals = shape_integrals(prepared.mass, shapes.x, shapes.phi)
     result, stiffness, damping, zeros = with_exact_zeros(
-        with_second_order(shape_integrals(prepared.mass, shapes.x, shapes.phi), fields),
+        with_second_order(integrals, fields),
         shapes.stiffness,
-        damping_matrix(body.damping, _deforming_mass(body, prepared), shapes.stiffness),
+        damping_of(body),
         mean=body.frame.kind == "mean",
         orthonormal=prepared.orthonormal,
         parities=prepared.parities,
@@ -120,6 +125,12 @@ def zero_stiffness_modes(body: NodalBody) -> tuple[int, ...]:
     return tuple(i for i, value in enumerate(values, 1) if value <= ZERO_STIFFNESS * values.max())
 
 
+def damping_of(body: NodalBody) -> Array:
+    """The viscous damping matrix (N, N) of the modes of a body. Raises SpecError as `reduce` does."""
+    prepared = prepare(body)
+    return damping_matrix(body.damping, _deforming_mass(body, prepared), prepared.shapes.stiffness)
+
+
 def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
     """The matrix c8 (N, N) of the modes without their rigid motion; in the mean frame this is c8 itself."""
     mass, shapes = prepared.mass, prepared.shapes
@@ -140,6 +151,7 @@ def prepare(body: NodalBody) -> Prepared:
 @lru_cache(2)
 def _prepared(body: NodalBody) -> Prepared:
     body = _with_its_modes(body)
+    body = replace(body, data=with_point_masses(body.data))
     check_body(body)
     body = with_selected_modes(body)
     mass = canonical_csr(body.data.mass)
@@ -220,7 +232,7 @@ def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...
 def _doc(body: NodalBody, prepared: Prepared) -> str:
     """The description of the body and its frame."""
     kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
-    parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
+    parts = [f"body of {len(body.data.positions)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
     if body.component_modes and body.interface:
         noun = {"craig_bampton": "Craig-Bampton modes", "attachment": "attachment and free modes"}[body.component_modes]
         parts.append(f"{noun} of the interface {', '.join(body.interface)}")

@@ -113,7 +113,7 @@ def _mass_faults(body: NodalBody) -> list[Problem]:
     sum_ = float(pairwise_sum(mass.data))
     if not sum_ > 0:
         return [Problem("body.nodes", f"the mass of all nodes is {sum_:.6g} kg; it has to be positive")]
-    if (message := indefinite(mass)) is not None:
+    if body.data.moments is None and (message := indefinite(mass)) is not None:
         return [Problem("body.nodes", message)]
     x = from_centre_of_mass(mass, body.data.positions)
     inertia, _ = eigh(mass_products(mass, rigid_fields(x)[3:], rigid_fields(x)[3:]))
@@ -268,7 +268,8 @@ def _supports(body: NodalBody, mass: csr_array, x: Array, raw: ModeShapes) -> li
     names = ("translation e1", "translation e2", "translation e3", "rotation 1", "rotation 2", "rotation 3")
     motion = names[int(np.argmax(np.abs(vectors[-1])))]
     message = f"the stiffness resists rigid motion ({motion}, {math.sqrt(values[-1]):.3g} rad/s)"
-    return [Problem("body.nodes", f"{message}: the body is tied to the ground; export it without supports")]
+    why = "the body is tied to the ground, or equations tie nodes at different places"
+    return [Problem("body.nodes", f"{message}: {why}; export it without these")]
 
 
 def _noise(body: NodalBody, mass: csr_array) -> float:

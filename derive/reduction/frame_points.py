@@ -11,7 +11,7 @@ from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
 from derive.mechanics.multibody.space.nodal_loads import nodal_resultants
 from derive.reduction.arithmetic import Array
 from derive.reduction.body import Prepared, prepare, second_order_fields
-from derive.reduction.marker_motion import fitted_rotations, fitted_second_rotations, inertia_of_set, set_weights
+from derive.reduction.marker_motion import MarkerMotion, equal_motion, marker_motion
 from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 
 ON_A_LINE = 1e-8
@@ -29,8 +29,9 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
     """The markers of a body in its floating frame. Raises SpecError with faults of sets of nodes.
 
     The mean displacement of a set of nodes is that of its weighted centre. Its rotation fits the displacements of the
-    nodes best: it minimises the weighted sum of squares of u_i - u - theta x (X_i - X), as an RBE3 element does. Where
-    the set is rigid (RBE2), computed modes have that constraint, and a mode of a file that deforms it is an error.
+    nodes best: it minimises the weighted sum of squares of u_i - u - theta x (X_i - X), as an RBE3 element does, or the
+    integral of that square over the faces of elements that have these nodes, see `marker_motion`. Where the set is
+    rigid (RBE2), computed modes have that constraint, and a mode of a file that deforms it is an error.
     """
     problems = list(_sets_on_a_line(body))
     if problems:
@@ -43,15 +44,15 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
     mean = _MeanPoints(body, prepared)
     frames = []
     for marker in body.markers:
-        point = mean(marker.name, _doc(marker), marker.nodes, set_weights(marker))
+        motion = marker_motion(body.body, marker, mean.x)
+        point = mean(marker.name, _doc(marker, motion), marker.nodes, motion.weights)
         if not marker.has_rotation:
             frames.append(ModalFrame(point, np.zeros_like(point.shapes)))
             continue
-        nodes, second = list(marker.nodes), None
-        of = set_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes]
+        fields, second = mean.phi[:, motion.nodes], None
         if mean.second is not None:
-            second = fitted_second_rotations(*of, np.stack([mean.second[node] for node in nodes], axis=2))
-        frames.append(ModalFrame(point, np.ascontiguousarray(fitted_rotations(*of)), second))
+            second = motion.second_rotation(fields, np.stack([mean.second[node] for node in motion.nodes], axis=2))
+        frames.append(ModalFrame(point, np.ascontiguousarray(motion.rotation(fields)), second))
     return tuple(frames)
 
 
@@ -104,8 +105,7 @@ def _sets_on_a_line(body: FlexibleBody) -> Iterator[Problem]:
     for marker in body.markers:
         if not marker.has_rotation:
             continue
-        weights, own = set_weights(marker), positions[list(marker.nodes)]
-        values = np.linalg.eigvalsh(inertia_of_set(weights, own - weights @ own))
+        values = np.linalg.eigvalsh(marker_motion(body.body, marker, positions).inertia)
         if not values[0] > ON_A_LINE * values[-1]:
             text = "these nodes lie on a line, and a rotation about it moves none; add a node beside it"
             yield Problem(f"bodies.{body.name}.markers.{marker.name}.nodes", text)
@@ -118,12 +118,9 @@ def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Proble
     for marker in body.markers:
         if marker.motion != "rigid" or not len(phi):
             continue
-        nodes, weights = list(marker.nodes), np.full(len(marker.nodes), 1 / len(marker.nodes))
-        levers, own = x[nodes] - weights @ x[nodes], phi[:, nodes]
-        motion = np.einsum("a,nak->nk", weights, own)[:, None] + np.cross(
-            fitted_rotations(weights, levers, own)[:, None], levers[None]
-        )
-        parts = np.abs(own - motion).max(axis=(1, 2)) / sizes
+        motion, own = equal_motion(marker.nodes, x), phi[:, list(marker.nodes)]
+        rigid = motion.displacement(own)[:, None] + np.cross(motion.rotation(own)[:, None], motion.levers[None])
+        parts = np.abs(own - rigid).max(axis=(1, 2)) / sizes
         worst = int(np.argmax(parts))
         if parts[worst] > RIGID_TOLERANCE:
             text = (
@@ -134,7 +131,8 @@ def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Proble
             yield Problem(f"bodies.{body.name}.markers.{marker.name}.motion", text)
 
 
-def _doc(marker: NodeFrame) -> str:
+def _doc(marker: NodeFrame, motion: MarkerMotion) -> str:
     if not marker.has_rotation:
         return f"node {marker.nodes[0]}"
-    return f"{'rigid set' if marker.motion == 'rigid' else 'mean'} of {len(marker.nodes)} nodes"
+    of = " over the area" if motion.by_area else ""
+    return f"{'rigid set' if marker.motion == 'rigid' else f'mean{of}'} of {len(marker.nodes)} nodes"

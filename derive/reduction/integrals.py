@@ -45,12 +45,16 @@ def shape_integrals(mass: csr_array, x: Array, phi: Array) -> Integrals:
     """The shape integrals of a body with positions x (nodes, 3), m, and modes phi (N, nodes, 3), by the appendix."""
     fields = np.concatenate([x[None], phi])
     linear = np.array([pairwise_sum(field) for field in mass_times(mass, fields)])
-    second = second_moments(mass, fields)
+    return integrals_of(float(pairwise_sum(mass.data)), linear, second_moments(mass, fields))
+
+
+def integrals_of(mass: float, linear: Array, second: Array) -> Integrals:
+    """The shape integrals from moments of X and the modes: int rho f_p (F, 3), and int rho f_p (x) f_q (F, F, 3, 3)."""
     trace = second[..., 0, 0] + second[..., 1, 1] + second[..., 2, 2]
     tensor = trace[..., None, None] * np.eye(3) - (second + np.swapaxes(second, -1, -2)) / 2
     axial = np.stack([second[..., a, b] - second[..., b, a] for a, b in ((1, 2), (2, 0), (0, 1))], axis=-1)
     return Integrals(
-        mass=float(pairwise_sum(mass.data)),
+        mass=mass,
         c1=linear[0],
         c2=linear[1:],
         C3=tensor[0, 0],

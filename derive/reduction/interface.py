@@ -17,7 +17,7 @@ from derive.errors import Problem, SpecError
 from derive.reduction.arithmetic import Array
 from derive.reduction.eigen import rigid_set_motions
 from derive.reduction.frames import rigid_fields
-from derive.reduction.marker_motion import fitted_rotations, set_weights
+from derive.reduction.marker_motion import marker_motion
 from derive.spec.model.body import NodalBody
 from derive.spec.model.node_markers import InterfaceMarker
 
@@ -49,7 +49,7 @@ class HeldInterface:
 def interface_of(body: NodalBody, x: Array) -> HeldInterface:
     """The interface of a body with nodes at x (nodes, 3). Raises SpecError if its motions do not hold the body."""
     size = float(np.abs(x).max())
-    motions = csr_array(np.concatenate([marker_motions(x, marker, size) for marker in body.interface_markers]))
+    motions = csr_array(np.concatenate([marker_motions(body, x, marker, size) for marker in body.interface_markers]))
     rigid = motions @ rigid_fields(x / size).reshape(RIGID_MOTIONS, -1).T
     values = np.linalg.svd(rigid, compute_uv=False)
     if len(values) < RIGID_MOTIONS or values[-1] < ON_A_LINE * values[0]:
@@ -59,15 +59,15 @@ def interface_of(body: NodalBody, x: Array) -> HeldInterface:
     return HeldInterface(motions, rigid, coordinates, csr_array(coordinates @ held), np.asarray(coordinates @ unit))
 
 
-def marker_motions(x: Array, marker: InterfaceMarker, size: float) -> Array:
+def marker_motions(body: NodalBody, x: Array, marker: InterfaceMarker, size: float) -> Array:
     """The displacement and, of a set of nodes, the rotation times `size` of a marker, (3 or 6, displacements)."""
-    own, count, weights = list(marker.nodes), 3 * len(marker.nodes), set_weights(marker)
+    motion, count = marker_motion(body, marker, x), 3 * len(marker.nodes)
     fields = np.eye(count).reshape(count, -1, 3)
-    rows = [np.einsum("a,nak->kn", weights, fields)]
-    if len(own) > 1:
-        rows.append(size * fitted_rotations(weights, x[own] - weights @ x[own], fields).T)
+    rows = [motion.displacement(fields).T]
+    if len(marker.nodes) > 1:
+        rows.append(size * motion.rotation(fields).T)
     result = np.zeros((3 * len(rows), *x.shape))
-    result[:, own] = np.concatenate(rows).reshape(3 * len(rows), -1, 3)
+    result[:, motion.nodes] = np.concatenate(rows).reshape(3 * len(rows), -1, 3)
     return result.reshape(len(result), -1)
 
 

@@ -1,17 +1,25 @@
-"""The motion of a marker at a set of nodes: their weighted mean displacement, and the rotation that fits them best."""
+"""The motion of a marker at a set of nodes: their weighted mean displacement, and the rotation that fits them best.
+
+Faces of elements weigh the nodes of a set that covers them: the mean is that over their area, and the rotation fits the
+displacements of all of it. Other nodes have the weights that are given, or equal ones.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
 import numpy as np
 
 from derive.reduction.arithmetic import Array
+from derive.solids.face_areas import area_products
+from derive.spec.model.body import NodalBody
 
 
 class MarkerNodes(Protocol):
-    """The nodes of a marker, and their weights, which are equal if there are none."""
+    """The nodes of a marker, and their weights, if they are given."""
 
     @property
     def nodes(self) -> tuple[int, ...]:
@@ -24,41 +32,81 @@ class MarkerNodes(Protocol):
         ...
 
 
-def set_weights(marker: MarkerNodes) -> Array:
-    """The weights of the nodes of a marker, whose sum is 1."""
-    given = np.array([float(w) for w in marker.weights] or [1.0] * len(marker.nodes))
-    return np.asarray(given / given.sum())
+@dataclass(frozen=True, eq=False)
+class MarkerMotion:
+    """The motion of a marker as sums over its nodes.
 
-
-def fitted_rotations(weights: Array, levers: Array, fields: Array) -> Array:
-    """The rotations (n, 3) that fit displacements (n, nodes, 3) of nodes with these levers from their centre best."""
-    moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], fields))
-    return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), moments.T).T)
-
-
-def fitted_second_rotations(weights: Array, levers: Array, fields: Array, second: Array) -> Array:
-    """The rotations s_ij (n, n, 3) of second order that fit displacements sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij best.
-
-    fields (n, nodes, 3) are Phi; second (n, n, nodes, 3) are Psi. The turned levers R r, with the rotation R of the
-    vector sum a_i theta_i + 1/2 sum a_i a_j s_ij, are those of the least weighted squares of r + u - R r. Then the sum
-    of w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
-
-        J s_ij = sum w {r x (Psi_ij - theta_i x (theta_j x r)) + 2 (theta_i x r) x Phi_j}, made symmetric in i and j.
+    nodes (n,). weights (n,): those of displacements, with the sum 1. centre (3,): the weighted mean position. levers
+    (n, 3): positions relative to it. arms (n, 3): weighted levers, of which moments of displacements are made. by_area:
+    whether faces of elements weigh the nodes.
     """
-    theta = fitted_rotations(weights, levers, fields)
-    turned = np.cross(theta[:, None], levers)
-    curved = second - np.cross(theta[:, None, None], turned[None])
-    moments = np.cross(levers, curved) + 2 * np.cross(turned[:, None], fields[None])
-    both = np.einsum("a,ijak->ijk", weights, moments + np.swapaxes(moments, 0, 1)) / 2
-    return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), both.reshape(-1, 3).T).T.reshape(both.shape))
+
+    nodes: list[int]
+    weights: Array
+    centre: Array
+    levers: Array
+    arms: Array
+    by_area: bool = False
+
+    @property
+    def inertia(self) -> Array:
+        """The tensor of inertia (3, 3) of the weights."""
+        products = np.einsum("ak,al->kl", self.levers, self.arms)
+        return np.asarray(np.trace(products) * np.eye(3) - (products + products.T) / 2)
+
+    def displacement(self, fields: Array) -> Array:
+        """The displacements (..., 3) of the marker by those of its nodes, (..., n, 3)."""
+        return np.asarray(np.einsum("a,...ak->...k", self.weights, fields))
+
+    def rotation(self, fields: Array) -> Array:
+        """The rotations (fields, 3) that fit displacements (fields, n, 3) of the nodes best."""
+        moments = np.cross(self.arms[None], fields).sum(axis=1)
+        return np.asarray(np.linalg.solve(self.inertia, moments.T).T)
+
+    def second_rotation(self, fields: Array, second: Array) -> Array:
+        """The rotations s_ij (N, N, 3) of second order that fit sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij best.
+
+        fields (N, n, 3) are Phi; second (N, N, n, 3) are Psi. The turned levers R r, with the rotation R of the vector
+        sum a_i theta_i + 1/2 sum a_i a_j s_ij, are those of the least weighted squares of r + u - R r. Then the sum of
+        w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
+
+            J s_ij = sum w {r x (Psi_ij - theta_i x (theta_j x r)) + 2 (theta_i x r) x Phi_j},
+
+        made symmetric in i and j. The arms take the place of w r.
+        """
+        theta = self.rotation(fields)
+        curved = second - np.cross(theta[:, None, None], np.cross(theta[:, None], self.levers)[None])
+        turned = np.cross(theta[:, None], self.arms)
+        moments = np.cross(self.arms, curved) + 2 * np.cross(turned[:, None], fields[None])
+        both = (moments + np.swapaxes(moments, 0, 1)).sum(axis=2) / 2
+        return np.asarray(np.linalg.solve(self.inertia, both.reshape(-1, 3).T).T.reshape(both.shape))
 
 
-def inertia_of_set(weights: Array, levers: Array) -> Array:
-    """The tensor of inertia (3, 3) of the weights at their levers."""
-    return np.asarray(np.einsum("a,akl->kl", weights, _moments(levers)))
+def marker_motion(body: NodalBody, marker: MarkerNodes, x: Array) -> MarkerMotion:
+    """The motion of a marker of a body whose nodes are at x (nodes, 3)."""
+    products = _area(body, marker, x)
+    if products is None:
+        given = np.array([float(w) for w in marker.weights] or [1.0] * len(marker.nodes))
+        return _motion(marker.nodes, x, np.diag(given / given.sum()), by_area=False)
+    return _motion(marker.nodes, x, products / products.sum(), by_area=True)
 
 
-def _moments(levers: Array) -> Array:
-    """The tensors (r . r) I - r r of some vectors (n, 3)."""
-    squares = np.einsum("ak,ak->a", levers, levers)
-    return np.asarray(squares[:, None, None] * np.eye(3) - np.einsum("ak,al->akl", levers, levers))
+def equal_motion(nodes: Sequence[int], x: Array) -> MarkerMotion:
+    """The motion of a set of nodes with equal weights."""
+    return _motion(nodes, x, np.eye(len(nodes)) / len(nodes), by_area=False)
+
+
+def _motion(of: Sequence[int], x: Array, products: Array, by_area: bool) -> MarkerMotion:
+    nodes = list(of)
+    weights = products.sum(axis=0)
+    centre = weights @ x[nodes]
+    levers = x[nodes] - centre
+    return MarkerMotion(nodes, weights, centre, levers, products @ levers, by_area)
+
+
+def _area(body: NodalBody, marker: MarkerNodes, x: Array) -> Array | None:
+    """The products of the shape functions over the faces of a set that is free to deform and has no weights."""
+    mesh = body.data.mesh
+    if mesh is None or marker.weights or len(marker.nodes) == 1 or tuple(marker.nodes) in body.rigid_sets:
+        return None
+    return area_products(mesh.elements, x, marker.nodes)

@@ -25,7 +25,7 @@ from derive.reduction.arithmetic import Array
 from derive.reduction.component_modes import inertia_relief
 from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, symmetric_matrix
 from derive.reduction.frames import ModeShapes, from_centre_of_mass, rigid_basis
-from derive.reduction.marker_motion import fitted_rotations
+from derive.reduction.marker_motion import equal_motion
 from derive.solids.quadratic_strains import quadratic_loads
 from derive.solids.stresses import IntegratedMesh, strain_energies
 from derive.spec.model.mesh import ElementKind, NodeMesh
@@ -73,8 +73,9 @@ def turned_sets(x: Array, rigid_sets: tuple[tuple[int, ...], ...], first: Array,
     """
     result = np.zeros_like(first)
     for nodes in map(list, rigid_sets):
-        weights, levers = np.full(len(nodes), 1 / len(nodes)), x[nodes] - x[nodes].mean(axis=0)
-        one, two = (fitted_rotations(weights, levers, of[:, nodes])[:, None] for of in (first, second))
+        motion = equal_motion(nodes, x)
+        one, two = (motion.rotation(of[:, nodes])[:, None] for of in (first, second))
+        levers = motion.levers
         result[:, nodes] = (np.cross(one, np.cross(two, levers)) + np.cross(two, np.cross(one, levers))) / 2
     return result.reshape(len(first), -1)
 

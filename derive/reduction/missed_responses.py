@@ -46,7 +46,7 @@ def missed_responses(body: NodalBody, markers: Sequence[InterfaceMarker]) -> Mis
     coordinates = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else csr_array(identity(x.size))
     modes = known.shapes.phi.reshape(len(known.shapes.phi), -1)
     inertia = -np.asarray((m @ modes.T).T)
-    loads = np.concatenate([*(marker_motions(x, marker, 1.0) for marker in markers), inertia])
+    loads = np.concatenate([*(marker_motions(body, x, marker, 1.0) for marker in markers), inertia])
     responses = inertia_relief(k, m, coordinates, basis.reshape(len(basis), -1))(loads)
     forces = np.asarray((k @ modes.T).T)
     responses -= np.linalg.solve(known.shapes.stiffness, forces @ responses.T).T @ modes

@@ -76,7 +76,7 @@ def _unit_loads(body: NodalBody) -> UnitLoads:
     x = from_centre_of_mass(mass, np.array(body.data.positions, dtype=np.float64))
     if not body.interface_markers:
         return UnitLoads((), np.zeros((0, x.size)), np.zeros(0))
-    rows = np.concatenate([marker_motions(x, marker, 1.0) for marker in body.interface_markers])
+    rows = np.concatenate([marker_motions(body, x, marker, 1.0) for marker in body.interface_markers])
     coordinates = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else csr_array(identity(x.size))
     k, basis = symmetric_matrix(body.data.stiffness), rigid_basis(mass, x)
     responses = inertia_relief(k, mass_of_displacements(mass), coordinates, basis.reshape(len(basis), -1))(rows)

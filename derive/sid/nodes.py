@@ -12,13 +12,27 @@ from derive.sid.mapping import AGREEMENT, Array, Taylor
 from derive.sid.matrices import read_matrix
 
 
+def read_twists(modal: Block, names: tuple[str, ...], n: int, problems: list[SidProblem]) -> dict[str, Array]:
+    """The rotations (N, 3) of the nodes by the modes, rad/m, by the names of the points; zero where there is no psi."""
+    result = {}
+    for name, node in zip(names, _nodes(modal), strict=True):
+        block = node.find("psi")
+        value = read_matrix(block, ((3, n),), n, problems) if block is not None else None
+        result[name] = np.zeros((n, 3)) if value is None else np.ascontiguousarray(value.m0.T)
+    return result
+
+
+def _nodes(modal: Block) -> list[Block]:
+    frame = modal.find("frame")
+    return [block for block in frame.blocks if block.name == "node"] if frame else []
+
+
 def read_points(first: str, modal: Block, n: int, problems: list[SidProblem]) -> tuple[ModalPoint, ...]:
     """The nodes of the body as points, with the names in the first line of the text if they fit.
 
     `second` of a point is None if phi has no first order.
     """
-    frame = modal.find("frame")
-    nodes = [block for block in frame.blocks if block.name == "node"] if frame else []
+    nodes = _nodes(modal)
     names = header_names(first, "points")
     if len(names) != len(nodes) or len(set(names)) < len(names):
         names = [f"node_{re.sub(r'[^0-9A-Za-z_]', '_', node.label) or at}" for at, node in enumerate(nodes, 1)]

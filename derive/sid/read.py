@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,11 +22,20 @@ from derive.sid.geometric_stiffness import (
 )
 from derive.sid.mapping import AGREEMENT, INERTIA_COLUMN, MATRICES, Array, Matrices, Taylor, symmetric_parts, with_axial
 from derive.sid.matrices import read_matrix, real_number, whole_number
-from derive.sid.nodes import header_names, mean_of_both, read_points, symmetric_in_modes
+from derive.sid.nodes import header_names, mean_of_both, read_points, read_twists, symmetric_in_modes
 from derive.sid.unused import SidWarning, unused
 
 ZERO_REASON = "the SID file, where it is exactly zero"
 """The reason of the structural zeros of a body that `read` returns."""
+
+
+@dataclass(frozen=True)
+class StandardInput:
+    """The contents of a SID: the body, the rotations (N, 3), rad/m, of its points by name, and what is not used."""
+
+    body: ModalBody
+    twists: dict[str, Array]
+    notes: tuple[str, ...]
 
 
 def read(text: str, name: str | None = None) -> ModalBody:
@@ -38,6 +47,17 @@ def read(text: str, name: str | None = None) -> ModalBody:
 
     Raises SidError with a list of all faults. Warns with SidWarning of what the body does not use, and of missing K0F.
     """
+    result = read_with_rotations(text, name, used=())
+    if result.notes:
+        warnings.warn("\n".join(result.notes), SidWarning, stacklevel=2)
+    return result.body
+
+
+def read_with_rotations(text: str, name: str | None = None, used: tuple[str, ...] = ("psi",)) -> StandardInput:
+    """The contents of a SID. used: the blocks of nodes that the caller uses besides those of `read`.
+
+    Raises SidError with a list of all faults.
+    """
     problems: list[SidProblem] = []
     first, root = parse_blocks(text, problems)
     modal = _modal(root, problems)
@@ -46,6 +66,8 @@ def read(text: str, name: str | None = None) -> ModalBody:
         raise SidError(problems)
     matrices, lines = _matrices(modal, n, problems)
     points = read_points(first, modal, n, problems)
+    names = tuple(point.name for point in points)
+    twists = read_twists(modal, names, n, problems) if "psi" in used and not problems else {}
     if problems:
         raise SidError(problems)
     _unsupported(matrices, lines, problems)
@@ -56,13 +78,12 @@ def read(text: str, name: str | None = None) -> ModalBody:
     known = _integrals(mass, matrices, lines, second_order, problems)
     if problems:
         raise SidError(problems)
-    if notes := (*unused(root), *(without_forces(points) if second_order else ())):
-        warnings.warn("\n".join(notes), SidWarning, stacklevel=2)
+    notes = (*unused(root, used), *(without_forces(points) if second_order else ()))
     stiffness = matrices["Ke"].m0
     damping = matrices["De"].m0 if "De" in matrices else np.zeros((n, n))
     c7 = known.c7
     with_geometric = f" and geometric stiffness ({', '.join(stiffening)})" if stiffening else ""
-    return ModalBody(
+    body = ModalBody(
         name=name or next(iter(header_names(first, "name")), "body"),
         doc=f"body with {n} modes{with_geometric} from a SID file",
         origin="the reference frame of the SID file",
@@ -82,6 +103,7 @@ def read(text: str, name: str | None = None) -> ModalBody:
         c9=known.c9,
         c10=known.c10,
     )
+    return StandardInput(body, twists, notes)
 
 
 def _modal(root: Block, problems: list[SidProblem]) -> Block | None:

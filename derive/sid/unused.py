@@ -23,10 +23,13 @@ Unused = tuple[int, str, str]
 """The number of a line, the data that are not used there, and the reason."""
 
 
-def unused(root: Block) -> tuple[str, ...]:
-    """Lines of text about entries and blocks that `read` does not use: one for those of the same kind."""
+def unused(root: Block, used: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Lines of text about entries and blocks that `read` does not use: one for those of the same kind.
+
+    used: blocks of nodes whose constant parts are used none the less.
+    """
     gathered: dict[tuple[str, str], list[int]] = {}
-    for line, what, why in _unused(root):
+    for line, what, why in _unused(root, used):
         gathered.setdefault((what, why), []).append(line)
 
     def text(what: str, why: str, lines: list[int]) -> str:
@@ -36,7 +39,7 @@ def unused(root: Block) -> tuple[str, ...]:
     return tuple(text(*kind, lines) for kind, lines in sorted(gathered.items(), key=lambda item: item[1]))
 
 
-def _unused(root: Block) -> Iterator[Unused]:
+def _unused(root: Block, used: tuple[str, ...]) -> Iterator[Unused]:
     """Each entry or block that is not used, one by one."""
     parts = [block for block in root.blocks if block.name == "part"]
     yield from ((block.line, block.name, "it is no part") for block in root.blocks if block.name != "part")
@@ -46,10 +49,10 @@ def _unused(root: Block) -> Iterator[Unused]:
         if block is not modal:
             yield block.line, block.name, "only the first `new modal` is read"
     if modal:
-        yield from _of_modal(modal)
+        yield from _of_modal(modal, used)
 
 
-def _of_modal(modal: Block) -> Iterator[Unused]:
+def _of_modal(modal: Block, used: tuple[str, ...]) -> Iterator[Unused]:
     """The data of a body that are not used."""
     yield from _entries(modal, ())
     known = {name: modal.find(name) for name in ("refmod", "frame", *MATRICES)}
@@ -63,12 +66,12 @@ def _of_modal(modal: Block) -> Iterator[Unused]:
         yield from _entries(frame, ())
         for block in frame.blocks:
             if block.name == "node":
-                yield from _of_node(block)
+                yield from _of_node(block, used)
             else:
                 yield block.line, block.name, "it is no node"
 
 
-def _of_node(node: Block) -> Iterator[Unused]:
+def _of_node(node: Block, used: tuple[str, ...]) -> Iterator[Unused]:
     """The data of a node that are not used. The first order of AP has the same content as psi."""
     yield from _entries(node, ("rframe",))
     for entry in node.entries:
@@ -76,7 +79,8 @@ def _of_node(node: Block) -> Iterator[Unused]:
             yield entry.line, f"rframe = {entry.value}", "positions are taken in the frame of the body"
     for block in node.blocks:
         if block.name in NOT_USED:
-            if any(entry.key in VALUES and _is_not_zero(entry) for entry in block.entries):
+            values = VALUES[1:] if block.name in used else VALUES
+            if any(entry.key in values and _is_not_zero(entry) for entry in block.entries):
                 yield block.line, f"{block.name} of a node", NOT_USED[block.name]
         elif node.find(block.name) is not block or block.name not in NODE_BLOCKS:
             yield block.line, f"{block.name} of a node", "a point of a modal body has no such data"

@@ -74,11 +74,22 @@ def element_shape(kind: ElementKind, full: bool = False) -> ElementShape:
     if kind is ElementKind.HEX27:
         nodes = np.concatenate([nodes, [np.mean([CUBE[i] for i in face], axis=0) for face in CUBE_FACES], [[0, 0, 0]]])
     exponents, (points, weights), fit, vtk = _tables(kind, full)
-    coefficients = np.linalg.inv(monomials(exponents, nodes))
+    coefficients = _coefficients(exponents, nodes)
     values = monomials(exponents, points) @ coefficients
     gradients = np.stack([monomials(exponents, points, axis) @ coefficients for axis in range(3)], axis=-1)
     extrapolation = monomials(fit, nodes) @ np.linalg.pinv(monomials(fit, points))
     return ElementShape(len(corners), faces, edges, nodes, points, weights, values, gradients, extrapolation, vtk)
+
+
+def shape_functions(kind: ElementKind, at: Array, derived: int | None = None) -> Array:
+    """The shape functions (P, n) of a kind at points (P, 3), or their derivatives along an axis."""
+    exponents = _tables(kind, full=False)[0]
+    return np.asarray(monomials(exponents, at, derived) @ _coefficients(exponents, element_shape(kind).nodes))
+
+
+def _coefficients(exponents: Exponents, nodes: Array) -> Array:
+    """The factors (monomials, n) of the monomials in the shape functions."""
+    return np.asarray(np.linalg.inv(monomials(exponents, nodes)))
 
 
 def _solid(kind: ElementKind) -> tuple[tuple[tuple[int, ...], ...], ...]:

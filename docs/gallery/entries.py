@@ -106,6 +106,7 @@ GROUPS = (
             "cantilever_modes",
             "static_equilibrium",
             "block_frequencies",
+            "from_scikit_fem",
             "symbolic_body",
         ),
     ),

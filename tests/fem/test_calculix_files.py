@@ -12,9 +12,10 @@ import derive
 from derive.errors import SpecError
 from derive.fem.calculix.read import read_calculix
 from derive.fem.imported_body import BodyOptions, imported_body
-from derive.fem.keyword_mesh import read_mesh
+from derive.fem.keyword_mesh import KINDS, read_mesh
 from derive.fem.model import FiniteElementModel
 from derive.solids.element_shapes import element_shape
+from derive.solids.face_areas import face_tables
 from derive.spec.model.mesh import ElementKind, Elements
 from fem.part_files import bracket_files, text_of
 
@@ -107,6 +108,32 @@ def test_nodes_of_no_element_are_left_out(tmp_path: Path) -> None:
     assert model.notes == ("1 node of no element is left out: 500",)
 
 
+@pytest.mark.parametrize(
+    ("lines", "name"),
+    [
+        ("*SURFACE, NAME=Load Face\n2, S4\n", "Load Face"),
+        ("*SURFACE, NAME=Load Face, TYPE=NODE\nright\n", "Load Face"),
+    ],
+)
+def test_surfaces_are_sets_of_nodes(lines: str, name: str, tmp_path: Path) -> None:
+    """The end of the leg along x is a face of its last element, whose nodes are also the set `right`."""
+    model = read_calculix(bracket_files(tmp_path, inp=text_of("inp").replace("*STEP", f"{lines}*STEP", 1)))
+    assert np.array_equal(model.node_sets[name], model.node_sets["right"])
+
+
+def test_faces_of_every_solid_are_those_of_its_shape(tmp_path: Path) -> None:
+    """S1, S2, ... of CalculiX have the same corners as the faces of VTK, in another order."""
+    for kind, count in (("C3D4", 4), ("C3D10", 4), ("C3D6", 5), ("C3D15", 5), ("C3D8", 6), ("C3D20", 6)):
+        nodes = KINDS[kind].node_count
+        text = "*NODE\n" + "".join(f"{i}, {i}, 0, 0\n" for i in range(1, nodes + 1))
+        text += f"*ELEMENT, TYPE={kind}, ELSET=e\n1, {', '.join(map(str, range(1, nodes + 1)))}\n"
+        text += "".join(f"*SURFACE, NAME=s{k}\ne, S{k}\n" for k in range(1, count + 1))
+        (tmp_path / "part.inp").write_text(text)
+        found = {frozenset(read_mesh(tmp_path / "part.inp").sets[f"S{k}"].tolist()) for k in range(1, count + 1)}
+        expected = {frozenset(node + 1 for node in face.nodes) for face in face_tables(KINDS[kind])}
+        assert found == expected, kind
+
+
 def test_elements_of_two_materials(tmp_path: Path) -> None:
     text = text_of("inp").replace(
         "*STEP", "*ELSET, ELSET=back\n3\n*SOLID SECTION, ELSET=back, MATERIAL=light\n*STEP", 1
@@ -136,6 +163,6 @@ def test_letters_behind_a_type_choose_the_integration(kind: str, tmp_path: Path)
 def test_a_file_that_is_missing_says_what_to_do(tmp_path: Path) -> None:
     path = bracket_files(tmp_path)
     (tmp_path / "bracket.sti").unlink()
-    with pytest.raises(SpecError, match=r"bracket\.sti is missing beside it; add these lines") as caught:
+    with pytest.raises(SpecError, match=r"bracket\.sti is missing beside it; add three lines") as caught:
         read_calculix(path)
     assert "*FREQUENCY, SOLVER=MATRIXSTORAGE" in str(caught.value)

@@ -20,6 +20,18 @@ from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_scene import SpatialScene
 from fem.part_files import bracket_files, text_of
 
+EIGHT_NODES = (
+    (6, 2, 3, 2, -6, -8, -8, -6),
+    (2, 6, 2, 3, -6, -6, -8, -8),
+    (3, 2, 6, 2, -8, -6, -6, -8),
+    (2, 3, 2, 6, -8, -8, -6, -6),
+    (-6, -6, -8, -8, 32, 20, 16, 20),
+    (-8, -6, -6, -8, 20, 32, 20, 16),
+    (-8, -8, -6, -6, 16, 20, 32, 20),
+    (-6, -8, -8, -6, 20, 16, 20, 32),
+)
+"""The integrals of products of the shape functions of a rectangle with eight nodes, times 180 and over its area."""
+
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -79,16 +91,23 @@ def test_an_error_chooses_the_modes(folder: Path, capsys: pytest.CaptureFixture[
 
 @pytest.mark.long
 def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
-    """Its first frequency is that of the full matrices with no mean motion of the set."""
+    """Its first frequency is that of the full matrices with no mean motion over the area of the set, a rectangle."""
     scene = imported("--interface", "left,right", "--scene")
     assert isinstance(scene, SpatialScene)
     model = read_calculix(folder / "bracket.inp")
     nodes = model.node_sets["left"]
     levers = model.positions[nodes] - model.positions[nodes].mean(axis=0)
+    middle = np.abs(levers[:, 0] * levers[:, 1]) < 1e-9
+    angles = np.where(middle, 1e3, 0) + np.arctan2(levers[:, 1], levers[:, 0])
+    around = np.argsort(angles)  # four corners in a row, and then the nodes behind each of them
+    weighted = np.zeros_like(levers)
+    weighted[around] = np.array(EIGHT_NODES) @ levers[around]
+    shares = np.zeros(8)
+    shares[around] = np.array(EIGHT_NODES).sum(axis=0)
     rows = np.zeros((6, len(model.positions), 3))
     for axis, unit in enumerate(np.eye(3)):
-        rows[axis, nodes] = unit
-        rows[3 + axis, nodes] = np.cross(unit, levers)  # of equal weights: the sum of levers x displacements vanishes
+        rows[axis, nodes] = shares[:, None] * unit
+        rows[3 + axis, nodes] = np.cross(unit, weighted)  # the integral of levers x displacements vanishes
     free = null_space(rows.reshape(6, -1))
     stiffness, mass = (free.T @ matrix @ free for matrix in (model.stiffness, model.mass))
     full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
@@ -97,6 +116,18 @@ def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     assert [run[f"right_{axis}"][0] for axis in (1, 2, 3)] == pytest.approx([0, 0, 0], abs=1e-12)
     assert run["right_3"][-1] < -1e-7
     assert [output.name for output in scene.outputs] == [plot.name for plot in scene.plots] == ["right"]
+
+
+def test_a_body_alone_vibrates_in_its_first_mode(folder: Path) -> None:
+    """A specification that was just imported is simulated: five periods of the first mode, which begin at its top."""
+    body = imported("--interface", "left,right", "--modes", "12")
+    assert isinstance(body, NodalBody)
+    run = derive.simulate(body)
+    first = body_properties(body).frequencies[0]
+    assert run.t[-1] * first == pytest.approx(5, rel=0.01)
+    assert run["alpha1"] == pytest.approx(run["alpha1"][0] * np.cos(2 * np.pi * first * run.t), abs=1e-6)
+    shape = np.linalg.norm(prepare(body).shapes.phi[0], axis=1).max()
+    assert run["alpha1"][0] * shape == pytest.approx(0.01 * np.ptp(body.data.positions[:, 0]), rel=0.01)
 
 
 def test_pictures_show_the_surface_of_the_elements(folder: Path) -> None:
@@ -188,7 +219,7 @@ def test_a_part_of_second_order(folder: Path) -> None:
 
 
 def test_a_file_of_another_kind_names_those_that_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Standard input data have no nodes, and are no robot either."""
-    (tmp_path / "part.sid").write_text("part")
-    assert main(["import", str(tmp_path / "part.sid")]) == 2
-    assert 'files of the kind ".sid" are not read; those that are end in .urdf, .inp, ' in capsys.readouterr().err
+    """A mesh of another program is no robot either."""
+    (tmp_path / "part.msh").write_text("part")
+    assert main(["import", str(tmp_path / "part.msh")]) == 2
+    assert 'files of the kind ".msh" are not read; those that are end in .urdf, .inp, ' in capsys.readouterr().err

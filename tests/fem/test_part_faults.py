@@ -52,6 +52,11 @@ EQUATION = text_of("inp").replace("*STEP", "*EQUATION\n2\n1, 1, 1, 2, 1, -1\n*ST
 RIGID = text_of("inp").replace("*STEP", "*RIGID BODY, NSET=left, REF NODE=1\n*STEP", 1)
 
 
+SHELL = text_of("inp").replace("*STEP", "*ELEMENT, TYPE=S8R\n9, 1, 2, 3, 4, 5, 6, 7, 8\n*STEP", 1)
+FACE = text_of("inp").replace("*STEP", "*SURFACE, NAME=face\n2, S4\n*STEP", 1)
+COUPLING = text_of("inp").replace("*STEP", "*NSET, NSET=s\n*COUPLING, REF NODE=1, SURFACE=s\n*STEP", 1)
+
+
 OTHER_RUN = "and bracket.dof has 132 lines: these files are not of one run; run ccx again"
 OTHER_TYPE = text_of("inp").replace("C3D20", "C3D15")
 LACKING = "*NODE\n1,0,0,0\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n"
@@ -82,6 +87,16 @@ WRONG_SET = "*NODE, NSET=all\n1,0,0,0\n*NSET, NSET=b\nalle\n"
             ": displacements of the nodes 1 are missing in some directions (*EQUATION in line 68); tie nodes in all",
         ),
         ({"inp": RIGID}, ":68: *RIGID BODY: nodes of a body have no rotations; leave it out, and make the set"),
+        (
+            {"inp": SHELL},
+            ": *ELEMENT: elements of the type S8R have rotations, and nodes of a body do not: mesh the part with solid",
+        ),
+        (
+            {"dof": text_of("dof").replace("44.", "99."), "inp": COUPLING},
+            ":69: *COUPLING: its reference node has rotations, and nodes of a body do not; leave it out",
+        ),
+        ({"inp": FACE.replace("S4", "4X")}, ":68: *SURFACE: a line is an element or a set of elements, and one of its"),
+        ({"inp": FACE.replace("S4", "S9")}, ":68: *SURFACE: no element of the surface has the face that is given"),
         ({"inp": "*HEADING\n"}, ": there are no nodes: *NODE is missing"),
         ({"inp": "*NODE\n1, 2, x, 4\n"}, ':1: *NODE: a number is needed in "1, 2, x, 4", not "x"'),
         ({"inp": "*NODE\n1.5, 2, 3, 4\n"}, ":1: *NODE: the numbers of nodes and elements are whole and positive"),
@@ -115,7 +130,7 @@ def test_a_body_that_is_held_is_refused(tmp_path: Path, model: FiniteElementMode
         stiffness=model.stiffness[3:, 3:], mass=model.mass[3:, 3:],  # type: ignore[index]
     )  # fmt: skip
     text = lines_of_faults(lambda: imported_body(held, BodyOptions(), "bracket.inp", ""))
-    assert "the stiffness resists rigid motion" in text and "export it without supports" in text
+    assert "the stiffness resists rigid motion" in text and "the body is tied to the ground, or equations" in text
 
 
 def test_a_set_that_does_not_exist_has_names_like_it(model: FiniteElementModel) -> None:

@@ -18,6 +18,7 @@ from clamped_response import clamped_response
 from conftest import ROOT
 from derive.reduction.mesh_stiffening import geometric_stiffness_tables
 from derive.simulation.observables.fields import field_bodies, field_instants
+from derive.solids.face_areas import area_products
 from derive.solids.stresses import IntegratedMesh, nodal_stresses, von_mises
 from derive.spec.model.mesh import ElementKind
 
@@ -134,7 +135,10 @@ def test_the_stress_of_a_run_is_that_of_calculix(tmp_path: Path) -> None:
     trajectory = derive.simulate(derive.read(path))
     (body,) = field_bodies(trajectory.spec, ["beam"])
     (fields,) = field_instants(body, trajectory, np.array([0]))
-    forces = [f"{node + 1}, 3, {FORCE / len(beam.tip)}" for node in beam.tip]
+    area = area_products(beam.solid.mesh.elements, beam.solid.x, tuple(beam.tip))
+    assert area is not None
+    shares = area.sum(axis=0) / area.sum()  # the force is spread evenly over the face
+    forces = [f"{node + 1}, 3, {FORCE * share}" for node, share in zip(beam.tip, shares, strict=True)]
     run(
         tmp_path, job(beam.solid, "C3D20R", ["*CLOAD", *forces]).replace(f"{STEEL.young}, {STEEL.poisson}", "70e9, 0.3")
     )

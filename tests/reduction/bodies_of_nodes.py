@@ -90,3 +90,10 @@ def hinge() -> NodeData:
     nothing = np.zeros((0, len(keep), 3))
     free = lumped(np.ones(len(keep)), x[keep], nothing, np.zeros((0, 0)))
     return replace(free, stiffness=csr_array(k[np.ix_(rows, rows)]), modes=None, modal_stiffness=None)
+
+
+def fitted_rotations(weights: np.ndarray, levers: np.ndarray, fields: np.ndarray) -> np.ndarray:
+    """The rotations (n, 3) that fit displacements (n, nodes, 3) with these weights best, by least squares."""
+    rows = np.concatenate([np.sqrt(w) * np.cross(np.eye(3), r).T for w, r in zip(weights, levers, strict=True)])
+    sides = (np.sqrt(weights)[:, None] * fields).reshape(len(fields), -1)
+    return np.linalg.lstsq(rows, sides.T, rcond=None)[0].T

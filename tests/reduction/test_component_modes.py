@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from bodies_of_nodes import fitted_rotations
 from scipy.linalg import eigh, null_space
 
 import derive
@@ -14,7 +15,6 @@ from derive.reduction.body import Prepared, prepare
 from derive.reduction.component_mode_table import component_mode_table
 from derive.reduction.component_modes import component_modes
 from derive.reduction.frames import rigid_fields
-from derive.reduction.marker_motion import fitted_rotations
 from derive.spec.model.body import NodalBody
 from spring_lattice import lattice
 

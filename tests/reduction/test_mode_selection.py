@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from bodies_of_nodes import fitted_rotations
 from scipy.linalg import eigh, eigvalsh
 
 import derive
 from derive.notes.component_mode_notes import component_mode_notes
 from derive.reduction.body import prepare
 from derive.reduction.component_mode_table import interface_deflections
-from derive.reduction.marker_motion import fitted_rotations
 from derive.reduction.mode_selection import selected_modes
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody

@@ -14,9 +14,13 @@ from cantilever_run import FORCE, SIDES, YOUNG, cantilever, scene_file
 
 import derive
 from derive.cli.main import main
+from derive.lowering.instances.lower import lower_instances
+from derive.reduction.modal_stresses import modal_stresses
 from derive.simulation.observables.default_plots import default_plots
+from derive.simulation.observables.fields import field_bodies, field_instants
 from derive.simulation.observables.spatial_player_data import spatial_player_data
-from derive.simulation.observables.stresses import largest_stress, modal_stresses
+from derive.simulation.observables.stresses import largest_stress
+from derive.solids.face_areas import area_products
 from derive.solids.stresses import von_mises
 from derive.spec.files.mesh_arrays import mesh_arrays
 
@@ -66,6 +70,47 @@ def test_a_bent_cantilever_has_the_stress_of_the_theory(tmp_path: Path, capsys: 
     assert fields["von_mises"].max() == pytest.approx(float(rows[0]["beam_stress"]), rel=1e-5)
     page = (tmp_path / "bent/bent.html").read_text()
     assert '"stress":' in page and "Stress of von Mises" in page
+
+
+STRESSES = """[outputs.node]
+kind = "stress"
+marker = "beam.spot"
+[outputs.end]
+kind = "stress"
+marker = "beam.tip"
+"""
+
+
+def test_stresses_at_markers_are_those_of_the_fields(tmp_path: Path) -> None:
+    """The functions of the model compute them: at a node, and the mean over the area of a set of nodes."""
+    beam = cantilever(0.3)
+    spot = int(np.flatnonzero((beam.solid.x[:, 0] > 0.1) & (beam.solid.x[:, 2] > 0.004))[0])
+    path = scene_file(beam, tmp_path, f"markers.spot = {spot}")
+    path.write_text(path.read_text().replace("[joints.clamp]", f"{STRESSES}[joints.clamp]"))
+    spec = derive.read(path)
+    run = derive.simulate(spec)
+    (body,) = field_bodies(run.spec, ["beam"])
+    (fields,) = field_instants(body, run, np.array([-1]))
+    assert fields.stresses is not None and fields.von_mises is not None
+    components = [run[f"node_{label}"][-1] for label in ("xx", "yy", "zz", "xy", "yz", "xz")]
+    assert components == pytest.approx(fields.stresses[spot], rel=1e-9)
+    assert run["node_mises"][-1] == pytest.approx(fields.von_mises[spot], rel=1e-9) and run["node_mises"][-1] > 1e7
+    products = area_products(beam.solid.mesh.elements, beam.solid.x, tuple(beam.tip))
+    assert products is not None
+    shares = products.sum(axis=0) / products.sum()
+    mean = shares @ fields.stresses[beam.tip]
+    assert run["end_xz"][-1] == pytest.approx(mean[5], rel=1e-9)
+    with pytest.raises(derive.SpecError, match="loops over bodies in space have no outputs of the kind stress"):
+        lower_instances(derive.derive(spec))
+
+
+def test_stresses_of_bodies_without_elements_are_refused() -> None:
+    rigid = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0], "markers": {"hub": [0, 0, 0]}}
+    scene = derive.spatial_scene(
+        "lump", bodies={"lump": rigid}, outputs={"s": {"kind": "stress", "marker": "lump.hub"}}
+    )
+    with pytest.raises(derive.SpecError, match=r"outputs\.s\.marker: stresses come from elements with"):
+        derive.derive(scene)
 
 
 def test_the_largest_stress_is_that_of_the_node() -> None:

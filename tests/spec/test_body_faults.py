@@ -30,6 +30,7 @@ def problems(call, *arguments, **keywords):
 
 NOTHING = "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
 WHOLE = "a whole number is needed, zero or more, such as 8"
+OR_AN_ERROR = "; or a table with the error that chooses it: modes = { error = 0.01, up_to = 500 }"
 NUMBER = 'a number is needed, such as 2, 0.5 or "1/3"'
 TWICE = "a node is named twice; `node` and those in `around` have to differ"
 POINT = (
@@ -50,9 +51,9 @@ KEYS = (
         ("dampin = 1", '5: body.dampin: unknown key; did you mean "damping"?'),
         ('name = "c"', "5: body.name: this key belongs above the table [body]"),
         ("modes = -1", f"5: body.modes: {WHOLE}, not -1"),
-        ("modes = 1.0", f"5: body.modes: {WHOLE}, not a number in decimals"),
-        ("modes = true", f"5: body.modes: {WHOLE}, not true"),
-        ('modes = "2"', f"5: body.modes: {WHOLE}, not text"),
+        ("modes = 1.0", f"5: body.modes: {WHOLE}, not a number in decimals{OR_AN_ERROR}"),
+        ("modes = true", f"5: body.modes: {WHOLE}, not true{OR_AN_ERROR}"),
+        ('modes = "2"', f"5: body.modes: {WHOLE}, not text{OR_AN_ERROR}"),
         ("modes = 301", "5: body.modes: at most 300 modes are allowed, not 301"),
         (f"modes = {10**99}", "5: body.modes: at most 300 modes are allowed, not a very large one"),
         ("modes = 3", "5: body.modes: 3 modes are asked for, and there are 2 in the files"),

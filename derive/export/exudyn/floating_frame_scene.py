@@ -19,7 +19,8 @@ from derive.mechanics.bodies.modal_body import ModalPoint
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.mechanics.symbols import amplitude, owned
-from derive.reduction.body import prepare, reduce
+from derive.reduction.body import reduce
+from derive.reduction.frame_points import modal_frames
 from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.configurations import quaternion_of, rotation_matrix
 from derive.simulation.observables.motion import si_value
@@ -167,11 +168,10 @@ def _rigid(body: SpatialRigidBody) -> Plain:
 def _flexible(body: FlexibleBody | SpatialBeam, host: HostModel) -> Plain:
     """The arguments of a floating-frame body whose nodes are those of its markers, and its amplitudes."""
     assert isinstance(body, FlexibleBody), "beams are refused"
-    modal, shapes = reduce(body.body), prepare(body.body).shapes
-    points = [ModalPoint(str(n), "", shapes.x[n], np.ascontiguousarray(shapes.phi[:, n])) for n in _nodes(body)]
+    modal, points = reduce(body.body), tuple(point for own in _points(body).values() for point in own)
     start = {x.name: x.start for x in (*host.coordinates, *host.velocities)}
     names = [str(owned(amplitude(i), body.name)) for i in range(1, modal.modes + 1)]
-    arguments = floating_frame_arguments(replace(modal, points=tuple(points)))
+    arguments = floating_frame_arguments(replace(modal, points=points))
     return {
         "flexible": {name: _plain(array) for name, array in arguments.items()},
         "amplitudes": [start[name] for name in names],
@@ -179,8 +179,18 @@ def _flexible(body: FlexibleBody | SpatialBeam, host: HostModel) -> Plain:
     }
 
 
-def _nodes(body: FlexibleBody) -> list[int]:
-    return sorted({node for marker in body.markers for node in marker.nodes})
+def _points(body: FlexibleBody) -> dict[str, list[ModalPoint]]:
+    """The points that stand for each marker: itself, or six around a set of nodes, which move with its frame."""
+    arm = float(np.abs(body.body.data.positions).max()) / 10
+    around = [sign * arm * axis for axis in np.eye(3) for sign in (1, -1)]
+    result = {}
+    for marker, frame in zip(body.markers, modal_frames(body), strict=True):
+        at = frame.point
+        result[marker.name] = [at]
+        if marker.has_rotation:
+            moved = ((at.position + r, at.shapes + np.cross(frame.twists, r)) for r in around)
+            result[marker.name] = [ModalPoint(at.name, "", position, shapes) for position, shapes in moved]
+    return result
 
 
 def _markers(scene: SpatialScene) -> list[MarkerRef]:
@@ -198,13 +208,14 @@ def _found(scene: SpatialScene, at: MarkerRef) -> tuple[SpatialBody | None, Fram
 
 
 def _marker(scene: SpatialScene, at: MarkerRef) -> Plain:
-    """A point of a rigid body or of the ground, or weighted nodes, which turn if they are several."""
+    """A point of a rigid body or of the ground, or points of a flexible body, which turn if they are several."""
     body, marker = _found(scene, at)
     if isinstance(marker, NodeFrame):
         assert isinstance(body, FlexibleBody)
-        numbers = [_nodes(body).index(node) for node in marker.nodes]
-        weights = np.array([float(w) for w in marker.weights] or [1.0] * len(numbers))
-        return {"body": at.body, "nodes": numbers, "weights": _plain(weights / weights.sum())}
+        points = _points(body)
+        first = sum(len(points[m.name]) for m in body.markers[: body.markers.index(marker)])
+        count = len(points[marker.name])
+        return {"body": at.body, "nodes": [*range(first, first + count)], "weights": [1 / count] * count}
     assert isinstance(marker, FrameMarker)
     return {"body": at.body, "point": [si_value(x) for x in marker.position]}
 

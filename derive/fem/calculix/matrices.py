@@ -23,8 +23,8 @@ from derive.spec.files.file_content import why_unreadable
 SUFFIXES = (".sti", ".mas", ".dof")
 
 HOW_TO_WRITE = (
-    "add these lines at the end of the input, for a body without supports, and run ccx again:\n"
-    "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP"
+    "add three lines at the end of the input, for a body without supports, and run ccx again: *STEP, then "
+    "*FREQUENCY, SOLVER=MATRIXSTORAGE, then *END STEP"
 )
 
 

@@ -21,6 +21,10 @@ TIES = ("EQUATION", "MPC", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING COUPLIN
 """The keywords by which displacements of nodes follow others."""
 
 
+WITH_ROTATIONS = (*("S3", "S4", "S6", "S8", "B2", "B3", "T2", "T3", "M3D", "CPS", "CPE", "CAX", "U1"), "US", "SAX")
+"""The beginnings of the types of shells, beams, trusses and plane elements, for which CalculiX adds nodes."""
+
+
 def read_calculix(path: Path) -> FiniteElementModel:
     """The part of a job of CalculiX. Raises SpecError with all faults.
 
@@ -28,8 +32,8 @@ def read_calculix(path: Path) -> FiniteElementModel:
     in all three directions alike, whose mass and stiffness the matrices then hold at the others.
     """
     mesh = read_mesh(path)
-    problems: list[Problem] = []
-    matrices = read_matrices(path, problems)
+    problems = list(_faults_of_elements(mesh))
+    matrices = None if problems else read_matrices(path, problems)
     if matrices is not None:
         problems += _faults_of_displacements(mesh, matrices, path.stem)
     if problems or matrices is None:
@@ -55,9 +59,27 @@ def read_calculix(path: Path) -> FiniteElementModel:
     )
 
 
+def _faults_of_elements(mesh: KeywordMesh) -> Iterator[Problem]:
+    """The fault of elements whose nodes have other coordinates than displacements."""
+    types = [name for name in mesh.other_elements if name.startswith(WITH_ROTATIONS)]
+    if types:
+        text = f"elements of the type {', '.join(types)} have rotations, and nodes of a body do not"
+        yield Problem(
+            "*ELEMENT", f"{text}: mesh the part with solid elements, such as C3D10 or C3D20, and run ccx again"
+        )
+
+
 def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: str) -> Iterator[Problem]:
     """Faults of nodes that are not in the mesh, that are held, or that follow others in some directions alone."""
     unknown = np.setdiff1d(matrices.node, mesh.numbers)
+    if unknown.size and "COUPLING" in mesh.cards:
+        text = "its reference node has rotations, and nodes of a body do not; leave it out, run ccx again, and name its"
+        yield Problem(
+            "*COUPLING",
+            f"{text} surface with --interface: its marker couples in the same way",
+            mesh.cards["COUPLING"][0],
+        )
+        return
     if unknown.size:
         text = f"the nodes {node_list(unknown)} of the matrices are not in the mesh: CalculiX adds nodes for shells,"
         yield Problem("", f"{text} beams and incompatible modes (C3D8I); use other solid elements, such as C3D20")
@@ -73,8 +95,9 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: 
         return
     if "BOUNDARY" in mesh.cards:
         where = np.concatenate([partly, absent])
-        text = f"the part is held at the nodes {node_list(where)}; a body is stored without supports"
-        yield Problem("*BOUNDARY", f"{text}: leave them out of the step, and run ccx again", mesh.cards["BOUNDARY"][0])
+        text = f"the part is held at the nodes {node_list(where)}; a body is stored without supports: leave them out"
+        free = f"{text}, or free it in the step that stores the matrices by a line *BOUNDARY, OP=NEW, and run ccx again"
+        yield Problem("*BOUNDARY", free, mesh.cards["BOUNDARY"][0])
     elif partly.size:
         text = f"displacements of the nodes {node_list(partly)} are missing in some directions"
         yield Problem("", f"{text}{_ties(mesh)}; tie nodes in all three directions, or leave the ties out")

@@ -32,11 +32,13 @@ class ModalFrame:
     """A marker frame: its point, and the rotation vectors (N, 3), rad/m, of the section there by unit amplitudes.
 
     `second_twists` (N, N, 3), rad/m^2, are those of second order, of 1/2 sum a_i a_j s_ij; None at first order.
+    `stresses` (N, 6), Pa/m, are those of unit amplitudes there, where an output asks for them.
     """
 
     point: ModalPoint
     twists: Array
     second_twists: Array | None = None
+    stresses: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

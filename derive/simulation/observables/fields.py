@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from derive.errors import Problem, SpecError, quoted
 from derive.reduction.body import prepare
+from derive.reduction.modal_stresses import modal_stresses
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.spatial_player_data import BodyPath, path_of, turned
 from derive.simulation.observables.spatial_scene_player import body_path
-from derive.simulation.observables.stresses import modal_stresses
 from derive.simulation.trajectory import Trajectory
 from derive.solids.stresses import von_mises
 from derive.spec.model.body import NodalBody

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from derive.reduction.body import prepare
+from derive.reduction.modal_stresses import modal_stresses
 from derive.simulation.observables.body_surface import Surface, surface
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.mesh_surface import coarsened, mesh_surface
@@ -26,7 +27,6 @@ from derive.simulation.observables.player_data import (
     rounded,
     speeds,
 )
-from derive.simulation.observables.stresses import modal_stresses
 from derive.simulation.observables.visual_surfaces import BOX_FACES, VisualSurface, box
 from derive.solids.stresses import von_mises
 from derive.spec.model.body import NodalBody
@@ -93,7 +93,9 @@ def drawn_body(body: NodalBody) -> DrawnBody:
     """The surface of a body of nodes with its markers: that of its elements if the files have them, and otherwise a
     guess. A guess with more than MAX_NODES is replaced by the box around it, whose corners move as the nearest nodes.
     """
+    own = slice(len(body.data.positions))  # without the point masses of a body that is given by moments
     shapes = prepare(body).shapes
+    shapes = replace(shapes, x=shapes.x[own], phi=shapes.phi[:, own])
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
     whole = _surface(body, shapes.x)
     marked = [marker.node for marker in body.markers]

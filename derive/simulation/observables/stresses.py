@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.symbols import amplitude_of
 from derive.reduction.body import prepare
-from derive.reduction.mesh_stiffening import integrated_mesh
+from derive.reduction.modal_stresses import modal_stresses
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.motion import Array
-from derive.solids.stresses import nodal_stresses, von_mises
+from derive.solids.stresses import von_mises
 from derive.spec.model.body import NodalBody
 from derive.spec.model.instances import joined
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -62,18 +59,3 @@ def largest_stress(body: NodalBody, amplitudes: Array) -> tuple[Array, NDArray[n
         places[some] = stresses.argmax(axis=1)
         values[some] = stresses.max(axis=1)
     return values, places
-
-
-def modal_stresses(body: NodalBody) -> Array:
-    """The stresses (N, nodes, 6), Pa/m, of the modes of a body, for a unit amplitude: xx, yy, zz, xy, yz, xz.
-
-    The body has elements with materials; the axes are those of the body. Raises SpecError.
-    """
-    return _modal_stresses(replace(body, name=""))
-
-
-@lru_cache(4)
-def _modal_stresses(body: NodalBody) -> Array:
-    shapes, mesh = prepare(body).shapes, body.data.mesh
-    assert mesh is not None, "a body with stresses has elements"
-    return nodal_stresses(integrated_mesh(mesh, shapes), shapes.phi)

@@ -45,7 +45,7 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
     for key in SPARSE:
         _gather(key, arrays, faults)
     for key in ("positions", "mass"):
-        if key not in arrays and read.complete:
+        if key not in arrays and read.complete and not (key == "mass" and "moments" in arrays):
             with faults.at(*NODES, key):
                 raise WrongValueError(f"this is missing: {FILES[key][:1].lower()}{FILES[key][1:-1]}")
     positions = _checked(faults, "positions", arrays.get("positions"), _positions)
@@ -53,14 +53,19 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
     if positions is not None:
         n = len(positions)
         mass = _checked(faults, "mass", arrays.get("mass"), _mass, n)
+        if "moments" in arrays:
+            mass = csr_array((n, n)) if "mass" not in arrays else _checked(faults, "mass", positions, _no_mass)
         stiffness = _checked(faults, "stiffness", arrays.get("stiffness"), _stiffness, n)
         modes = _checked(faults, "modes", arrays.get("modes"), _modes, n)
+    moments = None
     geometric: dict[str, Any] = {}
     if "modes" not in arrays:
-        _checked(faults, "modal_stiffness", arrays.get("modal_stiffness"), _no_modes)
+        for key in ("modal_stiffness", "moments"):
+            _checked(faults, key, arrays.get(key), _no_modes)
         without_modes(arrays, faults)
     elif modes is not None:
         modal = _checked(faults, "modal_stiffness", arrays.get("modal_stiffness"), _modal_stiffness, len(modes))
+        moments = _checked(faults, "moments", arrays.get("moments"), _moments, len(modes), units)
         geometric = geometric_stiffness(arrays, len(modes[0]), len(modes), units, faults)
     mesh = None if positions is None else mesh_of(arrays, len(positions), units, faults)
     data = None
@@ -73,6 +78,7 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
             modal_stiffness=None if modal is None else _scaled(modal, units.stiffness),
             sha256=read.sha256,
             mesh=mesh,
+            moments=moments,
             **geometric,
         )
     return CheckedNodes(
@@ -212,6 +218,24 @@ def _modes(array: Array, n: int) -> NDArray[np.float64]:
 
 def _no_modes(_: Array) -> None:
     raise WrongValueError("there are no modes that this could belong to; add them as `modes`")
+
+
+def _no_mass(_: Array) -> csr_array:
+    raise WrongValueError("the moments are those of the mass of the body; leave out the mass of the nodes, or moments")
+
+
+def _moments(array: Array, modes: int, units: Units) -> NDArray[np.float64]:
+    """The moments in SI units, symmetric to the last bit."""
+    size = 4 + 3 * modes
+    if array.shape != (size, size):
+        text = f"the fields 1, x, y, z and {modes} modes need ({size}, {size})"
+        raise WrongValueError(f"the shape is {array.shape}, and {text}")
+    factors = np.ones(size)
+    factors[1:4] = float(units.length)
+    result = symmetric(csr_array(array)).toarray() * float(units.mass) * np.multiply.outer(factors, factors)
+    if not result[0, 0] > 0:
+        raise WrongValueError(f"the mass, the first of the moments, is {result[0, 0]:g}; a body needs a positive one")
+    return np.ascontiguousarray(result)
 
 
 def _modal_stiffness(array: Array, count: int) -> NDArray[np.float64]:

@@ -55,7 +55,8 @@ def read_nodes(nodes: object, folder: Path) -> FoundArrays:
     """The arrays of a .npz file, of a table of MatrixMarket files, or of arrays that are given in Python."""
     if isinstance(nodes, NodeData):
         given = {f.name: getattr(nodes, f.name) for f in fields(nodes) if f.name in FILES}
-        arrays = {key: array for key, array in given.items() if array is not None}
+        without = "mass" if nodes.moments is not None else ""
+        arrays = {key: array for key, array in given.items() if array is not None and key != without}
         return FoundArrays(arrays | mesh_arrays(nodes.mesh), nodes.sha256, Faults())
     if isinstance(nodes, (str, os.PathLike)):
         return archive(nodes, folder)

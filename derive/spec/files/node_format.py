@@ -20,6 +20,8 @@ FILES = {
     "K0F": "Geometric stiffness of the modes under unit forces along e1, e2, e3 at the nodes K0F_nodes, "
     "(K0F_nodes, 3, modes, modes).",
     "K0F_nodes": "The numbers of these nodes, counted from 0.",
+    "moments": "In place of the mass, the integrals of products of the fields 1, x, y, z and the components of the "
+    "modes over the mass of the body, (4 + 3 modes, 4 + 3 modes).",
 }
 """The arrays of a body, each a MatrixMarket file where `nodes` is a table; more than two indices are rows, stacked."""
 

@@ -36,6 +36,8 @@ class NodeData:
         K0F: (K, 3, N, N), for unit forces at nodes.
         K0F_nodes: (K,), the nodes of K0F.
         mesh: elements, materials and sets of nodes; None if the files have none.
+        moments: (4 + 3 N, 4 + 3 N), integrals of products of the fields 1, x, y, z and the components of the modes over
+            the mass, of a body whose nodes have no mass; None if they have.
 
     Examples:
         >>> import derive
@@ -60,6 +62,7 @@ class NodeData:
     K0F: NDArray[np.float64] | None = None
     K0F_nodes: NDArray[np.int64] | None = None
     mesh: NodeMesh | None = None
+    moments: NDArray[np.float64] | None = None
     __repr__ = record_text
 
     @property

@@ -37,7 +37,7 @@ class NodeMarker:
 
     @property
     def weights(self) -> tuple[Fraction, ...]:
-        """The weights of the set, which are equal."""
+        """The weights of the set; a node has none."""
         return ()
 
 
@@ -45,7 +45,7 @@ class NodeMarker:
 class InterfaceMarker:
     """A marker of the interface of a body: a node, which is displaced, or a set, which is displaced and rotated.
 
-    The mean displacement and rotation of the set are those of the marker; weights are equal if there are none.
+    The mean displacement and rotation of the set are those of the marker; without weights see `NodeFrame`.
     """
 
     name: str

@@ -156,7 +156,14 @@ class NodeFrame:
         key(KeyType.COUNT, "A node, counted from 0; its marker has no rotation of its own.", name="node"),
         key(KeyType.TEXT, "A set of nodes of the file, in place of `nodes`.", name="set", example='"left"'),
     ]
-    weights: Annotated[tuple[Fraction, ...], key(KeyType.WEIGHTS, "Weights of the nodes; equal by default.")] = ()
+    weights: Annotated[
+        tuple[Fraction, ...],
+        key(
+            KeyType.WEIGHTS,
+            "Weights of the nodes; by default the mean is that over the area of the faces of elements that these nodes "
+            "cover, or of the nodes alike where they are no part of the surface of elements.",
+        ),
+    ] = ()
     motion: Annotated[
         NodeMotion,
         key(

@@ -15,11 +15,11 @@ from derive.spec.model.node_markers import InterfaceMarker, NodeMarker
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.model.spatial_bodies import NodeFrame
 from derive.spec.parsing import choices
-from derive.spec.parsing.values import WrongValueError
+from derive.spec.parsing.values import WrongValueError, mode_count
 from derive.spec.tables.beam import DAMPING
 from derive.spec.tables.declared_tables import TABLES, declare
 from derive.spec.tables.shared import TomlTable, one_of
-from derive.spec.tables.value_types import VALUE_TYPES
+from derive.spec.tables.value_types import MODE_COUNT_SCHEMA
 
 _POINT = (
     "a point frame needs the node it is at, and turns with those in `around`, or with its nearest neighbours: "
@@ -53,7 +53,26 @@ declare(
     doc="The kind of the floating frame of a body, and its nodes.",
 )
 declare(SpatialStart, "SpatialStartTable")
-declare(ModeSelection, "ModeSelectionTable", plain=VALUE_TYPES[KeyType.MODE_COUNT])
+
+OF_AN_ERROR = "modes = { error = 0.01, up_to = 500 }"
+"""An error of 1 % up to 500 Hz."""
+
+
+def _number_of_modes(value: object) -> int:
+    """The number of modes. Raises WrongValueError, which names the table that may stand in its place."""
+    try:
+        return mode_count(value)
+    except WrongValueError as error:
+        if isinstance(value, int) and not isinstance(value, bool):
+            raise
+        raise WrongValueError(f"{error}; or a table with the error that chooses it: {OF_AN_ERROR}") from None
+
+
+declare(
+    ModeSelection,
+    "ModeSelectionTable",
+    plain=Annotated[int, PlainValidator(_number_of_modes), WithJsonSchema(MODE_COUNT_SCHEMA)],
+)
 
 _keys = {key.name: key for key in declared_keys(NodalBody)}
 _first = tuple(

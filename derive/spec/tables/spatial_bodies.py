@@ -52,7 +52,9 @@ def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
         raise WrongValueError(f'{text}, or set = "left" of the file')
     if node_set:
         if given.get("weights"):
-            raise WrongValueError("the nodes of a set of the file have equal weights; list nodes that have others")
+            raise WrongValueError(
+                "the faces of elements weigh the nodes of a set of the file; list nodes that have weights of their own"
+            )
         return NodeFrame("", (), node_set=node_set, **given)
     if given.get("motion", "mean") == "rigid" and node is not None:
         raise WrongValueError('a single node has no rotation; a rigid set, motion = "rigid", needs nodes = [..]')

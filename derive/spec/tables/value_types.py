@@ -138,6 +138,8 @@ _TEXT: Mapping[str, Any] = {"type": "string", "minLength": 1}
 _FORMULA = {**_TEXT, "maxLength": MAX_LENGTH}
 _INPUT = {"type": "object", "properties": {"input": _TEXT}, "required": ["input"], "additionalProperties": False}
 _COUNT: Mapping[str, Any] = {"type": "integer", "minimum": 0}
+MODE_COUNT_SCHEMA: Mapping[str, Any] = {**_COUNT, "maximum": values.MAX_MODES}
+"""The JSON schema of a number of modes."""
 
 _float = _read(float, values.any_float, number_schema())
 _time = _read(TimeFunction, _function, {"anyOf": [_NUMBER, _FORMULA, _INPUT]})
@@ -238,7 +240,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
         several_type(_count, 0, MAX_AROUND, "nodes", "nodes is needed, such as [3, 4, 5]"),
         SchemaExtra(maxItems=MAX_AROUND),
     ],
-    KeyType.MODE_COUNT: _read(int, values.mode_count, {**_COUNT, "maximum": values.MAX_MODES}),
+    KeyType.MODE_COUNT: _read(int, values.mode_count, MODE_COUNT_SCHEMA),
     KeyType.PIECE_COUNT: _pieces,
     KeyType.PIECE_COUNTS: several_type(
         _pieces, 1, scene_values.MAX_PIECES, "numbers of pieces", "whole numbers is needed, such as [1, 2, 3]"

@@ -79,7 +79,8 @@ def missing_in_space(bodies: Bodies) -> Iterator[Problem]:
     for gear in bodies.mechanism.gears:
         yield Problem(f"gears.{gear.gear.name}", f"loops over bodies in space have no gears{INSTEAD}")
     for output in bodies.mechanism.scene.outputs:
-        if spatial_output_equations((output,), NamedParts(bodies).of_scene())[1]:
+        own = spatial_output_equations((output,), NamedParts(bodies).of_scene())[1]
+        if own or SPATIAL_OUTPUTS[output.kind].of_numbers:
             text = f"loops over bodies in space have no outputs of the kind {output.kind}{INSTEAD}"
             yield Problem(f"outputs.{output.name}", text)
 

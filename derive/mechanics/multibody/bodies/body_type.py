@@ -34,7 +34,8 @@ class CrossSection:
 
     In space it is the frame of a marker, with the axes of this frame in that of the undeformed body as columns of
     `axes`, and its rotation vectors by unit amplitudes of the modes, `twists`; `second_twists` (N, N) are those of
-    second order, s_ij of 1/2 sum alpha_i alpha_j s_ij, empty at first order.
+    second order, s_ij of 1/2 sum alpha_i alpha_j s_ij, empty at first order. `stresses` are columns of six by unit
+    amplitudes, empty where no output asks for them.
     """
 
     point: MaterialPoint
@@ -42,6 +43,7 @@ class CrossSection:
     axes: sp.ImmutableMatrix = field(default_factory=no_rotation)
     twists: tuple[sp.ImmutableMatrix, ...] = ()
     second_twists: tuple[tuple[sp.ImmutableMatrix, ...], ...] = ()
+    stresses: tuple[sp.ImmutableMatrix, ...] = ()
 
 
 @dataclass(frozen=True)

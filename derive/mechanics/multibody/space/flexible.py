@@ -89,7 +89,12 @@ def _section(frame: ModalFrame, axes: sp.ImmutableMatrix, looped: bool) -> Cross
     second = constants.of_pairs(Family.POINT_SECOND, point.second, "displacement", "1/m")
     second_twists = constants.of_pairs(Family.SECTION_ROTATION, frame.second_twists, "rotation", "1/m^2")
     material = MaterialPoint(point.name, point.doc, position, shapes, tuple(constants.made), second)
-    return CrossSection(material, axes=axes, twists=twists, second_twists=second_twists)
+    stresses = () if frame.stresses is None else tuple(_exact_column(row) for row in frame.stresses)
+    return CrossSection(material, axes=axes, twists=twists, second_twists=second_twists, stresses=stresses)
+
+
+def _exact_column(numbers: Array) -> sp.ImmutableMatrix:
+    return sp.ImmutableMatrix([sp.Rational(float(x)) for x in numbers])
 
 
 class _PointNumbers:

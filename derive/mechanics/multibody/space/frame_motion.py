@@ -35,6 +35,11 @@ KEPT = 256
 
 
 @cache
+def unstressed() -> sp.ImmutableMatrix:
+    """The stress of what does not deform."""
+    return sp.ImmutableMatrix([0] * 6)
+
+
 def still() -> sp.ImmutableMatrix:
     """The velocity of what does not move."""
     return sp.ImmutableMatrix([0, 0, 0])
@@ -67,7 +72,8 @@ class FrameMotion:
 
     `lever` is the vector from the origin O of the body to the marker, `frame` the rotation tensor Q of the body,
     `displacement` that of the marker by deformation, u, in the frame of the body, and `tangent` turns the rate of the
-    rotation vector of a flexible body at the marker into an angular velocity.
+    rotation vector of a flexible body at the marker into an angular velocity. `stress` are the components of the stress
+    there, Pa, along the axes of the body, where an output asks for them.
     `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
     `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body `carrier`;
     `own` is the motion along the axes of a body that keeps all coordinates.
@@ -84,6 +90,7 @@ class FrameMotion:
     frame: sp.ImmutableMatrix = field(default_factory=fixed_axes)
     tangent: sp.ImmutableMatrix = field(default_factory=fixed_axes)
     displacement: sp.ImmutableMatrix = field(default_factory=still)
+    stress: sp.ImmutableMatrix = field(default_factory=unstressed)
     virtual: tuple[VirtualMotion, ...] = ()
     in_body: tuple[sp.ImmutableMatrix, sp.ImmutableMatrix] | None = None
     carrier: str = ""
@@ -160,7 +167,7 @@ class FrameMotion:
             return VirtualMotion(row, **{name: changed(sp.ImmutableMatrix(total)) for name, total in sums.items()})
 
         vectors = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration", "displacement")
-        matrices = ("axes", "lever", "frame", "tangent")
+        matrices = ("axes", "lever", "frame", "tangent", "stress")
         return replace(
             self,
             **{name: changed(getattr(self, name)) for name in (*vectors, *matrices)},
@@ -239,8 +246,15 @@ def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
         frame=sp.ImmutableMatrix(Q),
         tangent=sp.ImmutableMatrix(turned.tangent),
         displacement=sp.ImmutableMatrix(u),
+        stress=sp.ImmutableMatrix(_stress(motion, section)),
         virtual=tuple(_virtual(motion, point, turned)),
     )
+
+
+def _stress(motion: Motion, section: CrossSection) -> sp.Matrix:
+    """The stress at a section, linear in the amplitudes."""
+    of_modes = zip(motion.alpha, section.stresses, strict=True) if section.stresses else ()
+    return sum((alpha * stress for alpha, stress in of_modes), sp.zeros(6, 1))
 
 
 def _origin(motion: Motion) -> tuple[tuple[sp.Expr, ...], ...]:

@@ -186,7 +186,24 @@ def _deflection(values: Mapping[str, Any], parts: SpatialParts) -> tuple[Spatial
     return tuple(SpatialComponent(str(k), unit, doc.format(k), scaled[k - 1]) for k in AXES)
 
 
-ANGLE, DEFLECTION = "angle", "deflection"
+def _stress(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+    """The components of the stress at a marker along the axes of the body, and that of von Mises."""
+    marker = values["marker"]
+    xx, yy, zz, xy, yz, xz = stress = parts.at(marker).stress
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    shear = xy**2 + yz**2 + xz**2
+    mises = sp.sqrt(normal / 2 + 3 * shear + sp.Rational(1, 10**100))  # as in `_length`
+    components = zip(STRESSES, (*stress, mises), strict=True)
+    doc = f"of {marker} in the axes of its body"
+    return tuple(
+        SpatialComponent(label, "Pa", f"stress {label} {doc}" if label != MISES else f"von Mises stress of {marker}", x)
+        for label, x in components
+    )
+
+
+MISES = "mises"
+STRESSES = ("xx", "yy", "zz", "xy", "yz", "xz", MISES)
+ANGLE, DEFLECTION, STRESS = "angle", "deflection", "stress"
 MARKER_OUTPUTS: Mapping[str, SpatialOutputType] = {
     "position": _vector("position", "m", lambda frame, at: at.position - frame.position),
     "velocity": _vector("velocity", "m/s", _velocity),
@@ -214,6 +231,14 @@ MARKER_OUTPUTS: Mapping[str, SpatialOutputType] = {
         (MARKER, OF_CHORD, replace(DIVIDED_BY, type=KeyType.POSITIVE)),
         LABELS,
         _deflection,
+    ),
+    STRESS: SpatialOutputType(
+        "stress at a marker of a body with elements and materials, in the axes of the body, and that of von Mises: at "
+        "its node, or of the mean over a set of nodes",
+        (MARKER,),
+        STRESSES,
+        _stress,
+        of_numbers=True,
     ),
 }
 """The kinds of outputs of markers."""

@@ -142,7 +142,8 @@ class SpatialOutputType:
 
     of_motion: whether it shows the motion of a joint, which not all joints have. counts_inertia: whether it depends on
     the inertia of bodies whose motion is prescribed. adds: whether each component is a sum over the bodies, the actions
-    and the drives, of terms that depend on one of them.
+    and the drives, of terms that depend on one of them. of_numbers: whether components contain the numbers of a body,
+    for which loops over bodies have no code.
     """
 
     doc: str
@@ -152,3 +153,4 @@ class SpatialOutputType:
     of_motion: bool = False
     counts_inertia: bool = False
     adds: bool = False
+    of_numbers: bool = False
