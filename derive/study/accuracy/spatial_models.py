@@ -118,10 +118,19 @@ def can_have(scene: SpatialScene, body: SpatialBeam | FlexibleBody, model: Ladde
         return model.shapes not in COMPONENT_MODES
     if model.shapes not in COMPONENT_MODES or model.count > most_modes(scene, body, model.shapes):
         return False
-    data, first = body.body.data, model.order is DisplacementOrder.FIRST_ORDER
-    if model.shapes is Shapes.GIVEN:
-        return data.modes is not None and (first or data.has_geometric_stiffness)
-    return data.stiffness is not None and first and (model.shapes not in STATIC or _is_held(scene, body))
+    data, given = body.body.data, model.shapes is Shapes.GIVEN
+    if not _has_order(body, model.order, given):
+        return False
+    if given:
+        return data.modes is not None
+    return data.stiffness is not None and (model.shapes not in STATIC or _is_held(scene, body))
+
+
+def _has_order(body: FlexibleBody, order: DisplacementOrder, given: bool) -> bool:
+    """Whether a body has modes of an order: truncated by the files, if its modes are given, or by its elements."""
+    data, own = body.body.data, body.body.data.has_geometric_stiffness and given
+    stiffens = own or data.gives_geometric_stiffness
+    return order is DisplacementOrder.FIRST_ORDER or (order is DisplacementOrder.TRUNCATED and stiffens)
 
 
 def _is_held(scene: SpatialScene, body: FlexibleBody) -> bool:

@@ -80,7 +80,7 @@ def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[LadderModel]
     """The flexible models of a finite-element body, of the order that its modes have."""
     for kind in modes.kinds(body):
         for n in range(0 if kind in STATIC else 1, min(MOST_MODES, modes.most(body, kind)) + 1):
-            yield LadderModel(kind, n, body.body.order)
+            yield LadderModel(kind, n, modes.order(body))
 
 
 def candidate_order(scene: AnyScene, body: Flexible, cost: PredictedCost) -> Callable[[LadderModel], tuple[float, ...]]:

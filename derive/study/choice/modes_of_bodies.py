@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from derive.errors import SpecError, first_line
 from derive.reduction.body import reduce
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
@@ -28,13 +29,19 @@ class ModesOfBodies:
     def kinds(self, body: FlexibleBody) -> tuple[Shapes, ...]:
         """The kinds of modes that a body can have, the best one first.
 
-        Modes with geometric stiffness matrices are those of the files, and others would lose these.
+        Geometric stiffness matrices of files are those of their modes, and others would lose these.
         """
         if body.name not in self._kinds:
-            of_files = body.body.data.stiffness is None or body.body.second_order
+            own, data = body.body, body.body.data
+            of_files = data.stiffness is None or (own.second_order and not own.computes_geometric_stiffness)
             kinds = (kind for kind in OF_STIFFNESS if self._has(body, kind))
             self._kinds[body.name] = (Shapes.GIVEN,) if of_files else tuple(kinds)
         return self._kinds[body.name]
+
+    def order(self, body: FlexibleBody) -> DisplacementOrder:
+        """The order of the modes of a body: the second one if its files, or its elements, have geometric stiffness."""
+        stiffens = body.body.second_order or body.body.data.gives_geometric_stiffness
+        return DisplacementOrder.TRUNCATED if stiffens else DisplacementOrder.FIRST_ORDER
 
     def most(self, body: FlexibleBody, kind: Shapes) -> int:
         """The largest number of modes of a kind that is tried, beside static ones."""
@@ -44,7 +51,7 @@ class ModesOfBodies:
     def _has(self, body: FlexibleBody, kind: Shapes) -> bool:
         """Whether a body has modes of a kind: there may be no interface, or one on a line."""
         assert isinstance(self._scene, SpatialScene)
-        model = LadderModel(kind, 1)
+        model = LadderModel(kind, 1, self.order(body))
         if not can_have(self._scene, body, model):
             self.refusals[body.name, kind] = NOT_HELD
             return False

@@ -115,7 +115,7 @@ class ReferenceModels:
         """The first model of a body: that of a beam as it is given."""
         if isinstance(body, FlexibleBody):
             kind = self.modes.kinds(body)[0]
-            return LadderModel(kind, min(MODES, self.modes.most(body, kind)), body.body.order)
+            return LadderModel(kind, min(MODES, self.modes.most(body, kind)), self.modes.order(body))
         twists = isinstance(body, SpatialBeam) and body.torsion is not None
         return replace(of_beam, torsion=TWISTS) if twists else of_beam
 

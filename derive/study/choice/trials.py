@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from derive.errors import TisserandError, first_line
 from derive.spec.model.body import DisplacementOrder
-from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.ladder_model import COMPONENT_MODES, LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, measured, retimed
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
@@ -105,8 +105,11 @@ class Trials:
         return [beam.name for beam in beams if model.of(beam.name).shapes is not Shapes.RIGID]
 
     def with_order(self, model: LadderModel, order: DisplacementOrder, names: Sequence[str]) -> LadderModel:
-        """The model with another order of displacements of some beams."""
-        return replaced(self.runs.scene, model, {name: replace(model.of(name), order=order) for name in names})
+        """The model with another order of displacements of some bodies; finite-element bodies have no full one."""
+        changed = {name: model.of(name) for name in names}
+        if order is DisplacementOrder.FULL:
+            changed = {name: of for name, of in changed.items() if of.shapes not in COMPONENT_MODES}
+        return replaced(self.runs.scene, model, {name: replace(of, order=order) for name, of in changed.items()})
 
     def _line(self, model: LadderModel) -> Line:
         self.runs.progress(f"model {len(self._lines) + 1}: {model.label} ...")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -42,5 +43,5 @@ def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[str]:
     for (name, kind), why in modes.refusals.items():
         if name == body.name:
             yield f"{name} has no {kind.value}: {why}"
-    if not body.body.second_order:
+    if modes.order(body) is DisplacementOrder.FIRST_ORDER:
         yield f"{body.name} has modes of first order alone: a load along it does not change its stiffness"
