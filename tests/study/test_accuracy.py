@@ -23,7 +23,7 @@ from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
-from derive.study.accuracy.chart import accuracy_svg
+from derive.study.accuracy.chart import _range, accuracy_svg
 from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import candidates, front, headline, headline_texts, recommended
@@ -149,6 +149,12 @@ def test_errors_that_vanish_are_drawn_at_the_lower_end() -> None:
     svg = accuracy_svg(replace(a_chart(), lines=lines))
     assert svg.count("<title>1 beam, P2, truncated, 4 coordinates\ntolerance 0.001: rms 0 %") == 2 and not outside(svg)
     assert [[one.model.count for one in group] for group in label_groups(lines)] == [[1, 2], [3]]
+
+
+def test_errors_far_below_that_of_the_reference_are_drawn_at_the_lower_end() -> None:
+    """The model that is the reference itself has rounding errors, which would take most of the axis."""
+    chart = replace(a_chart(), lines=(line(1, (1e-13, 1e-5)), line(2, (1e-4, 4e-5)), line(3, (0.02, 5e-5))))
+    assert _range(chart) == pytest.approx((5e-5 / 1.6, 0.032)) and not outside(accuracy_svg(chart))
 
 
 def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the_next_better_one() -> None:

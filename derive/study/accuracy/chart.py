@@ -38,6 +38,8 @@ DASHES: dict[str, tuple[float | None, ...]] = {
 """The dashes of lines by their integrators."""
 FAR = 10.0
 """The largest error on the axis: of a motion that grows without bounds it would be 1e12."""
+KNOWN = 100.0
+"""The error of the reference over the least error on the axis."""
 SIGNS = {
     "x": "x rigid",
     "o": "● natural modes",
@@ -171,11 +173,14 @@ def _power(value: float) -> str:
 
 
 def _range(chart: LadderChart) -> tuple[float, float]:
-    """The ends of the logarithmic axis of errors; those that vanish, or exceed `FAR`, are drawn at its ends."""
+    """The ends of the logarithmic axis of errors, at which smaller and larger ones are drawn.
+
+    The errors of the model that is the reference are those of rounding, which would take most of the axis.
+    """
     errors = [p.rms for line in chart.drawn for p in line.points if p.rms > 0]
     errors += [rms for peer in chart.peers for _, rms, _ in peer.runs]
     known = [*errors, chart.error, *([chart.reference.error] if chart.reference.error else [])]
-    return min(known) / 1.6, min(max(known), FAR) * 1.6
+    return max(min(known), (chart.reference.error or 0.0) / KNOWN) / 1.6, min(max(known), FAR) * 1.6
 
 
 def _marker(model: LadderModel) -> str:
@@ -195,7 +200,7 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
     low, high = (math.log(x) for x in _range(chart))
     labels = [(group[0].best, group_label(group), colour(group[0].model)) for group in label_groups(chart.drawn)]
     labels = sorted([*labels, *((peer.best, peer.name, style.INK) for peer in chart.peers)])
-    logarithms = [math.log(min(best, FAR)) if best else low for best, _, _ in labels]
+    logarithms = [max(low, math.log(min(best, FAR))) if best else low for best, _, _ in labels]
     wanted = [HEIGHT * (logarithm - low) / (high - low) for logarithm in logarithms]
     places = spread(wanted, LABEL)
     edge = LEFT + 2 * PANEL + GAP
