@@ -50,7 +50,7 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
         nodes, second = list(marker.nodes), None
         of = set_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes]
         if mean.second is not None:
-            second = fitted_second_rotations(*of, np.stack([mean.second[node] for node in nodes], axis=2))
+            second = fitted_second_rotations(*of, (mean.second[node] for node in nodes))
         frames.append(ModalFrame(point, np.ascontiguousarray(fitted_rotations(*of)), second))
     return tuple(frames)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import Protocol
 
@@ -36,20 +37,22 @@ def fitted_rotations(weights: Array, levers: Array, fields: Array) -> Array:
     return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), moments.T).T)
 
 
-def fitted_second_rotations(weights: Array, levers: Array, fields: Array, second: Array) -> Array:
+def fitted_second_rotations(weights: Array, levers: Array, fields: Array, second: Iterable[Array]) -> Array:
     """The rotations s_ij (n, n, 3) of second order that fit displacements sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij best.
 
-    fields (n, nodes, 3) are Phi; second (n, n, nodes, 3) are Psi. The turned levers R r, with the rotation R of the
-    vector sum a_i theta_i + 1/2 sum a_i a_j s_ij, are those of the least weighted squares of r + u - R r. Then the sum
-    of w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
+    fields (n, nodes, 3) are Phi; second are Psi, (n, n, 3) for each node. The rotation R of the vector
+    sum a_i theta_i + 1/2 sum a_i a_j s_ij turns levers r such that the weighted squares of r + u - R r are least. Then
+    the sum of w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
 
         J s_ij = sum w {r x (Psi_ij - theta_i x (theta_j x r)) + 2 (theta_i x r) x Phi_j}, made symmetric in i and j.
     """
     theta = fitted_rotations(weights, levers, fields)
-    turned = np.cross(theta[:, None], levers)
-    curved = second - np.cross(theta[:, None, None], turned[None])
-    moments = np.cross(levers, curved) + 2 * np.cross(turned[:, None], fields[None])
-    both = np.einsum("a,ijak->ijk", weights, moments + np.swapaxes(moments, 0, 1)) / 2
+    moments = np.zeros((len(theta), *theta.shape))
+    for w, r, phi, psi in zip(weights, levers, fields.swapaxes(0, 1), second, strict=True):
+        turned = np.cross(theta, r)
+        curved = psi - np.cross(theta[:, None], turned)
+        moments += w * (np.cross(r, curved) + 2 * np.cross(turned[:, None], phi))
+    both = (moments + moments.swapaxes(0, 1)) / 2
     return np.asarray(np.linalg.solve(inertia_of_set(weights, levers), both.reshape(-1, 3).T).T.reshape(both.shape))
 
 
