@@ -29,15 +29,19 @@ checks: $(VENV)/installed-test
 	$(BIN)/lint-imports
 	$(BIN)/tisserand check
 
+# A worker that crashes ends the run with the test that it ran: with a new worker, pytest-xdist 3.8 may wait for ever
+# (its issues 784 and 1378).
+PARALLEL := --numprocesses 2 --max-worker-restart 0 --durations 20
+
 # Tests run `make` themselves, which is not to look for the jobs of this one.
 tests: $(VENV)/installed-test
-	MAKEFLAGS= $(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
+	MAKEFLAGS= $(BIN)/pytest $(PARALLEL) --dist loadfile
 
 test-long: $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m "long and not hosts"
+	$(BIN)/pytest $(PARALLEL) --dist loadfile -m "long and not hosts"
 
 test-hosts: $(VENV)/installed-hosts
-	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
+	$(BIN)/pytest $(PARALLEL) --dist loadfile -m hosts
 
 docs: $(VENV)/installed-docs
 	$(BIN)/python -m docs.gallery
@@ -47,7 +51,7 @@ docs: $(VENV)/installed-docs
 	@echo "The site is site/index.html."
 
 test-docs: docs $(VENV)/installed-test
-	$(BIN)/pytest --numprocesses 2 --durations 20 -m docs tests/site
+	$(BIN)/pytest $(PARALLEL) -m docs tests/site
 
 release: $(VENV)/installed-release
 	$(BIN)/python tools/release.py

@@ -23,7 +23,8 @@ import derive
 from derive.runtime.integrators.adaptive import Adaptive
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 SCENE = Path(__file__).parent.parent / "scenes" / "crank_slider_3.toml"
 REVOLUTION = 2 * np.pi / 150  # s

@@ -34,7 +34,8 @@ from derive.simulation.observables.beams import axis_points, beam_bodies, piece_
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.monitors import ERROR_LIMIT, Cause
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.study.accuracy.ladder_model import ORDERS, LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
 

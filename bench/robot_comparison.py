@@ -20,15 +20,14 @@ from robot_files import chain_count, chain_tables, scene_of
 from timed_program import Program
 
 from derive.backends.c.source import CBackend
-from derive.derivation import derive, lower
+from derive.derivation import derive
 from derive.ir.model import Model
+from derive.model_lowering import lower
 
 Array = NDArray[np.float64]
 
 BATCH = 8
 """The states of a batch."""
-TOLERANCE = 1e-12
-"""The largest difference, relative to the largest number of a state."""
 FUNCTIONS = ("accel", "inverse_dynamics", "mass")
 
 
@@ -54,7 +53,12 @@ def without_markers(model: Model) -> Model:
 
 
 class Comparison:
-    """The makers of one case, in one program: their calls, and their values in the coordinates of Pinocchio."""
+    """The makers of one case, in one program: their calls, and their values in the coordinates of Pinocchio.
+
+    tolerance: the largest difference, relative to the largest number of a state.
+    """
+
+    tolerance = 1e-12
 
     def __init__(self, case: str, folder: Path, flags: str, coordinates: str, states: int) -> None:
         import pinocchio
@@ -241,7 +245,7 @@ class Comparison:
             if function != "inverse_dynamics":
                 scale = abs(wanted).max()
             error = abs(given.ravel() - wanted.ravel()).max() / scale
-            if not error < TOLERANCE:
+            if not error < self.tolerance:
                 raise ArithmeticError(f"{self.case}: {function} of {call.name} is off by {error:.1e}")
 
     def in_pinocchio(self, function: str, maker: str, q: Array, v: Array, values: Array) -> Array:

@@ -27,6 +27,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pinocchio_peer
+from long_chains import LongChain
 from machine import OWN_OPTION, described
 from robot_comparison import BATCH, Comparison, Figures
 from robot_files import ROBOTS, has_robots
@@ -41,8 +42,8 @@ LABELS = {"accel": "forward dynamics", "inverse_dynamics": "inverse dynamics", "
 GOALS = {"accel": 0.3, "inverse_dynamics": 0.3, "mass": None}
 HAND_GOAL, BATCH_GOAL = 1.2, 0.5
 CASES = (*ROBOTS, *(f"chain_{n}" for n in COUNTS))
-IF_NAMED = "chain_1000"
-"""The case that is measured only if it is named: a dense mass matrix of so many rows takes Pinocchio long."""
+LONG = "chain_1000"
+"""The case that is measured only if it is named, beside C by hand alone: see `long_chains.py`."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,13 @@ def figures(case: str, options: Options) -> list[Figures]:
     """The figures of a case. Raises ArithmeticError if values differ."""
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as name:
         folder = Path(name)
+        if case == LONG:
+            if not options.yardsticks:
+                raise FileNotFoundError(f"{case} is compared with C by hand alone: name its folder by --yardsticks")
+            chain = LongChain(case, folder, options.flags, options.coordinates, options.states)
+            chain.add_ours()
+            chain.add_hand(options.yardsticks)
+            return [*chain.times(options.repeats)]
         comparison = Comparison(case, folder, options.flags, options.coordinates, options.states)
         comparison.add_ours()
         peer = pinocchio_peer.compiled(folder, options.flags, options.kept) if options.compiled_peers else None
@@ -138,7 +146,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     if not find_spec("pinocchio"):
         parser.error("Pinocchio is missing: pip install tisserand[hosts]")
-    cases = given.only or [case for case in CASES if case != IF_NAMED and (case not in ROBOTS or has_robots())]
+    cases = given.only or [case for case in CASES if case != LONG and (case not in ROBOTS or has_robots())]
     head = _head(options)
     if given.json:
         print(json.dumps({"head": head, "rows": rows(options, cases)}, indent=2))

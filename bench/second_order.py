@@ -27,11 +27,13 @@ from derive.ir.model import Kkt
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.lower import lower
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.equations import Equations
 from derive.runtime.loading import load_scene
 from derive.simulation.observables.beams import function_values
 from derive.spec.model.beam_parts import Frame
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.parsing import values
 from derive.spec.toml.read import parse
 from derive.study.elimination import eliminate, equilibrated, kkt_systems
@@ -123,23 +125,30 @@ def is_safe(kkt: Kkt, coordinates: int) -> bool:
     return all(place[i] > place[j] for i, j in kkt.pattern.entries if i >= coordinates > j)
 
 
+def models(equations: Equations) -> dict[EliminationRule, tuple[derive.Model, OperationCounts]]:
+    """The model of a scene in each elimination order, with its counts."""
+    lowered = {rule: lower(equations, elimination=rule) for rule in EliminationRule}
+    return {rule: (model, operation_counts(equations, model, rule)) for rule, model in lowered.items()}
+
+
+def equations_of(scene: Scene) -> Equations:
+    """The equations of a scene without its outputs."""
+    return derive.derive(replace(scene, outputs=())).expanded()
+
+
 def measured(runs: int) -> list[Row]:
     """All models; the calls of all of them are timed in turn."""
     repeater, rows, timed = RepeatedCalls(), [], []
     for frame, order in MODELS:
         scene = crank_slider(frame, order)
-        equations = derive.derive(replace(scene, outputs=())).expanded()
         found = {}
-        for rule in EliminationRule:
-            model = lower(equations, elimination=rule)
+        for rule, (model, counts) in models(equations_of(scene)).items():
             native = load_scene(emit(model, scene))
             states = simulated_states(scene, native, native.setup(), STATES)
             t, q, v = (np.array([state[n] for state in states]) for n in range(3))
             systems = equilibrated(*kkt_systems(native, native.setup(), states))
             vanishing = int(eliminate(*systems, model.kkt.order, model.kkt.order).vanished.sum())
-            found[rule] = Elimination(
-                operation_counts(equations, model, rule), is_safe(model.kkt, native.nv), vanishing
-            )
+            found[rule] = Elimination(counts, is_safe(model.kkt, native.nv), vanishing)
             timed.append(lambda native=native, t=t, q=q, v=v: repeater.seconds(native, "accel", CALLS, t, q, v))
         safe, best = found[EliminationRule.SAFE], found[EliminationRule.MATCHED]
         assert safe.safe, "the order of generated code"

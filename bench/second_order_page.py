@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 from derive.study.timing import machine_description
+from derive.study.variants import OperationCounts
 from derive.visual import chart_style as style
 
 if TYPE_CHECKING:
@@ -81,12 +82,15 @@ def cost_table(rows: Sequence[Row]) -> str:
     lines = [f"| {' | '.join(head)} |", f"| --- | --- |{' ---: |' * 8} --- |"]
     for row in rows:
         a, b = row.safe, row.best
-        cells = (
-            *(row.frame, NAMES[row.order], a.counts.mass, a.counts.kkt, a.counts.flops, b.counts.flops),
-            *(a.counts.accel, b.counts.accel, f"{1e9 * a.seconds:.0f}", f"{1e9 * b.seconds:.0f}", safety(b)),
-        )
-        lines.append(f"| {' | '.join(map(str, cells))} |")
+        times = f"{1e9 * a.seconds:.0f} | {1e9 * b.seconds:.0f}"
+        lines.append(f"{counts_text(row.frame, row.order, a.counts, b.counts)} {times} | {safety(b)} |")
     return "\n".join(lines)
+
+
+def counts_text(frame: str, order: DisplacementOrder, safe: OperationCounts, best: OperationCounts) -> str:
+    """The beginning of a row of this table, up to the times."""
+    counts = (safe.mass, safe.kkt, safe.flops, best.flops, safe.accel, best.accel)
+    return f"| {' | '.join(map(str, (frame, NAMES[order], *counts)))} |"
 
 
 def limit(row: Row) -> str:

@@ -32,10 +32,11 @@ from space_tables import flexible_tables, free_tables, rigid_tables
 from timed_program import Program
 
 from derive.backends.c.source import CBackend
-from derive.derivation import derive, lower
+from derive.derivation import derive
 from derive.ir.model import Model
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
+from derive.model_lowering import lower
 from derive.spec.model.spatial_scene import SpatialScene
 
 Array = scenes.Array

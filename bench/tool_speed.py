@@ -38,7 +38,7 @@ print(json.dumps([*build(Path(sys.argv[1])).seconds.values()]))
 SPARSE = """
 import sys, time
 from bodies import beam
-import derive, derive.derivation, sympy.assumptions.refine, sympy.tensor.array
+import derive, derive.derivation, derive.model_lowering, sympy.assumptions.refine, sympy.tensor.array
 body, start = beam(int(sys.argv[1])), time.process_time()
 derive.lower(derive.derive_modal(body, lowering="flat"))
 print(time.process_time() - start)
@@ -48,7 +48,7 @@ other load changes less."""
 BUILD = """
 import sys, time
 from pathlib import Path
-import derive.derivation, derive.spec.checks.validation, derive.spec.tables.specification
+import derive.derivation, derive.model_lowering, derive.spec.checks.validation, derive.spec.tables.specification
 from derive.pipeline import build
 start = time.process_time()
 build(Path(sys.argv[1]))

@@ -1,13 +1,7 @@
 """The types of the public names of Tisserand; `derive/__init__.py` imports each of them when it is first used."""
 
 from derive.artifacts import File as File, write as write
-from derive.derivation import (
-    derive as derive,
-    derive_modal as derive_modal,
-    lower as lower,
-    modal as modal,
-    parameters as parameters,
-)
+from derive.derivation import derive as derive, derive_modal as derive_modal, modal as modal, parameters as parameters
 from derive.errors import SpecError as SpecError, TisserandError as TisserandError
 from derive.export.casadi.loading import casadi_function as casadi_function
 from derive.export.host_model import HostModel as HostModel, host_model as host_model
@@ -24,6 +18,7 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS as OUTPUTS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS as SPATIAL_JOINTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS as SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.springs import SPATIAL_SPRINGS as SPATIAL_SPRINGS
+from derive.model_lowering import lower as lower
 from derive.pipeline import model_files as model_files
 from derive.registry import UnknownNameError as UnknownNameError
 from derive.roles import Role as Role
@@ -53,14 +48,13 @@ from derive.simulation.linear.linearisation import Linearisation as Linearisatio
 from derive.simulation.linear.modes import Modes as Modes, modes as modes
 from derive.simulation.simulate import simulate as simulate
 from derive.simulation.trajectory import Trajectory as Trajectory
-from derive.spec.construction import (
+from derive.spec.construction.bodies import (
     nodal_body as nodal_body,
     planar_beam as planar_beam,
-    scene as scene,
-    spatial_scene as spatial_scene,
     symbolic_body as symbolic_body,
-    validated as validated,
 )
+from derive.spec.construction.scenes import scene as scene, spatial_scene as spatial_scene
+from derive.spec.construction.validated import validated as validated
 from derive.spec.model.beam import PlanarBeam as PlanarBeam
 from derive.spec.model.beam_parts import (
     AttachedMass as AttachedMass,
@@ -72,8 +66,6 @@ from derive.spec.model.body import (
     BodyFrame as BodyFrame,
     Damping as Damping,
     NodalBody as NodalBody,
-    NodeData as NodeData,
-    NodeMarker as NodeMarker,
     SymbolicBody as SymbolicBody,
 )
 from derive.spec.model.forces import (
@@ -83,29 +75,33 @@ from derive.spec.model.forces import (
     Spring as Spring,
     Torque as Torque,
 )
-from derive.spec.model.markers import MarkerRef as MarkerRef, PointMarker as PointMarker
-from derive.spec.model.mode_selection import ModeSelection as ModeSelection
-from derive.spec.model.plots import Deflection as Deflection, Plot as Plot, ReferenceCurve as ReferenceCurve
-from derive.spec.model.quantity import Parameter as Parameter
-from derive.spec.model.scene import (
-    BeamBody as BeamBody,
-    CustomBody as CustomBody,
+from derive.spec.model.joints import (
     CustomJoint as CustomJoint,
-    DistributedLoad as DistributedLoad,
     Drive as Drive,
     Joint as Joint,
     JointInitialValues as JointInitialValues,
-    RigidBody as RigidBody,
-    Scene as Scene,
 )
+from derive.spec.model.markers import MarkerRef as MarkerRef, PointMarker as PointMarker
+from derive.spec.model.mode_selection import ModeSelection as ModeSelection
+from derive.spec.model.node_data import NodeData as NodeData
+from derive.spec.model.node_markers import NodeMarker as NodeMarker
+from derive.spec.model.planar_bodies import (
+    BeamBody as BeamBody,
+    CustomBody as CustomBody,
+    DistributedLoad as DistributedLoad,
+    RigidBody as RigidBody,
+)
+from derive.spec.model.plots import Deflection as Deflection, Plot as Plot, ReferenceCurve as ReferenceCurve
+from derive.spec.model.quantity import Parameter as Parameter
+from derive.spec.model.scene import Scene as Scene
 from derive.spec.model.simulation import (
     InitialValues as InitialValues,
     Simulation as Simulation,
     SpatialStart as SpatialStart,
 )
+from derive.spec.model.spatial_beam import SpatialBeam as SpatialBeam
 from derive.spec.model.spatial_beam_parts import LateralDeflection as LateralDeflection
 from derive.spec.model.spatial_beam_parts import SectionFrame as SectionFrame
-from derive.spec.model.spatial_beam import SpatialBeam as SpatialBeam
 from derive.spec.model.spatial_beam_parts import TorsionalDeformation as TorsionalDeformation
 from derive.spec.model.spatial_beam_parts import (
     SpatialAttachedMass as SpatialAttachedMass,
@@ -119,8 +115,6 @@ from derive.spec.model.spatial_bodies import (
     NodeFrame as NodeFrame,
     SpatialRigidBody as SpatialRigidBody,
 )
-from derive.spec.model.visuals import Visual as Visual
-from derive.spec.model.spatial_start import SpatialInitialValues as SpatialInitialValues
 from derive.spec.model.spatial_forces import (
     SpatialForce as SpatialForce,
     SpatialJointForce as SpatialJointForce,
@@ -134,7 +128,9 @@ from derive.spec.model.spatial_scene import (
     SpatialJointInitialValues as SpatialJointInitialValues,
     SpatialScene as SpatialScene,
 )
+from derive.spec.model.spatial_start import SpatialInitialValues as SpatialInitialValues
 from derive.spec.model.time_function import TimeFunction as TimeFunction
+from derive.spec.model.visuals import Visual as Visual
 from derive.spec.parsing.time_expression import time_function as time_function
 from derive.spec.toml.read import read as read
 from derive.study.accuracy.ladder_chart import LadderChart as LadderChart

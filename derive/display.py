@@ -23,6 +23,20 @@ def data_frame(shown: object) -> Any:
     return _registered("data_frame")(shown)
 
 
+class Tabulated:
+    """A study with a table of its figures, which notebooks show as HTML."""
+
+    _repr_html_ = html
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas.DataFrame.
+
+        Raises:
+            PandasMissing: if pandas is not installed.
+        """
+        return data_frame(self)
+
+
 def _registered(name: str) -> Callable[[object], Any]:
     if name not in _functions:
         raise LookupError(f"no function is registered for {name}; `import derive` registers one")

@@ -24,7 +24,7 @@ OPEN = (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, SPATIAL_JOINTS, SPATIAL_SPRIN
 Generated = tuple[Model, tuple[File, ...]]
 
 
-MODULES = ("sympy", "casadi", "jinja2", "derive.derivation", "derive.backends.c.source_text")
+MODULES = ("sympy", "casadi", "jinja2", "derive.derivation", "derive.model_lowering", "derive.backends.c.source_text")
 """The modules that derive a model and write its C, with all that they load. A kept model needs none of them."""
 
 
@@ -57,7 +57,8 @@ def _kept(kind: str, spec: Specification, made: Callable[[], Generated]) -> Gene
 
 
 def _made(spec: Specification, explicit: bool = False) -> Generated:
-    from derive.derivation import derive, lower  # not needed for what is kept
+    from derive.derivation import derive
+    from derive.model_lowering import lower
 
     model = lower(derive(spec), explicit=explicit)
     return model, explicit_files(model, spec) if explicit else emit(model, spec)

@@ -21,8 +21,8 @@ from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.toml.read import read, with_lines
 
 if TYPE_CHECKING:
-    from derive.derivation import AnyMechanism
     from derive.mechanics.equations import Equations
+    from derive.mechanics.multibody.space.mechanism import AnyMechanism
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Built:
     @property
     def equations(self) -> Equations:
         """The form of the equations from which the model was lowered: with sums over the modes, or expanded."""
-        from derive.derivation import lowered_form
+        from derive.model_lowering import lowered_form
 
         return lowered_form(self.derived, self.model)
 
@@ -100,7 +100,8 @@ def generate(
     scene has no initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with
     `start_needed`.
     """
-    from derive.derivation import derive, lower
+    from derive.derivation import derive
+    from derive.model_lowering import lower
 
     written, spec = spec, in_pieces(spec)
     stages = stages or Stages()
@@ -169,7 +170,8 @@ def _started(scene: AnyScene, model: Model, needed: bool = False, resolved: bool
     resolved: whether the model is that of the scene with redundant joints resolved. It is the other one of the two if
     joints prove to be redundant in the initial state, or if that does not help.
     """
-    from derive.derivation import derive, lower
+    from derive.derivation import derive
+    from derive.model_lowering import lower
     from derive.simulation.initial.start_state import start_state
     from derive.simulation.linear.run_time_inputs import with_zero_inputs
     from derive.simulation.redundant_joints import with_redundant_joints

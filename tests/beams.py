@@ -11,8 +11,8 @@ import numpy as np
 
 import derive
 from conftest import QUICK
-from derive.derivation import lowered_form
 from derive.generated_models import generated
+from derive.model_lowering import lowered_form
 from derive.runtime.compiled_model import Native
 
 FRAMES: dict[str, Any] = {

@@ -3,9 +3,9 @@
 A comment before a block says what it is: `<!-- file: NAME -->` saves it, `<!-- fails -->` marks a command that must
 fail, `<!-- output -->` is what the block before it prints.
 
-The first command of each kind runs in a process of its own, and so do `make` and the Python of the README; `make run`
-builds and compares. Other commands of these kinds, also on other pages, and the Python there run in the process of the
-tests, which spares them the start of an interpreter. The blocks of Python of a page continue each other.
+`make run` of the README, which builds and compares, its `new` and its Python run in processes of their own, and so does
+the first command of each kind that the README does not have. All others run in the process of the tests, which spares
+them the start of an interpreter. The blocks of Python of a page continue each other.
 """
 
 from __future__ import annotations
@@ -116,8 +116,8 @@ def run_python(text: str, tree: Path, namespace: dict[str, object] | None) -> Re
     return run_here(lambda: exec(text, namespace), tree)
 
 
-RUN = {"build", "compare"}
-"""The kinds of commands that `make run` runs in processes of their own."""
+RUN = {"build", "compare", "run", "simulate", "modes", "report"}
+"""The kinds of commands that run here on any page: `make run` runs two of them in processes of their own."""
 
 REPORTING = re.compile(r"tisserand (study accuracy|choose)")
 """Commands that report their progress on standard error where that is no terminal."""

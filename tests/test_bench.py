@@ -13,12 +13,9 @@ from typing import Any
 
 import pytest
 
-import derive
 from conftest import ROOT
 from derive.lowering.elimination_orders import EliminationRule, work
-from derive.lowering.flat.lower import lower
 from derive.spec.model.body import DisplacementOrder
-from derive.study.variants import operation_counts
 
 
 def printed(script: str, *options: str) -> list[str]:
@@ -164,14 +161,30 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> tuple[Any, Any]:
     return second_order, import_module("second_order_page")
 
 
+OF_PAGE = [(frame, order) for frame in ("chord", "mean", "point", "tangent") for order in DisplacementOrder]
+"""The models of the page of frames; the counts of the first one take a third of a second, of others up to two."""
+
+
+@pytest.mark.parametrize(
+    ("frame", "order"), [OF_PAGE[0], *(pytest.param(*model, marks=pytest.mark.long) for model in OF_PAGE[1:])]
+)
+def test_the_counts_of_the_page_of_frames_are_those_of_the_models(
+    frame: str, order: DisplacementOrder, bench: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    second_order, page = bench
+    monkeypatch.setattr(second_order, "SHAPES", 3)
+    (of,) = (of for of in second_order.FRAMES if of.kind == frame)
+    models = second_order.models(second_order.equations_of(second_order.crank_slider(of, order)))
+    safe, best = (models[rule][1] for rule in EliminationRule)
+    assert page.counts_text(frame, order, safe, best) in page.PAGE.read_text(encoding="utf-8")
+
+
 def test_the_page_of_frames_says_of_each_elimination_order_whether_it_is_safe(bench: tuple[Any, Any]) -> None:
     second_order, page = bench
     scene = second_order.crank_slider(second_order.FRAMES[1], DisplacementOrder.TRUNCATED)
-    equations = derive.derive(replace(scene, outputs=())).expanded()
     found = []
-    for rule in EliminationRule:
-        model = lower(equations, elimination=rule)
-        kkt, counts = model.kkt, operation_counts(equations, model, rule)
+    for model, counts in second_order.models(second_order.equations_of(scene)).values():
+        kkt = model.kkt
         assert kkt is not None and work(kkt.pattern, kkt.order) == counts.flops
         found.append(second_order.Elimination(counts, second_order.is_safe(kkt, counts.coordinates), 0, 1e-7))
     assert [order.safe for order in found] == [True, False]

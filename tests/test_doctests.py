@@ -16,6 +16,9 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.registry import Registry
+from derive.runtime.batched_functions import BatchedFunctions
+from derive.runtime.implicit_functions import ImplicitFunctions
+from derive.runtime.marker_functions import MarkerFunctions
 from derive.spec.model.documentation import SECTIONS
 
 LONG = {
@@ -29,9 +32,13 @@ RUN = [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for 
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 
 
+PARTS = (ImplicitFunctions, BatchedFunctions, MarkerFunctions)
+"""The bases of `Native` that are not public, whose examples continue its own."""
+
+
 def methods(of: type) -> Iterator[tuple[str, Any]]:
-    """The methods that a class defines and users call, without those that it inherits."""
-    for name, member in vars(of).items():
+    """The methods that a class defines and users call, without those that it inherits from public ones."""
+    for name, member in (item for base in (of, *PARTS * (of is derive.Native)) for item in vars(base).items()):
         function = member.__func__ if isinstance(member, (staticmethod, classmethod)) else member
         if not name.startswith("_") and inspect.isfunction(function):
             yield name, function

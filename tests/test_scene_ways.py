@@ -20,7 +20,8 @@ from conftest import QUICK
 from derive.ir.interpreter import interpret
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
-from derive.spec.model.scene import RigidBody, Scene
+from derive.spec.model.planar_bodies import RigidBody
+from derive.spec.model.scene import Scene
 
 SCENES = Path(__file__).parent.parent / "scenes"
 

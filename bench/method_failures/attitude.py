@@ -19,7 +19,7 @@ from derive.runtime.integrators.adaptive import Adaptive
 from derive.runtime.loading import load
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.spec.construction import nodal_body
+from derive.spec.construction.bodies import nodal_body
 
 CORNERS = np.array(list(product((-0.15, 0.15), (-0.1, 0.1), (-0.05, 0.05))))
 """The corners of a block, m, each of 0.25 kg."""

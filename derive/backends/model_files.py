@@ -18,9 +18,11 @@ from derive.backends.python.backend import PythonBackend
 from derive.ir.model import JACOBIAN, Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
+from derive.spec.model.body import DisplacementOrder, NodalBody, SymbolicBody
 from derive.spec.model.mesh import NodeMesh
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import InitialValues, SpatialStart
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import Specification, check_specification

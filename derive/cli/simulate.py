@@ -35,8 +35,8 @@ from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.run_record import DRIFT_COLUMNS, run_files
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.body import NodalBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.plots import Deflection
-from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue

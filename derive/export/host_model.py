@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 from derive.artifacts import File
-from derive.derivation import AnyMechanism
 from derive.display import html
 from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.notes.model_notes import limits
 from derive.pipeline import generate
 from derive.short_text import listed, record_text, summary

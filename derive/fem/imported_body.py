@@ -19,10 +19,11 @@ from derive.reduction.body import ZERO_STIFFNESS, prepare
 from derive.reduction.checks import indefinite
 from derive.reduction.component_modes import static_mode_count
 from derive.short_text import counted
-from derive.spec.construction import nodal_body
+from derive.spec.construction.bodies import nodal_body
 from derive.spec.files.node_files import MAX_BYTES
-from derive.spec.model.body import ComponentModes, InterfaceMarker, NodalBody
+from derive.spec.model.body import ComponentModes, NodalBody
 from derive.spec.model.mode_selection import ModeSelection
+from derive.spec.model.node_markers import InterfaceMarker
 from derive.spec.parsing.faults import did_you_mean, names_text
 from derive.spec.parsing.names import free_name
 

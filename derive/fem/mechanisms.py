@@ -10,8 +10,8 @@ from derive.errors import Problem
 from derive.fem.model import Array, Indices
 from derive.fem.node_names import node_list
 from derive.short_text import counted
-from derive.spec.model.body import NodeData
 from derive.spec.model.mesh import Elements
+from derive.spec.model.node_data import NodeData
 
 HINGE = 1e-3
 """Elements on both sides of a hinge turn against each other by more than this part of the largest rotation."""

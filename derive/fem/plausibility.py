@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 
 SPEEDS = (0.01, 2e4)
 """The range of the first natural frequency times the length of a body, m/s: below the speed of sound in diamond, above

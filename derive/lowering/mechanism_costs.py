@@ -40,11 +40,10 @@ from dataclasses import dataclass
 from derive.algebra import sp
 from derive.ir.indices import LANES
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, plain_joint
-from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
-from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.spec.model.markers import GROUND
 from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 from derive.mechanics.time_integrals.kept import kept_integral
+from derive.spec.model.joints import Drive
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import Drive
 from derive.spec.model.time_function import TimeFunction
 
 

@@ -10,8 +10,9 @@ from derive.short_text import changed_fields, counted, listed, short_text
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.keys import declared_keys
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, BeamBody, Scene
+from derive.spec.model.scene import NAMED, Scene
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene

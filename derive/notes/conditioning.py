@@ -7,7 +7,8 @@ import numpy as np
 from derive.mechanics.bodies.beam_functions import ONE, XI
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.specification import Specification
 
 ILL_CONDITIONED = 1e8

@@ -37,7 +37,8 @@ from derive.reduction.second_order import (
     without_rounding,
 )
 from derive.reduction.symmetry import Mirror, made_symmetric, mirror_planes, separated_by_parity
-from derive.spec.model.body import Damping, NodalBody, NodeData
+from derive.spec.model.body import Damping, NodalBody
+from derive.spec.model.node_data import NodeData
 
 
 @dataclass(frozen=True, eq=False)

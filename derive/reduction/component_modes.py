@@ -41,7 +41,8 @@ from derive.reduction.eigen import (
 from derive.reduction.frames import from_centre_of_mass, orthonormal_modes, projected_out, rigid_basis
 from derive.reduction.integrals import mass_products
 from derive.reduction.interface import RIGID_MOTIONS, HeldInterface, interface_of
-from derive.spec.model.body import InterfaceMarker, NodalBody
+from derive.spec.model.body import NodalBody
+from derive.spec.model.node_markers import InterfaceMarker
 
 SINGULAR = 1e-14
 """A stiffness is singular if a pivot is below this part of the largest."""

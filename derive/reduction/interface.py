@@ -18,7 +18,8 @@ from derive.reduction.arithmetic import Array
 from derive.reduction.eigen import rigid_set_motions
 from derive.reduction.frames import rigid_fields
 from derive.reduction.marker_motion import fitted_rotations, set_weights
-from derive.spec.model.body import InterfaceMarker, NodalBody
+from derive.spec.model.body import NodalBody
+from derive.spec.model.node_markers import InterfaceMarker
 
 ON_A_LINE = 1e-4
 """An interface is on a line if a rigid motion of the body moves its markers by less than this part of its size."""

@@ -20,7 +20,8 @@ from derive.reduction.eigen import mass_of_displacements, rigid_set_motions, sym
 from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
 from derive.reduction.integrals import mass_products
 from derive.reduction.interface import marker_motions
-from derive.spec.model.body import InterfaceMarker, NodalBody
+from derive.spec.model.body import NodalBody
+from derive.spec.model.node_markers import InterfaceMarker
 
 
 @dataclass(frozen=True, eq=False)

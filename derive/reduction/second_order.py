@@ -64,7 +64,8 @@ from derive.reduction.integrals import (
     omega_tensors,
     second_moments,
 )
-from derive.spec.model.body import BodyFrame, NodalBody, NodeData
+from derive.spec.model.body import BodyFrame, NodalBody
+from derive.spec.model.node_data import NodeData
 
 ASYMMETRY = 1e-6
 """The largest asymmetry of a geometric stiffness matrix, relative to its largest entry."""

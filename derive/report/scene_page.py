@@ -37,7 +37,7 @@ from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from derive.runtime.compiler import CompilerError
 from derive.runtime.native_call import ModelError, Vector, checked_number, checked_origin, checked_vector
 
 DOUBLE = ctypes.sizeof(ctypes.c_double)
@@ -51,7 +52,7 @@ class CompiledFunction:
         self.name = name
         address = ctypes.cast(function, ctypes.c_void_p).value
         self._function = order(type(function)(address))  # calls of members of structures take longer
-        self._inputs, self._sizes = tuple(inputs), tuple(results)
+        self.inputs, self.sizes = tuple(inputs), tuple(results)
         self._build, self._constants = build, constants
         self._known: Known = tuple(object() for _ in inputs), (0,) * len(inputs), ()
         self._known_out = NO_OUTPUT
@@ -71,7 +72,7 @@ class CompiledFunction:
                 numbers = tuple(checked_number(x, self.name) for x in numbers)
                 break
         if out is None:
-            result = np.empty(self._sizes[0])
+            result = np.empty(self.sizes[0])
             code = self._function(*numbers, *addresses, address_of(result))
         else:
             result = out
@@ -104,7 +105,7 @@ class CompiledFunction:
         """All results, in new arrays. Raises as a call does."""
         vectors, addresses = self._checked(arrays)
         given = [checked_number(x, self.name) for x in numbers]
-        results = [np.empty(size) for size in self._sizes]
+        results = [np.empty(size) for size in self.sizes]
         code = self._function(*given, *addresses, *map(address_of, results))
         del vectors  # they live until here
         if code:
@@ -118,7 +119,7 @@ class CompiledFunction:
         last, places, _ = self._known
         vectors: list[Vector] = []
         addresses: list[int] = []
-        for size, given, known, place in zip(self._inputs, arrays, last, places, strict=True):
+        for size, given, known, place in zip(self.inputs, arrays, last, places, strict=True):
             vector = known if given is known else checked_vector(size, given, self.name)
             vectors.append(vector)  # type: ignore[arg-type]  # what is known is a vector
             addresses.append(place if given is known else address_of(vectors[-1]))
@@ -129,7 +130,7 @@ class CompiledFunction:
 
     def _checked_out(self, out: Vector) -> tuple[int]:
         """The address of an output that the caller gives, which is kept."""
-        size = self._sizes[0]
+        size = self.sizes[0]
         if not (type(out) is np.ndarray and out.dtype == np.float64 and out.shape == (size,)):
             kind = f"{getattr(out, 'dtype', type(out).__name__)} of shape {np.shape(out)}"
             raise ValueError(f"{self.name}: `out` must be an array of {size} doubles (float64), not {kind}")
@@ -141,8 +142,8 @@ class CompiledFunction:
 
     def _check_overlap(self, place: int, addresses: tuple[int, ...]) -> None:
         """Raises ValueError if the output overwrites an input while it is read."""
-        end = place + DOUBLE * self._sizes[0]
-        for length, address in zip(self._inputs, addresses, strict=True):
+        end = place + DOUBLE * self.sizes[0]
+        for length, address in zip(self.inputs, addresses, strict=True):
             if address < end and place < address + DOUBLE * length:
                 raise ValueError(f"{self.name}: `out` shares memory with an argument, which would be overwritten")
 
@@ -153,3 +154,18 @@ def address_of(array: Vector) -> int:
         return ctypes.addressof(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]
     except (TypeError, ValueError):  # read-only arrays, and those without values
         return int(array.ctypes.data)
+
+
+class CompiledFunctions(dict[str, CompiledFunction]):
+    """The functions of a model by their names. Raises CompilerError for one that its library does not have."""
+
+    def __missing__(self, name: str) -> CompiledFunction:
+        raise not_explicit(name)
+
+
+def not_explicit(name: str) -> CompilerError:
+    """The error of a call of a function that a model for explicit integration does not have."""
+    return CompilerError(
+        f"there is no {name} in this library, whose model is for explicit integration alone: `derive.lower` and "
+        '`build` make complete ones, of long trees in relative coordinates with lowering = "flat"'
+    )

@@ -9,25 +9,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from derive.backends.c.optional_parts import OptionalPart
 from derive.backends.c.source import ABI
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
-from derive.runtime.compiled_function import CompiledFunction
+from derive.runtime.batched_functions import BatchedFunctions
+from derive.runtime.compiled_function import CompiledFunction, CompiledFunctions
 from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import ModelStruct, names_of, pattern_of, roles_of
+from derive.runtime.implicit_functions import ImplicitFunctions
+from derive.runtime.marker_functions import MarkerFunctions
 from derive.runtime.native_call import (
-    Matrix,
     ModelError,
     Vector,
     checked_number,
     checked_origin,
-    checked_rows,
-    checked_vector,
     constants_of,
     doubles,
 )
-from derive.runtime.native_markers import NativeMarker, native_markers
+from derive.runtime.native_markers import native_markers
 from derive.runtime.requested_functions import RequestedFunctions
 from derive.short_text import listed, summary
 
@@ -37,26 +36,11 @@ def cj_first(function: Callable[..., int]) -> Callable[..., int]:
     return lambda t, cj, y, ydot, k, values: function(t, y, ydot, cj, k, values)
 
 
-class CompiledFunctions(dict[str, CompiledFunction]):
-    """The functions of a model by their names. Raises CompilerError for one that its library does not have."""
-
-    def __missing__(self, name: str) -> CompiledFunction:
-        raise not_explicit(name)
-
-
-def not_explicit(name: str) -> CompilerError:
-    """The error of a call of a function that a model for explicit integration does not have."""
-    return CompilerError(
-        f"there is no {name} in this library, whose model is for explicit integration alone: `derive.lower` and "
-        '`build` make complete ones, of long trees in relative coordinates with lowering = "flat"'
-    )
-
-
 NO_PATTERN = Pattern(0, 0, (0,), (), symmetric=False)
 """The pattern of a matrix that a model does not have."""
 
 
-class Native(RequestedFunctions):
+class Native(ImplicitFunctions, BatchedFunctions, MarkerFunctions, RequestedFunctions):
     """A compiled model. Arrays are vectors of doubles in SI units; matrices come as the values of their pattern.
 
     The pattern makes a matrix of them, dense or in SciPy's compressed columns: `native.mass_pattern.dense(values)`,
@@ -305,228 +289,6 @@ class Native(RequestedFunctions):
         """
         return self._compiled["rates"]((q, v, k), out=out)
 
-    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The residual F(t, y, ydot) of the equations as a differential-algebraic equation, of the length of y.
-
-        For a body y = [q; v]; for a scene y = [q; v; lambda], in the form of index 3.
-
-        Examples:
-            >>> y, ydot = [*q, *v], [*native.rates(q, v, k), *native.accel(0.0, q, v, k)]
-            >>> bool(abs(native.residual(0.0, y, ydot, k)).max() < 1e-12)
-            True
-        """
-        return self._compiled["residual"]((y, ydot, self.own_at(t, k)), t, out=out)
-
-    def jacobian(
-        self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike, out: Vector | None = None
-    ) -> Vector:
-        """Values of dF/dy + cj dF/dydot in the order of `jacobian_pattern`.
-
-        Implicit methods choose the factor cj (1/s), which is that of a step.
-
-        Examples:
-            >>> y, ydot = [*q, *v], [*native.rates(q, v, k), *native.accel(0.0, q, v, k)]
-            >>> native.jacobian_pattern.sparse(native.jacobian(0.0, y, ydot, 100.0, k)).shape
-            (10, 10)
-        """
-        return self._compiled["jacobian"]((y, ydot, self.own_at(t, k)), t, cj, out=out)
-
-    def parameter_jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of the derivatives with respect to parameters and inputs [p; u], in the order of `parameter_pattern`.
-
-        The rows are those of M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs; for a body, those
-        of M vdot + h. t, y and ydot are fixed.
-
-        Raises:
-            CompilerError: if the model was generated without sensitivities.
-
-        Examples:
-            >>> y, ydot = [*q, *v], [*native.rates(q, v, k), *native.accel(0.0, q, v, k)]
-            >>> derivatives = native.parameter_pattern.dense(native.parameter_jacobian(0.0, y, ydot, k))
-            >>> derivatives[:, native.parameters.index("EI")].round(4)
-            array([0.  , 0.  , 0.  , 1.44, 0.  ])
-        """
-        return self._of_sensitivities("parameter_jacobian")((y, ydot, self.own_at(t, k)), t)
-
-    def solve_kkt(self, t: float, q: ArrayLike, k: ArrayLike, a: ArrayLike, b: ArrayLike = ()) -> tuple[Vector, Vector]:
-        """The solution x (nv,), lambda (nlambda,) of M x - G^T lambda = a (nv,), G x = b (nlambda,).
-
-        Raises:
-            ModelError: if a pivot vanishes.
-            CompilerError: if the model was generated without sensitivities.
-
-        Examples:
-            >>> x, multipliers = native.solve_kkt(0.0, q, k, [1, 0, 0, 0, 0])
-            >>> x  # a force of 1 N on 1 kg
-            array([1., 0., 0., 0., 0.])
-        """
-        x, lam = self._of_sensitivities("solve_kkt").results((q, self.own_at(t, k), a, b), t)
-        return x, lam
-
-    def _of_sensitivities(self, name: str) -> CompiledFunction:
-        if self.parameter_pattern is None:
-            raise CompilerError(f"{self.name} has no {name}; generate it with sensitivities")
-        return self._compiled[name]
-
-    def mass_batch(self, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """Values of M (n, nnz) for each row of q. The C takes structures of arrays: both are transposed.
-
-        Examples:
-            >>> native.mass_batch([q, q, q], k).shape
-            (3, 5)
-        """
-        (values,) = self._batch("mass", [], [(self.nq, q)], k, [len(self.mass_pattern.rowidx)], check)
-        return values
-
-    def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The vector h (n, nv) for each row of q and v.
-
-        Examples:
-            >>> native.force_batch(0.0, [q, q], [v, v], k).shape
-            (2, 5)
-        """
-        (h,) = self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
-        return h
-
-    def mass_force_batch(
-        self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True
-    ) -> tuple[Matrix, Matrix]:
-        """Values of M (n, nnz), and h (n, nv), for each row of q and v.
-
-        Examples:
-            >>> M, h = native.mass_force_batch(0.0, [q, q], [v, v], k)
-            >>> M.shape, h.shape
-            ((2, 5), (2, 5))
-        """
-        sizes = [len(self.mass_pattern.rowidx), self.nv]
-        values, h = self._batch("mass_force", [t], [(self.nq, q), (self.nv, v)], k, sizes, check)
-        return values, h
-
-    def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The accelerations vdot (n, nv) for each row of q and v.
-
-        Examples:
-            >>> native.accel_batch(0.0, [q, q], [[0, 0, 3, 0, 0], [0, 0, 6, 0, 0]], k).round(2) + 0.0
-            array([[   0.  ,    0.  ,    0.  , -215.91,    0.  ],
-                   [   0.  ,    0.  ,    0.  , -215.64,    0.  ]])
-        """
-        (vdot,) = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
-        return vdot
-
-    def energy_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The energies of `energy` (n, energies), J, for each row of q and v.
-
-        Examples:
-            >>> native.energy_batch([q, q], [[0, 0, 3, 0, 0], [0, 0, 6, 0, 0]], k).round(4)
-            array([[0.3751, 0.216 ],
-                   [1.5004, 0.216 ]])
-        """
-        (energies,) = self._batch("energy", [], [(self.nq, q), (self.nv, v)], k, [self._model.nenergy], check)
-        return energies
-
-    def momentum_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The momenta of `momentum` (n, momenta) for each row of q and v.
-
-        Examples:
-            >>> native.momentum_batch([q], [v], k).round(4)
-            array([[0.    , 0.    , 0.2501]])
-        """
-        (momenta,) = self._batch("momentum", [], [(self.nq, q), (self.nv, v)], k, [self._model.nmomentum], check)
-        return momenta
-
-    def rates_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The rates qdot (n, nq) for each row of q and v.
-
-        Examples:
-            >>> native.rates_batch([q], [v], k)
-            array([[0., 0., 3., 0., 0.]])
-        """
-        (qdot,) = self._batch("rates", [], [(self.nq, q), (self.nv, v)], k, [self.nq], check)
-        return qdot
-
-    def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
-        """Position (m) and velocity (m/s) in the inertial frame, and values of the Jacobian, of the marker `name`.
-
-        Raises:
-            UnknownNameError: for a name that is not in `markers`.
-
-        Examples:
-            >>> x, xdot, jacobian = native.marker("tip", q, v, k)
-            >>> x.round(4), xdot.round(4)
-            (array([0.434 , 0.2485]), array([-0.7455,  1.302 ]))
-            >>> native.marker_pattern("tip").dense(jacobian).shape
-            (2, 5)
-        """
-        self._check_marker(name)
-        x, xdot, jacobian = self._compiled[f"marker_{name}"].results((q, v, k))
-        return x, xdot, jacobian
-
-    def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
-        """Positions (n, 2) or (n, 3) in space, m, of the marker `name` for each row of q and v: those of `marker`.
-
-        Raises:
-            UnknownNameError: for a name that is not in `markers`.
-
-        Examples:
-            >>> native.marker_positions("tip", [q, q], [v, v], k).round(4)
-            array([[0.434 , 0.2485],
-                   [0.434 , 0.2485]])
-        """
-        function, marker = f"marker_{name}", self._marker(name)
-        # A copy, since a contiguous array of one row, such as q[None], may have a stride of 0.
-        qs, vs = (np.array(checked_rows(n, x, function), order="C") for n, x in ((self.nq, q), (self.nv, v)))
-        constants = checked_vector(self.nk, self.own(k), function)
-        result, xdot = np.empty((len(qs), marker.dimension)), np.empty(marker.dimension)
-        jacobian = np.empty(marker.size)
-        rows = zip(
-            *(range(x.ctypes.data, x.ctypes.data + x.nbytes, x.strides[0]) for x in (qs, vs, result)), strict=True
-        )
-        evaluate, others = (
-            marker.bound(marker.holder.evaluate),
-            (constants.ctypes.data, xdot.ctypes.data, jacobian.ctypes.data),
-        )
-        for q_i, v_i, x_i in rows:  # a row takes a microsecond, and ten by `marker`
-            if code := evaluate(q_i, v_i, others[0], x_i, *others[1:]):
-                raise ModelError(f"{self.name}_{function}", code)
-        return result
-
-    def load(self, name: str, q: ArrayLike, force: ArrayLike, k: ArrayLike) -> Vector:
-        """Generalised forces f (nv,) of a `force` (2,) or (3,), N, at the marker `name`: M vdot + h = f.
-
-        The force is given in the inertial frame.
-
-        Raises:
-            UnknownNameError: for a name that is not in `markers`.
-
-        Examples:
-            >>> native.load("tip", q, [0, -10], k).round(3) + 0.0
-            array([  0.   , -10.   ,  -4.34 ,  -8.776,  -8.776])
-        """
-        self._check_marker(name)
-        return self._compiled[f"load_{name}"]((q, force, k))
-
-    def marker_pattern(self, name: str) -> Pattern:
-        """The pattern of the Jacobian of the marker `name`.
-
-        Raises:
-            UnknownNameError: for a name that is not in `markers`.
-
-        Examples:
-            >>> pattern = native.marker_pattern("tip")
-            >>> pattern.rows, pattern.cols
-            (2, 5)
-        """
-        return self._marker(name).pattern(self.nv)
-
-    def _check_marker(self, name: str) -> None:
-        if name not in self.markers:
-            left_out = "" if self.markers else " (simulations in space have no functions of markers: write an output)"
-            raise UnknownNameError(f"marker of {self.name}{left_out}", name, self.markers)
-
-    def _marker(self, name: str) -> NativeMarker:
-        self._check_marker(name)
-        return self._marker_of[name]
-
     def own(self, k: ArrayLike) -> ArrayLike:
         """The constants as they are given. Raises ValueError if they come from the setup of another model.
 
@@ -544,32 +306,6 @@ class Native(RequestedFunctions):
             True
         """
         return k
-
-    def _batch(
-        self,
-        kernel: str,
-        t: list[float],
-        states: list[tuple[int, ArrayLike]],
-        k: ArrayLike,
-        sizes: list[int],
-        check: bool,
-    ) -> list[Matrix]:
-        name = f"{kernel}_batch"
-        rows = [checked_rows(columns, given, name) for columns, given in states]
-        count = len(rows[0])
-        if any(len(given) != count for given in rows):
-            raise ValueError(f"{name}: {' and '.join(str(len(given)) for given in rows)} states do not go together")
-        columns_first = [np.ascontiguousarray(given.T) for given in rows]
-        results = [np.empty((size, count)) for size in sizes]
-        arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), *results]
-        function: Callable[..., int] | None = getattr(self._model, name)  # a null pointer is false
-        if not function:
-            macro = OptionalPart.BATCHES.value
-            raise CompilerError(f"{self.name}_{name} is not in this library, whose C was compiled with {macro}")
-        code = function(count, *(checked_number(x, name) for x in t), *(a.ctypes.data for a in arrays))
-        if code and check:
-            raise ModelError(f"{self.name}_{name}", code)
-        return [np.ascontiguousarray(result.T) for result in results]
 
     def __repr__(self) -> str:
         head = f"{type(self).__name__} {self.name}: nq = {self.nq}, nv = {self.nv}, np = {self.np}"

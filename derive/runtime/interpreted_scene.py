@@ -15,8 +15,8 @@ from derive.ir.patterns import Pattern
 from derive.ir.statements import ReturnCode
 from derive.ir.straight_line import StraightLine, straight_line_function
 from derive.roles import Role
-from derive.runtime.compiled_function import CompiledFunction
-from derive.runtime.compiled_model import NO_PATTERN, CompiledFunctions, add_jacobian
+from derive.runtime.compiled_function import CompiledFunction, CompiledFunctions
+from derive.runtime.compiled_model import NO_PATTERN, add_jacobian
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 

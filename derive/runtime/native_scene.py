@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from derive.backends.c.optional_parts import OptionalPart
 from derive.ir.patterns import Pattern
-from derive.runtime.compiled_function import CompiledFunction
-from derive.runtime.compiled_model import Native, cj_first, not_explicit
+from derive.runtime.compiled_function import CompiledFunction, not_explicit
+from derive.runtime.compiled_model import Native, cj_first
 from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import DaeStruct, names_of, pattern_of
 from derive.runtime.native_call import Matrix, Vector, checked_vector, constants_of

@@ -11,7 +11,7 @@ import numpy as np
 from derive.errors import Problem, SpecError
 from derive.mechanics.prescribed_motion import drive_speed
 from derive.simulation.observables.motion import drive_unit
-from derive.spec.model.scene import Drive
+from derive.spec.model.joints import Drive
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, break_times, value_at
 

@@ -33,8 +33,9 @@ from derive.simulation.constraints.closest_state import (
 from derive.simulation.constraints.scaling import SINGULAR
 from derive.simulation.observables.motion import drive_unit
 from derive.spec.model.instances import joined
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import GROUND
-from derive.spec.model.scene import BeamBody, Joint
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialJoint

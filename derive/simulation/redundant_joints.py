@@ -20,7 +20,7 @@ from derive.simulation.errors import (
     TooNearDeadCentre,
 )
 from derive.simulation.scene_start import state_of
-from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
+from derive.spec.model.planar_bodies import BeamBody, RigidBody, SceneBody
 from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene

@@ -14,7 +14,7 @@ from derive.simulation.integration.solution import Progress
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulated_scene import simulated
 from derive.simulation.trajectory import Trajectory
-from derive.spec.construction import validated
+from derive.spec.construction.validated import validated
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import Simulation

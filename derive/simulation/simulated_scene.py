@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 from derive.errors import Problem, SpecError
 from derive.runtime.native_call import Matrix
 from derive.runtime.native_scene import NativeScene
-from derive.spec.construction import validated
+from derive.spec.construction.validated import validated
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.body import NodalBody, SymbolicBody
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification

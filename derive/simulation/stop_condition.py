@@ -15,7 +15,7 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.integration.solution import Cost, Solution
 from derive.simulation.integration.stop_event import StopEvent
 from derive.simulation.observables.motion import drive_values
-from derive.spec.model.scene import Drive
+from derive.spec.model.joints import Drive
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.condition import Condition, Row, condition

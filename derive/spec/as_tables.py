@@ -13,14 +13,18 @@ from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Marker
-from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, NodeMarker, SymbolicBody
+from derive.spec.model.body import DisplacementOrder, NodalBody, SymbolicBody
 from derive.spec.model.forces import Bushing, CustomForce, Spring
+from derive.spec.model.joints import CustomJoint, Joint
 from derive.spec.model.keys import Key, KeyType, declared_keys, has_name
 from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.node_markers import NodeMarker
+from derive.spec.model.planar_bodies import BeamBody, CustomBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene
+from derive.spec.model.scene import NAMED, Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_beam_parts import SectionFrame

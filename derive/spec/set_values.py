@@ -16,10 +16,11 @@ from derive.spec.as_tables import specification_tables
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import beam_constants, scene_constants
-from derive.spec.construction import validated_tables
+from derive.spec.construction.validated import validated_tables
 from derive.spec.model.instances import COUNT, identifier, instance_parts
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spec_text import polynomial_text
 from derive.spec.model.specification import Specification
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text, readable
@@ -70,8 +71,8 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
         elif name in by_key:
             path = by_key[name]
             value = _as_parameter(path, known[path], new, taken) if path in constants else new
-            symbol = value["symbol"] if isinstance(value, Mapping) else None
-            changes.append(SetValue(name, _shown(known[path]), _shown(new), symbol))
+            symbol = value.get("symbol") if isinstance(value, Mapping) else None
+            changes.append(SetValue(name, _known(path, known[path]), _shown(new), symbol))
             tables = _replaced(tables, path, value)
             terms = (*path[:-1], "terms")
             if path[-1] == "order" and new == 1 and terms in known and path_text(terms) not in assignments:
@@ -226,6 +227,13 @@ def _value(text: str) -> Any:
     return text
 
 
+def _known(path: KeyPath, value: Any) -> str:
+    """The value of a key in one line; shapes are polynomials, of which the tables have the coefficients."""
+    if path[-1] == "ansatz" and not isinstance(value, Mapping):
+        return f"[{', '.join(map(polynomial_text, value))}]"
+    return polynomial_text(value) if "ansatz" in path and isinstance(value, tuple) else _shown(value)
+
+
 def _shown(value: Any) -> str:
     """A value in one line: a short number as a decimal, a parameter as its default with the unit."""
     match value:
@@ -239,6 +247,8 @@ def _shown(value: Any) -> str:
             return f"{float(value):.12g}"
         case list() | tuple():
             return f"[{', '.join(map(_shown, value))}]"
+        case Mapping():
+            return f"{{ {', '.join(f'{key} = {_shown(item)}' for key, item in value.items())} }}"
         case TimeFunction():
             return function_text(value)
         case _:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.lowering.elimination_orders import EliminationRule
 from derive.short_text import summary
 from derive.simulation.inputs import with_functions
@@ -28,8 +27,10 @@ from derive.terminal import Report, beam_count, reports_of
 
 
 @dataclass(frozen=True, repr=False)
-class FrameStudy:
+class FrameStudy(Tabulated):
     """The non-zeros, operations and CPU times of a scene in two frames.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each frame and number of beams, and one for their ratio.
 
     Attributes:
         name: that of the scene.
@@ -49,6 +50,8 @@ class FrameStudy:
         >>> study = derive.study_frames(rod, pieces=[1], runs=1)
         >>> [cost.counts.mass for cost in study.rows[0].costs]
         [5, 15]
+        >>> list(study.to_pandas().columns[:3])
+        ['pieces', 'frame', 'mass']
     """
 
     name: str
@@ -60,20 +63,6 @@ class FrameStudy:
         ratios = (f"{beam_count(row.pieces)} {row.times.integration_ratio.median:.2f}" for row in self.rows)
         frames = " over ".join(self.frames)
         return summary(f"FrameStudy of {self.name}", {f"CPU time, {frames}": ", ".join(ratios)})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each frame and number of beams, and one for their ratio.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> list(study.to_pandas().columns[:3])
-            ['pieces', 'frame', 'mass']
-        """
-        return data_frame(self)
 
 
 def study_frames(

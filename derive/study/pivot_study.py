@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.remaining_time import RemainingTime
 from derive.short_text import summary
 from derive.simulation.inputs import with_functions
@@ -37,8 +36,10 @@ class PivotComparison:
 
 
 @dataclass(frozen=True, repr=False)
-class PivotStudy:
+class PivotStudy(Tabulated):
     """The pivots of the KKT matrix of a scene in two frames, in elimination orders that are determined once.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each elimination order, frame and kind of states.
 
     Attributes:
         name: that of the scene.
@@ -57,6 +58,8 @@ class PivotStudy:
         >>> study = derive.study_pivots(rod, states=5, numberings=2)
         >>> study.along, [frame.undeformed.vanishing_mass for frame in study.rows[0].frames]
         ('0.1 s', [0, 6])
+        >>> list(study.to_pandas().columns[:4])
+        ['pieces', 'order', 'frame', 'states']
     """
 
     name: str
@@ -69,20 +72,6 @@ class PivotStudy:
             f"PivotStudy of {self.name} along {self.along}",
             {"frames": frames, "rods of": ", ".join(beam_count(row.pieces) for row in self.rows)},
         )
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each elimination order, frame and kind of states.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> list(study.to_pandas().columns[:4])
-            ['pieces', 'order', 'frame', 'states']
-        """
-        return data_frame(self)
 
 
 def study_pivots(

@@ -7,7 +7,8 @@ from typing import Any, TypeVar
 
 from derive.errors import Problem, SpecError
 from derive.simulation.simulate import with_simulation
-from derive.spec.model.scene import BeamBody, CustomBody, Scene, SceneBody
+from derive.spec.model.planar_bodies import BeamBody, CustomBody, SceneBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody

@@ -17,7 +17,8 @@ from derive.lowering.flat.schedule import Step
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.reference_conditions import ConditionError
 from derive.mechanics.equations import Equations
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.parsing import choices
 from derive.spec.tables.beam import frame_from
 

@@ -24,7 +24,6 @@ from derive.urdf.texts import axes_along, axes_text, frame_text, list_text, numb
 from derive.urdf.visuals import WrittenVisuals
 
 Base = Literal["fixed", "free"]
-BASES: tuple[Base, ...] = ("fixed", "free")
 """How the root of a robot is held: fixed to the ground, or free."""
 
 KINDS = {

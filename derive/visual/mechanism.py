@@ -10,8 +10,10 @@ from derive.artifacts import MARK
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.motion import body_coordinates, function_values, outline, si_value
 from derive.spec.model.forces import CustomForce, Force
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import BeamBody, CustomBody, Joint, RigidBody, Scene
+from derive.spec.model.planar_bodies import BeamBody, CustomBody, RigidBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
 from derive.visual.labelled_drawing import LabelledDrawing
 from derive.visual.undeformed_poses import Array, Poses, initial_poses, position, transformed_point

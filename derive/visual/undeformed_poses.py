@@ -15,9 +15,11 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.simulation.inputs import with_functions
 from derive.simulation.observables.motion import body_coordinates, drive_values, si_value, transformed
+from derive.spec.model.joints import CustomJoint, Joint
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, CustomJoint, Joint, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
 
 Array = NDArray[np.float64]

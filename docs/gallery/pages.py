@@ -123,6 +123,15 @@ def _number_block(run: Run, meaning: str) -> list[str]:
     return [f"```{{container}} gallery-number\n{text}\n```"]
 
 
+FITTING = """<script>
+addEventListener("message", ({ source, data }) => {
+  for (const frame of document.querySelectorAll(".gallery-motion"))
+    if (frame.contentWindow === source && data.height > 0) frame.style.height = `${data.height + 2}px`;
+});
+</script>"""
+"""Gives a player the height of its content and two borders; it sends the height, also from a file on a disk."""
+
+
 def _motion(run: Run) -> list[str]:
     """The player inside the page, and a link to it."""
     motion = run.file("motion")
@@ -130,7 +139,7 @@ def _motion(run: Run) -> list[str]:
         return []
     address = file_name(run, motion)
     frame = f'<iframe class="gallery-motion" src="{address}" title="Player of the motion" loading="lazy"></iframe>'
-    return ["## Motion", _html(frame), _html(_link(address, "The player on a page of its own"))]
+    return ["## Motion", _html(FITTING), _html(frame), _html(_link(address, "The player on a page of its own"))]
 
 
 def _source(path: str) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from derive.artifacts import MARK
 from derive.simulation.observables.beams import axis_points, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, outline, planar, transformed
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 
 INSTANTS = 12
 WIDTH, HEIGHT, MARGIN = 480.0, 300.0, 16.0

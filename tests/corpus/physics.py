@@ -28,7 +28,8 @@ from corpus.summed_terms import summed_terms
 from derive.ir.model import Model
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.markers import GROUND
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import value_at
 
 ROWS = 4

@@ -16,6 +16,7 @@ import pytest
 
 from corpus import commands
 from corpus.commands import Finding
+from corpus.coordinate_forms import forms, has_flexible_trees
 from corpus.generator import CorpusScene, corpus_scene
 from corpus.physics import physics
 from corpus.refusals import refusal
@@ -60,8 +61,7 @@ def quick_compiler(folder: Path) -> str:
 @contextmanager
 def derived_once() -> Iterator[None]:
     """Let the commands of a scene share equations and kernels of the same specification: a third of their time."""
-    derivation = sys.modules["derive.derivation"]
-    equations, kernels = derivation.derive, derivation.lower
+    equations, kernels = sys.modules["derive.derivation"].derive, sys.modules["derive.model_lowering"].lower
     derived: dict[str, Any] = {}
     lowered: dict[tuple[int, bool, bool], Any] = {}
 
@@ -108,8 +108,11 @@ def check_scene(seed: int) -> SceneResult:
         if seed >= FIRST:
             found += commands.other_motions(seed, out)
         before = commands.cpu()
-        found += _physics(scene, path)
+        found += _checked((physics_in_space if seed >= FIRST else physics)(scene, path))
         seconds["physics"] = round(commands.cpu() - before, 3)
+        if has_flexible_trees(scene):
+            found += _checked(forms(path))
+            seconds["forms"] = round(commands.cpu() - before - seconds["physics"], 3)
         errors = tuple(_errors(scene, out))
     return SceneResult(seed, scene.linkage, tuple(found), refusals, seconds, errors)
 
@@ -126,9 +129,10 @@ def _errors(scene: CorpusScene, out: Path) -> Iterator[Any]:
                 yield model["model"], model["runs"][0]["rms_error"], *implied, study["reference"]["error"], plot
 
 
-def _physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
+def _checked(check: Iterator[Finding]) -> Iterator[Finding]:
+    """The findings of a check, one of which is that it fails."""
     try:
-        yield from (physics_in_space if scene.seed >= FIRST else physics)(scene, path)
+        yield from check
     except TisserandError as failure:
         if refusal(str(failure)) is None:
             yield Finding("physics", f"refused: {commands.general(str(failure))}", str(failure))

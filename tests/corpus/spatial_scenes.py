@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from corpus import flexible_trees
 from corpus.draft import NAMES, Table
 from corpus.draws import Draws, rounded, words
 from corpus.spatial_actions import act_in_space, observe_in_space
@@ -215,6 +216,11 @@ def listed(values: Vector) -> list[float]:
 def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
     """The tables of a scene, the files beside it, and its linkage."""
     draft = SpatialDraft(draws, name)
+    limbs = Draws(f"limbs {name}")
+    if limbs.chance(flexible_trees.SHARE):
+        draft.draws = limbs
+        linkage = _timed(draft, flexible_trees.flexible_tree(draft))
+        return draft.tables, _files(draft), linkage
     beams = Draws(f"beams {name}")
     if beams.chance(SHARE):
         draft.draws = beams
@@ -241,8 +247,12 @@ def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path]
     else:
         act_in_space(draft)
     linkage = _timed(draft, linkage)
-    files: dict[str, str | Path] = {BLOCK.name: BLOCK} if any(body.flexible for body in draft.bodies.values()) else {}
-    return draft.tables, files, linkage
+    return draft.tables, _files(draft), linkage
+
+
+def _files(draft: SpatialDraft) -> dict[str, str | Path]:
+    """The files of a scene: that of the block if it has one."""
+    return {BLOCK.name: BLOCK} if any(body.flexible for body in draft.bodies.values()) else {}
 
 
 def _timed(draft: SpatialDraft, linkage: str) -> str:
@@ -304,8 +314,8 @@ def _rod(draft: SpatialDraft, first: SolidBody, second: SolidBody, at: Vector) -
     draft.section("joints")[draft.name("joints")] = {"kind": "distance", "between": ends, "distance": length}
 
 
-def _flexible_arm(draft: SpatialDraft) -> None:
-    """The block, held at one end by a joint, with a rigid body on a ball joint at the other one."""
+def block_with_ends(draft: SpatialDraft) -> tuple[SolidBody, Vector, Vector]:
+    """The block with markers at both ends, root with axes and end at a node; the places of these at t = 0."""
     draws = draft.draws
     block = draft.body(flexible=True)
     table = draft.section("bodies")[block.name]
@@ -325,13 +335,19 @@ def _flexible_arm(draft: SpatialDraft) -> None:
         least = {"free": 1, "craig_bampton": 3 * len(interface) - 3, "attachment": 6}[modes]
         table |= {"component_modes": modes, "modes": max(least, 1) + draws.whole(0, 1)}
         table |= {} if modes == "free" else {"interface": interface}
+    return block, at, block.x + block.R @ (nodes[far] - middle)
+
+
+def _flexible_arm(draft: SpatialDraft) -> None:
+    """The block, held at one end by a joint, with a rigid body on a ball joint at the other one."""
+    draws = draft.draws
+    block, at, tip = block_with_ends(draft)
     kind = draws.choice(["revolute", "spherical", "universal", "cylindrical", "fixed"])
     joint = draft.name("joints")
     ends = [draft.marker(draft.ground, at, block.R), f"{block.name}.root"]
     draft.section("joints")[joint] = {"kind": kind, "between": ends}
     if draws.chance(0.6):
         bob = draft.body(flexible=False)
-        tip = block.x + block.R @ (nodes[far] - middle)
         pair = [f"{block.name}.end", draft.marker(bob, tip, bob.R)]
         draft.section("joints")[draft.name("joints")] = {"kind": "spherical", "between": pair}
 

@@ -22,7 +22,7 @@ from derive.fem.imported_body import BodyOptions, ImportedBody, imported_body
 from derive.fem.model import FiniteElementModel
 from derive.fem.readers import READERS
 from derive.reduction.body import prepare
-from derive.spec.construction import nodal_body
+from derive.spec.construction.bodies import nodal_body
 from derive.spec.model.body import NodalBody
 
 Write = Callable[[FiniteElementModel, Path], Path]

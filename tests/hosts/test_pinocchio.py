@@ -16,7 +16,7 @@ import derive
 from conftest import QUICK
 from derive.backends.model_files import explicit_files
 from derive.derivation import derive as equations
-from derive.derivation import lower
+from derive.model_lowering import lower
 from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
 

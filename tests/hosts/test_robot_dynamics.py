@@ -22,9 +22,11 @@ from derive.derivation import derive
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.lowering.flat import lower as flat_lower
+from derive.runtime.interpreted_scene import InterpretedScene
 
 sys.path.append(str(ROOT / "bench"))
 from interleaved import TimedCall
+from long_chains import LongChain
 from robot_comparison import Comparison
 from robot_coordinates import RobotCoordinates
 from robot_files import ROBOTS, has_robots, scene_of
@@ -173,6 +175,20 @@ def test_bench_of_robots(pin: ModuleType) -> None:
     for row in rows:
         assert row["ours_ns"] > 0 and row["ratio"] == pytest.approx(row["ours_ns"] / row["peer_ns"])
     assert all(row["operations"] > 0 and row["text"] > 0 for row in rows if "batch" not in row["name"])
+
+
+def test_long_chains_are_compared_with_code_by_hand(pin: ModuleType, tmp_path: Path) -> None:
+    """Angles are in their order from the ground on, as of Pinocchio, whose accelerations stand for the C by hand."""
+    chain = LongChain("chain_4", tmp_path, "-O1", "relative", 2)
+    of = Comparison("chain_4", tmp_path, "-O1", "relative", 2)
+    of.states = chain.states
+    wanted = np.array([vdot for vdot, _, _ in of._truth()])
+    native = InterpretedScene(chain.model)
+    ours = [native.solve(0.0, *chain.map.motion(q, v, v)[:2], native.setup())[0] for q, v, _ in chain.states]
+    chain.compare("accel", TimedCall("hand", "", 4), wanted)
+    chain.compare("accel", TimedCall("ours", "", 4), np.array(ours))
+    with pytest.raises(ArithmeticError, match=r"chain_4: accel of ours is off by 1.0e-10"):
+        chain.compare("accel", TimedCall("ours", "", 4), np.array(ours) * (1 + 1e-10))
 
 
 def test_the_bench_refuses_other_values(pin: ModuleType, tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ from derive.ir.model import Model
 from derive.ir.patterns import Pattern
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 
 TOLERANCE = 1e-13
 OF_CONDITION = 1e-15

@@ -16,13 +16,13 @@ from derive.backends.c import function_parts
 from derive.backends.c.beginnings import repeated
 from derive.backends.c.linear_sums import NO_SUMS, TOGETHER, KernelSums, LinearSums, linear_sums
 from derive.backends.c.source import CBackend
-from derive.derivation import lower
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Operation, Operator, walk
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.linear_forms import Row
 from derive.ir.model import Model
+from derive.model_lowering import lower
 from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
 

@@ -38,12 +38,10 @@ from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predict
 from derive.lowering.model_functions import FORMS
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.runtime.loading import load_scene
-from derive.spec.model.scene import SceneLowering
 from derive.spec.toml.read import parse
 
 MODES, NODES = 6, 9
 KINDS = ("fixed", "revolute", "spherical")
-MATCHING: tuple[SceneLowering, ...] = ("auto", "instances")
 NAMES = ("mass", "force", "accel", "energy", "constraint_jacobian", "project_velocity")
 
 
@@ -85,10 +83,28 @@ def chain(count: int, kinds: tuple[str, ...], alike: bool = False) -> derive.Spa
 
 
 @cache
-def looped(count: int, alike: bool = False) -> Model:
+def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes | None]]:
+    """A chain in loops, and what `constant_modes` returned for its bodies."""
+    returned: list[ConstantModes | None] = []
+
+    def noted(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
+        returned.append(constant_modes(of, symbols, factors))
+        return returned[-1]
+
     mechanism = derive.derive(chain(count, ("fixed",), alike))
     assert isinstance(mechanism, SpatialMechanism)
-    return lower_instances(mechanism, explicit=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)
+        return lower_instances(mechanism, explicit=True), returned
+
+
+def looped(count: int, alike: bool = False) -> Model:
+    return lowered(count, alike)[0]
+
+
+@cache
+def summed(count: int, alike: bool = False) -> Model:
+    return with_sums_over_modes(looped(count, alike))
 
 
 def state(kernel: Kernel) -> dict[str, list[float] | float]:
@@ -123,7 +139,7 @@ def loops_over_rows(model: Model, name: str) -> Iterator[For]:
 def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
     """Of blocks of bodies that overlap, of fewer bodies than lanes, and of bodies that are alike."""
     model = looped(count, alike)
-    changed = with_sums_over_modes(model)
+    changed = summed(count, alike)
     for name in NAMES:
         kernel, nodes = in_blocks(changed.kernel(name))
         expected, found = interpret(model.kernel(name), state(kernel)), interpret(kernel, state(kernel), nodes=nodes)
@@ -134,7 +150,7 @@ def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
 
 def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
     """A joint needs sums over the modes of both of its bodies, and their loops stay loops in the text of C."""
-    model = with_sums_over_modes(looped(3))
+    model = summed(3)
     for loop in loops_over_rows(model, "accel"):
         (line,) = loop.body
         assert isinstance(line, Assign)
@@ -146,7 +162,7 @@ def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
 
 def test_places_of_markers_have_the_rows_of_their_velocities() -> None:
     """A joint has too few of either for loops of their own; the constant terms are added behind the loops."""
-    loops = [loop for loop in loops_over_rows(with_sums_over_modes(looped(3)), "accel") if loop.count == 6]
+    loops = [loop for loop in loops_over_rows(summed(3), "accel") if loop.count == 6]
     read = [[part for node in loop.body for expr in expressions_of(node) for part in walk(expr)] for loop in loops]
     tables = {frozenset(filter(is_factor, parts)) for parts in read}
     assert len(loops) == 4  # of the amplitudes of two bodies, and of their rates
@@ -155,7 +171,7 @@ def test_places_of_markers_have_the_rows_of_their_velocities() -> None:
 
 def test_behind_rows_numbers_are_read_where_they_are_needed() -> None:
     """Before loops over rows is what they need alone; a load behind them is read by the next line that is none."""
-    _, nodes = in_blocks(with_sums_over_modes(looped(3)).kernel("accel"))
+    _, nodes = in_blocks(summed(3).kernel("accel"))
     blocks = [node.body for node in every(nodes) if isinstance(node, For) and node.variable == LANE]
     with_rows = [body for body in blocks if any(isinstance(line, For) for line in body)]
     for body in with_rows:
@@ -171,7 +187,7 @@ def test_behind_rows_numbers_are_read_where_they_are_needed() -> None:
 
 
 def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
-    changed = with_sums_over_modes(looped(3))
+    changed = summed(3)
     written = with_rows_written_out(changed)
     for name in NAMES:
         kernel, other = changed.kernel(name), written.kernel(name)
@@ -221,8 +237,8 @@ def test_rows_of_like_bodies_are_looped_by_themselves() -> None:
 
     two, three = (chain(count, ("fixed",)) for count in (2, 3))
     assert [chosen(two), chosen(three)] == [None, "instances"]
-    auto, asked = (derive.lower(derive.derive(replace(three, lowering=of)), explicit=True) for of in MATCHING)
-    assert auto.kernel("accel").sections == asked.kernel("accel").sections
+    auto = derive.lower(derive.derive(replace(three, lowering="auto")), explicit=True)
+    assert auto.kernel("accel").sections == looped(3).kernel("accel").sections
     assert auto.choice.startswith("looped over instances, the faster form")
     first, *others = three.bodies
     assert isinstance(first, derive.FlexibleBody)
@@ -265,18 +281,8 @@ def test_c_computes_the_forms_of_chains_for_implicit_integrators() -> None:
             assert np.abs(values - expected).max() < 2e-13 * np.abs(expected).max(), kernel.name
 
 
-def test_coefficients_take_the_place_of_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_coefficients_take_the_place_of_factors() -> None:
     """A joint hands a body three coefficients for its rotation and three for its modes, however many modes it has."""
-    used: list[ConstantModes | None] = []
-
-    def noted(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
-        used.append(constant_modes(of, symbols, factors))
-        return used[-1]
-
-    monkeypatch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)
-    mechanism = derive.derive(chain(2, ("fixed",)))
-    assert isinstance(mechanism, SpatialMechanism)
-    lower_instances(mechanism, explicit=True)
-    assert used
-    assert {len(row.coefficients) for of in used if of for row in of.rows} == {3}
-    assert all(used)
+    _, of_bodies = lowered(3, False)
+    assert of_bodies and all(of_bodies)
+    assert {len(row.coefficients) for of in of_bodies if of for row in of.rows} == {3}

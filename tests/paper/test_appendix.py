@@ -12,7 +12,8 @@ from derive.mechanics.bodies.modal_body import ModalBody
 from derive.mechanics.expanded_sums import expanded_moments
 from derive.mechanics.motion.spatial import PAIRS, spatial_motion
 from derive.reduction import reduce
-from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData
+from derive.spec.model.body import BodyFrame, Damping, NodalBody
+from derive.spec.model.node_data import NodeData
 from paper import printed_appendix as appendix
 from paper.printed_appendix import Cloud
 from plain_symbols import plain

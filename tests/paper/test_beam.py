@@ -12,7 +12,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.motion.kinematics import ONE, R
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import rotation_of
-from derive.spec.construction import planar_beam
+from derive.spec.construction.bodies import planar_beam
 from derive.spec.model.beam_parts import Frame
 from paper import printed, printed_continuum
 from paper.printed import xi

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData, NodeMarker
+from derive.spec.model.body import BodyFrame, Damping, NodalBody
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.node_markers import NodeMarker
 
 MEAN, GIVEN = BodyFrame("mean"), BodyFrame("given")
 

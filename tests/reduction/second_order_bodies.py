@@ -7,7 +7,9 @@ from dataclasses import replace
 import bodies_of_nodes as bodies
 import numpy as np
 
-from derive.spec.model.body import BodyFrame, DisplacementOrder, NodalBody, NodeData, NodeMarker
+from derive.spec.model.body import BodyFrame, DisplacementOrder, NodalBody
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.node_markers import NodeMarker
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 

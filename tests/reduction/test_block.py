@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from derive.reduction import reduce, residuals
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "scenes"

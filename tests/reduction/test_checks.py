@@ -13,7 +13,9 @@ from scipy.sparse import csr_array, diags_array
 from derive.errors import SpecError
 from derive.reduction import eigen, reduce
 from derive.reduction.frames import rigid_fields
-from derive.spec.model.body import BodyFrame, NodalBody, NodeData, NodeMarker
+from derive.spec.model.body import BodyFrame, NodalBody
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.node_markers import NodeMarker
 
 
 def refused(body: NodalBody) -> dict[str, str]:

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array, diags_array, kron
 
 from derive.reduction import eigen, reduce
 from derive.reduction.body import prepare
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 
 
 def full_problem(data: NodeData) -> np.ndarray:

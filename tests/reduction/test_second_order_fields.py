@@ -15,7 +15,8 @@ from derive.errors import SpecError
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import reduce
 from derive.reduction.body import prepare
-from derive.spec.model.body import BodyFrame, DisplacementOrder, NodeMarker
+from derive.spec.model.body import BodyFrame, DisplacementOrder
+from derive.spec.model.node_markers import NodeMarker
 
 NODE = BodyFrame("point", 2, (5, 7, 9))
 FRAMES = [bodies.GIVEN, bodies.MEAN, NODE]

@@ -13,9 +13,11 @@ from typing import Any
 import mpmath
 from shapes import at, gauss, shapes
 
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, Joint, RigidBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
 
 DIGITS = 50

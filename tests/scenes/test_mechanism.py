@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.derivation import lowered_form
 from derive.mechanics.multibody import kinds as module
+from derive.model_lowering import lowered_form
 from derive.spec.toml.read import parse
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"

@@ -22,7 +22,8 @@ from derive.sid import SidError, read, write
 from derive.sid.mapping import to_matrices
 from derive.sid.unused import SidWarning
 from derive.sid.write import fortran_number
-from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker
+from derive.spec.model.body import BodyFrame, Damping, NodalBody
+from derive.spec.model.node_markers import NodeMarker
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
 import bodies_of_nodes as bodies

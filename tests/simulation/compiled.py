@@ -20,7 +20,8 @@ from derive.simulation.initial.closest_consistent_state import closest_consisten
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.beam_parts import Frame
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 
 

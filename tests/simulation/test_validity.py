@@ -20,8 +20,9 @@ from derive.simulation.validity.monitoring_outputs import MOST_PIECES, monitored
 from derive.simulation.validity.monitors import ERROR_LIMIT, Cause, Monitor
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 from explicit_motion import moved
 

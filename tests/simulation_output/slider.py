@@ -12,9 +12,11 @@ from derive.simulation.observables.beams import piece_at, piece_names
 from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame, Marker
+from derive.spec.model.joints import Drive, Joint
 from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
-from derive.spec.model.scene import BeamBody, Drive, Joint, RigidBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
 
 ANSATZ = ((Fraction(1),), (Fraction(0), Fraction(1)), (Fraction(0),) * 2 + (Fraction(1),))

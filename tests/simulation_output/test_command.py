@@ -25,7 +25,8 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.simulation.validity.monitors import ERROR_LIMIT, Cause, Monitor
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 DEFORMING = "deforming"
 SCENE = ROOT / "scenes/crank_slider_3.toml"

@@ -15,9 +15,10 @@ from derive.simulation.observables.marker_positions import marker_positions
 from derive.simulation.observables.motion import deviation, drive_values, function_values
 from derive.simulation.observables.plots import PlotCurve, plot_curve, plot_text
 from derive.simulation.output_times import output_times
+from derive.spec.model.joints import Drive
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.plots import ReferenceCurve
-from derive.spec.model.scene import BeamBody, Drive
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.time_function import TimeFunction
 from derive.visual.line_chart import svg

@@ -21,7 +21,7 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.markers import MarkerRef, PointMarker
-from derive.spec.model.scene import RigidBody
+from derive.spec.model.planar_bodies import RigidBody
 from derive.spec.toml.read import parse
 from derive.visual.player import json_island, player_page
 

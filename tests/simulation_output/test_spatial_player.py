@@ -21,6 +21,7 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.specification import SpatialScene
 from derive.spec.toml.read import parse
 from derive.visual.player import spatial_player_page
+from docs.gallery.pages import FITTING
 
 START = derive.SpatialStart(
     position=(0.1, 0.0, 0.0),
@@ -129,6 +130,18 @@ def test_the_page_needs_nothing_from_outside(trajectory: Trajectory) -> None:
     assert set(re.findall(r"https?://[^\s\"'`]+", text)) == {"http://www.w3.org/2000/svg"}  # the name of SVG
     assert not re.search(r"<link|@import|url\(|fetch\(|import\(|src=", text)
     assert len(text.encode()) < 300_000
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
+def test_a_page_with_a_player_in_a_frame_shows_all_of_it(trajectory: Trajectory, tmp_path: Path) -> None:
+    player = spatial_player_page(spatial_player_data(trajectory.body, trajectory.t, trajectory.q))
+    (tmp_path / "player.html").write_text(player)
+    page = tmp_path / "page.html"
+    page.write_text(
+        f'<!doctype html><body>{FITTING}<iframe class="gallery-motion" width="700" src="player.html"></iframe></body>'
+    )
+    height = re.search(r'style="height: (\d+)px', browsed(page, "", "800,600"))
+    assert height is not None and 640 < int(height[1]) < 900  # the canvas of 560 with the controls; 150 by itself
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")

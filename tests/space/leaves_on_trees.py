@@ -16,10 +16,11 @@ from derive.ir.kernel import Kernel
 from derive.lowering.flat.constraints import by_factors, right_hand_side
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
-from derive.lowering.flat.trees.accelerations import articulated_accelerations
+from derive.lowering.flat.trees.accelerations import articulated_accelerations, by_articulated_bodies
 from derive.lowering.flat.trees.tree_dynamics import tree_dynamics
 from derive.lowering.model_functions import FunctionKind, OutputElements, functions_of
 from derive.mechanics.symbols import Family, identity
+from derive.spec.model.spatial_scene import SpatialScene
 
 Array = NDArray[np.float64]
 FRAMES = ("mean", "chord", "point")
@@ -67,14 +68,22 @@ class Solved:
 
 
 def both_ways(tables: Table, seed: int = 0) -> tuple[Solved, Solved]:
-    """A random state by articulated bodies and by the KKT matrix."""
-    equations = derive.derive(replace(derive.spatial_scene(tables), coordinates="relative", lowering="flat")).expanded()
+    """A random state of a scene with a tree by articulated bodies and by the KKT matrix."""
+    solved = both_ways_of(derive.spatial_scene(tables), seed)
+    assert solved
+    return solved
+
+
+def both_ways_of(scene: SpatialScene, seed: int = 0) -> tuple[Solved, Solved] | None:
+    """A random state by articulated bodies and by the KKT matrix; None without trees that have articulated bodies."""
+    equations = derive.derive(replace(scene, coordinates="relative", lowering="flat")).expanded()
     context = Context(equations)
     function = next(f for f in functions_of(equations, explicit=True) if f.kind is FunctionKind.SOLVE)
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
     tree = tree_dynamics(context, symbols)
-    assert tree
+    if tree is None or not by_articulated_bodies(context, tree):
+        return None
     kernels = (
         articulated_accelerations(context, function, outputs, symbols, tree),
         by_factors(context, function, outputs, symbols, right_hand_side(context, symbols)),
@@ -87,7 +96,13 @@ def both_ways(tables: Table, seed: int = 0) -> tuple[Solved, Solved]:
     e0 = [n for n, c in enumerate(equations.coordinates) if identity(c.q).components == (0,)]
     for n in e0:
         q[n : n + 4] /= np.linalg.norm(q[n : n + 4])
-    given = {"t": 0.1, "q": q, "v": rng.normal(size=len(context.rows)), "k": k, "u": []}
+    given = {
+        "t": 0.1,
+        "q": q,
+        "v": rng.normal(size=len(context.rows)),
+        "k": k,
+        "u": rng.normal(size=len(equations.inputs)),
+    }
     names = tuple(c.name for c in constants)
     solved = (_solved(kernel, names, given) for kernel in kernels)
     first, second = solved

@@ -17,8 +17,9 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS, SpatialSpringType
 from derive.spec.model.beam_parts import AxialDeformation, BeamDamping, Frame, ShapeFamily
 from derive.spec.model.body import BodyFrame, Damping, NodalBody
+from derive.spec.model.joints import Drive
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys
-from derive.spec.model.scene import Drive, SceneInput
+from derive.spec.model.scene import SceneInput
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_beam_parts import (
     LateralDeflection,

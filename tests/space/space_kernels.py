@@ -20,8 +20,8 @@ from beams import run_module
 from conftest import QUICK
 from derive.backends.model_files import explicit_files
 from derive.derivation import derive as equations
-from derive.derivation import lower
 from derive.generated_models import generated
+from derive.model_lowering import lower
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix

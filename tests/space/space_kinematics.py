@@ -198,7 +198,7 @@ class SpaceKinematics:
                 continue
             if table["kind"] == "screw" and motion == "z":
                 continue
-            driven = joint in self.drives and motion == coupled(table)
+            driven = joint in self.drives and motion == coupled(table) and f"{name}_{end}" not in self.columns
             values[motion] = sign * self.motion(joint, t) if driven else state.scalars[f"{name}_{end}"]
         if table["kind"] == "screw":
             values["z"] = values["rz"] * self.value(table["pitch"]) / WHOLE_TURN
@@ -216,12 +216,17 @@ class SpaceKinematics:
         motion = coupled(table)
         for body, placing in self.held:
             if placing == joint:
-                sign = 1 if table["between"][1].split(".")[0] == body else -1
-                if joint in self.drives:
-                    return self.motion(joint, t), True
-                return sign * state.scalars[f"{body}_{'phi' if motion == 'rz' else 's'}"], True
+                own = self._own_motion(joint, body, state)
+                return self.motion(joint, t) if own is None else own, True
         (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
         return (relative_angle(A1.T @ A2), False) if motion == "rz" else ((A1.T @ (x2 - x1))[2], True)
+
+    def _own_motion(self, joint: str, body: str, state: SpaceState) -> Decimal | None:
+        """The motion of a joint that is a coordinate of the body that it places; None if a drive prescribes it."""
+        table = self.joints[joint]
+        sign = 1 if table["between"][1].split(".")[0] == body else -1
+        name = f"{body}_{free_motions(table, sign)[coupled(table)]}"
+        return sign * state.scalars[name] if name in state.scalars else None
 
     def motion(self, joint: str, t: Decimal) -> Decimal:
         """The rotation or displacement that a drive prescribes."""
@@ -258,11 +263,14 @@ class SpaceKinematics:
         ]
 
     def constraints(self, t: Decimal, state: SpaceState, poses: Mapping[str, Pose]) -> dict[str, Decimal]:
-        """g of all joints that place no body, by joint and row, and of gears."""
+        """g of joints that place no body, by joint and row, of drives of coordinates, and of gears."""
         result: dict[str, Decimal] = {}
-        placing = {joint for _, joint in self.held}
+        placing = {joint: body for body, joint in self.held}
         for name, table in self.joints.items():
             if name in placing:
+                own = self._own_motion(name, placing[name], state) if name in self.drives else None
+                if own is not None:
+                    result[self.drives[name]["name"]] = own - self.motion(name, t)
                 continue
             (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
             d, R = A1.T @ (x2 - x1), A1.T @ A2

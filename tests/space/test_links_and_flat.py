@@ -22,9 +22,19 @@ BALLS = ("spherical", "revolute", "spherical", "universal", "spherical", "prisma
 
 
 def tree(seed: int, kinds: tuple[str, ...], free: bool = False, **more: Any) -> dict[str, Any]:
-    """A random tree with what loops over links have: no spring between markers, and no outputs."""
+    """A random tree with springs of all kinds between random links and the ground, without outputs."""
     tables = random_tree(seed, kinds, free)
-    del tables["springs"], tables["outputs"]
+    del tables["outputs"]
+    rng = np.random.default_rng(seed)
+    ends = ["ground.o", *(f"{name}.o" for name in tables["bodies"])]
+    values: dict[str, dict[str, Any]] = {
+        "linear": {"stiffness": 20, "damping": 1.5, "rest": 0.4},
+        "rotational": {"stiffness": 5, "damping": 0.7, "rest": 0.1},
+        "bushing": {"stiffness": [3, 0, 4, 0, 2, 1], "damping": [0.3, 0.2, 0, 0, 0.1, 0]},
+    }
+    for number, kind in enumerate(values):
+        between = [ends[n] for n in rng.permutation(len(ends))[:2]]
+        tables["springs"][f"{kind}{number}"] = {"kind": kind, "between": between, **values[kind]}
     return {**tables, **more}
 
 
@@ -140,13 +150,12 @@ def test_parameters_in_loops_have_the_values_of_straight_line_code() -> None:
         tables["bodies"][name]["mass"] = parameter("m", 1.5, "kg")
     tables["bodies"]["body3"]["markers"]["o"]["at"] = [parameter("l", 0.4, "m"), 0.1, 0]
     tables["gears"]["mesh"]["ratio"] = parameter("i", -0.4, "1")
-    tables["springs"] = {
-        "coil": {
-            "kind": "rotational",
-            "between": tables["joints"]["joint5"]["between"],
-            "stiffness": parameter("c", 7, "N m/rad"),
-            "rest": 0.2,
-        }
+    tables["springs"]["rope"]["rest"] = parameter("l0", 0.2, "m")
+    tables["springs"]["coil"] = {
+        "kind": "rotational",
+        "between": tables["joints"]["joint5"]["between"],
+        "stiffness": parameter("c", 7, "N m/rad"),
+        "rest": 0.2,
     }
     found = differences(*models(tables))
     assert {name: error for name, error in found.items() if error > 1e-12} == {}
@@ -164,7 +173,7 @@ def test_forms_in_loops_have_the_values_of_straight_line_code(
     monkeypatch.setattr(derive.lowering.trees.lower, "MOST_UNROLLED", 5)
     tables = closed(seed, free)
     hinge = {"kind": "rotational", "between": tables["joints"]["joint5"]["between"]}
-    tables["springs"] = {"coil": {**hinge, "stiffness": 7, "damping": 2}}
+    tables["springs"]["coil"] = {**hinge, "stiffness": 7, "damping": 2}
     scene = replace(derive.spatial_scene(tables), coordinates="relative")
     pair = [derive.lower(derive.derive(replace(scene, lowering=name))) for name in ("instances", "flat")]
     rng = np.random.default_rng(seed)

@@ -12,7 +12,7 @@ from derive.errors import SpecError
 from derive.mechanics.multibody.space.springs import bushing_unit
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.as_tables import specification_tables
-from derive.spec.construction import spatial_scene
+from derive.spec.construction.scenes import spatial_scene
 from derive.spec.toml.read import parse
 
 SCENE = """

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from space_kernels import disagreements, space_model
 
-from derive.derivation import derive, lower
+from derive.derivation import derive
 from derive.errors import SpecError
+from derive.model_lowering import lower
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.trajectory import Trajectory
 from derive.spec.as_tables import specification_tables
-from derive.spec.construction import spatial_scene
+from derive.spec.construction.scenes import spatial_scene
 from derive.spec.toml.read import parse
 
 SCENE = """

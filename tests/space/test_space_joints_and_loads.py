@@ -7,9 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
+from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.space.marker_frames import own_frame
 from derive.simulation.trajectory import Trajectory
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import parse
 
 SCENE = """
@@ -113,8 +115,50 @@ def test_free_motions_of_a_joint_have_no_reaction() -> None:
     assert np.abs(force[:, 2]).max() > 1.0
 
 
+def test_plots_leave_out_torques_of_what_exerts_none() -> None:
+    more = '[outputs.%s]\nkind = "%s"\n%s = "%s"\n'
+    lines = [("S", "spring", "spring", "pull"), ("B", "reaction", "joint", "ball")]
+    text = SCENE.replace("BETWEEN", 'kind = "planar"\nbetween = ["ground.o", "arm.hub"]')
+    scene = parse(text.replace("[simulation]", "".join(more % line for line in lines) + "[simulation]"))
+    assert isinstance(scene, SpatialScene)
+    plots = {plot.name: plot.quantity.y for plot in default_plots(scene, run("planar").model)}
+    assert plots["S"] == ("S_1", "S_2", "S_3") and plots["B"] == ("B_1", "B_2", "B_3")
+    assert plots["R"] == ("R_1", "R_2", "R_3", "R_torque1", "R_torque2", "R_torque3")
+
+
 @pytest.mark.parametrize("keep", [False, True])
 def test_drives_prescribe_rotations(keep: bool) -> None:
     more = '[drives.motor]\njoint = "first"\nmotion = "0.3*sin(4*t)"\n[outputs.turn]\nkind = "joint"\njoint = "first"'
     trajectory = run("revolute", keep=keep, more=more)
     assert trajectory["turn"] == pytest.approx(0.3 * np.sin(4 * trajectory.t), abs=1e-10)
+
+
+def test_a_spring_along_a_guide_pulls_by_its_length() -> None:
+    # the length is the root of one square, which has a kink where the ends coincide
+    text = """
+name = "buffer"
+[scene]
+gravity = [0, 0, 0]
+[ground.markers]
+rail = { at = [0.1, 0, 0], rotation = { z = [3, 0, 4], x = [0, 1, 0] } }
+[bodies.carriage]
+mass = 2
+inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
+markers.m = { at = [0, 0, 0], rotation = { z = [3, 0, 4], x = [0, 1, 0] } }
+[joints.guide]
+kind = "prismatic"
+between = ["ground.rail", "carriage.m"]
+start = { displacement = -0.5, speed = 0 }
+[springs.buffer]
+between = ["ground.rail", "carriage.m"]
+stiffness = 50
+rest = 0.4
+[outputs.length]
+kind = "distance"
+between = ["ground.rail", "carriage.m"]
+[simulation]
+duration = 1
+output = 0.05
+"""
+    trajectory = PreparedRun(parse(text), complete=False).trajectory()
+    assert trajectory["length"] == pytest.approx(0.4 + 0.1 * np.cos(5 * trajectory.t), abs=1e-8)

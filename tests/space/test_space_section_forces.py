@@ -157,7 +157,9 @@ def test_parts_of_full_beams_have_their_field_weights() -> None:
 )
 def test_force_at_the_root_is_the_reaction(kept: dict[str, Any]) -> None:
     """The section force and moment at an end that a joint holds are the joint's, whatever the motion."""
-    rod = ROD | kept | {"centre": ["1/30", "-1/20"], "markers": {"left": -1, "right": 1}}
+    one = {key: FEW["ansatz"] if key == "ansatz" else of for key, of in ROD["lateral"].items()}
+    rod = ROD | {"lateral": one, "torsion": FEW["torsion"]} | kept  # two shapes along e2, one along each other axis
+    rod |= {"centre": ["1/30", "-1/20"], "markers": {"left": -1, "right": 1}}
     rod["loads"] = {
         "wind": {"force": ["xi", 2, "xi^2"], "torque": [1, "xi", 0], "time": "1 + t"},
         "jet": {"force": ["1 + xi", "xi", 1], "frame": "body"},

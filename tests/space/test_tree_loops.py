@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.backends.c.source import CBackend
-from derive.derivation import derive, lower
+from derive.derivation import derive
 from derive.errors import SpecError
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
@@ -18,6 +18,7 @@ from derive.lowering.trees.choice import chosen
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.model_lowering import lower
 from derive.runtime.loading import load
 from derive.spec.toml.read import parse
 
@@ -75,6 +76,44 @@ on = "b4.a"
 against = "b1.b"
 torque = [0.1, { input = "drive" }, "t"]
 frame = "body"
+[springs.rope]
+kind = "linear"
+between = ["ground.o", "b6.b"]
+stiffness = 30
+rest = 1
+damping = 2
+[springs.cord]
+kind = "linear"
+between = ["b3.a", "b6.a"]
+stiffness = 20
+rest = 0.2
+damping = 1
+[springs.band]
+kind = "linear"
+between = ["b5.a", "b2.b"]
+stiffness = 25
+damping = 3
+rest = 0.1
+[springs.damper]
+kind = "linear"
+between = ["b4.a", "ground.o"]
+stiffness = 0
+damping = 3
+[springs.coil]
+kind = "rotational"
+between = ["b2.a", "b6.a"]
+stiffness = 4
+damping = 0.5
+rest = 0.1
+[springs.cross]
+kind = "rotational"
+between = ["b0.a", "b3.a"]
+stiffness = 3
+[springs.mount]
+kind = "bushing"
+between = ["b4.b", "ground.o"]
+stiffness = [5, 6, 7, 0, 3, 2]
+damping = [0.5, 0, 0.7, 0, 0.3, 0.2]
 [outputs.angle]
 kind = "joint"
 joint = "j1"
@@ -84,7 +123,9 @@ joint = "j2"
 """
 
 
-SPRING = '[springs.rope]\nkind = "linear"\nbetween = ["b1.b", "ground.o"]\nstiffness = 30\nrest = 1\n'
+THREAD = ('"revolute"', '"screw"\npitch = 0.3')
+THRUST = '[forces.thrust]\njoint = "j0"\nvalue = 3\n'
+"""A force along a thread, whose coordinate is an angle."""
 
 
 def _body(name: str, number: int) -> str:
@@ -193,19 +234,19 @@ def test_compiled_loops_have_the_values_of_the_interpreter() -> None:
 
 
 def test_what_loops_over_links_do_not_have_is_refused_by_name() -> None:
-    """Springs between markers: all of them at once, with what to write instead."""
-    text = _chain(3) + SPRING + SPRING.replace("rope", "cord").replace("b1", "b2")
+    """Forces along threads: all of them at once, with what to write instead."""
+    text = _chain(3).replace(*THREAD) + THRUST + THRUST.replace("thrust", "pull").replace("j0", "j1")
     with pytest.raises(SpecError) as error:
         _model(text)
     assert [p.message.split(": ")[-1] for p in error.value.problems] == ['write lowering = "flat"'] * 2
-    assert "cord" in str(error.value)
-    assert "rope" in str(error.value)
+    assert "pull" in str(error.value)
+    assert "thrust" in str(error.value)
 
 
 def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
     """Fourteen links take less time in loops; five, and a scene that loops do not have, stay in straight-line code."""
     scenes = [_mechanism(_chain(count, "auto")) for count in (14, 5)]
-    scenes.append(_mechanism(_chain(14, "auto") + SPRING))
+    scenes.append(_mechanism(_chain(14, "auto").replace(*THREAD) + THRUST))
     assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
     assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since iteration matrices")
     assert lower(scenes[0], explicit=True).lowering == "instances"

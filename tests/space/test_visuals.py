@@ -15,7 +15,7 @@ from derive.errors import SpecError
 from derive.simulation.observables.spatial_player_data import bodies_data
 from derive.simulation.observables.spatial_scene_player import drawn_bodies
 from derive.simulation.observables.visual_surfaces import visual_surfaces
-from derive.spec.construction import validated
+from derive.spec.construction.validated import validated
 from derive.spec.files.meshes import mesh_file
 from derive.spec.model.visuals import Mesh
 from derive.visual.spatial_scene_picture import undeformed_picture

@@ -26,8 +26,9 @@ from bodies import (
 from scipy.sparse import bsr_array, coo_array, coo_matrix, csr_array
 
 from derive.errors import SpecError
-from derive.spec.construction import nodal_body, planar_beam, symbolic_body
-from derive.spec.model.body import BodyFrame, Damping, DisplacementOrder, NodalBody, NodeMarker, SymbolicBody
+from derive.spec.construction.bodies import nodal_body, planar_beam, symbolic_body
+from derive.spec.model.body import BodyFrame, Damping, DisplacementOrder, NodalBody, SymbolicBody
+from derive.spec.model.node_markers import NodeMarker
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.simulation import AT_REST
 from derive.spec.toml.read import parse, read

@@ -5,7 +5,7 @@ import pytest
 from bodies import LUMPED_BODY, MODAL_BODY, MODES, POSITIONS, STIFFNESS, N, save, toml, without
 
 from derive.errors import SpecError
-from derive.spec.construction import nodal_body, planar_beam, symbolic_body
+from derive.spec.construction.bodies import nodal_body, planar_beam, symbolic_body
 from derive.spec.model.body import BodyFrame
 from derive.spec.toml.read import parse
 

@@ -6,7 +6,7 @@ import pickle
 import pytest
 
 from derive.errors import Problem, SpecError
-from derive.spec.construction import planar_beam
+from derive.spec.construction.bodies import planar_beam
 from derive.spec.toml.read import MAX_BYTES, parse, read
 
 

@@ -24,7 +24,7 @@ from bodies import (
 from scipy.sparse import csr_array
 
 from derive.errors import SpecError
-from derive.spec.construction import nodal_body
+from derive.spec.construction.bodies import nodal_body
 from derive.spec.files import node_data, node_files
 from derive.spec.toml.read import parse
 

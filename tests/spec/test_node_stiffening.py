@@ -17,7 +17,7 @@ from derive.cli.build_notes import build_notes
 from derive.errors import SpecError
 from derive.pipeline import build
 from derive.spec.as_tables import specification_tables
-from derive.spec.construction import nodal_body
+from derive.spec.construction.bodies import nodal_body
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.toml.read import read
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import pytest
 
-from derive.spec.construction import planar_beam
+from derive.spec.construction.bodies import planar_beam
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame, Marker
 from derive.spec.model.quantity import Parameter

@@ -11,10 +11,12 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame, Marker
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.forces import Force, Spring, Torque
+from derive.spec.model.joints import Drive, Joint
 from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, Drive, Joint, RigidBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import InitialValues, Simulation
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.time_expression import time_function

@@ -58,6 +58,19 @@ def test_other_values_are_replaced_exactly() -> None:
     assert spec.plots == SLIDER.plots  # with the numbers of their references
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "change"),
+    [
+        ("ansatz", '["1", "xi", "xi^2"]', "[1, xi, xi^2, xi^3] -> [1, xi, xi^2]"),
+        ("ansatz[3]", '"xi^3 - xi/2"', "xi^3 -> xi^3 - xi/2"),
+        ("ansatz", '{ kind = "free-free", count = 2 }', "[1, xi, xi^2, xi^3] -> { kind = free-free, count = 2 }"),
+    ],
+)
+def test_shapes_are_polynomials_or_a_family(key: str, value: str, change: str) -> None:
+    _, changes = with_values(SPINNING, {f"bodies.beam.{key}": value})
+    assert [str(change) for change in changes] == [f"bodies.beam.{key}: {change}"]
+
+
 def test_single_bodies() -> None:
     beam, _ = with_values(derive.read(ROOT / "scenes/free_beam_mean.toml"), {"l": "2", "beam.frame.kind": "point"})
     assert beam.length.default == 2.0 and beam.frame.kind == "point"

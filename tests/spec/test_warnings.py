@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 from derive.cli.main import main
 from derive.notes.conditioning import condition_warnings, shape_condition
-from derive.spec.construction import planar_beam
+from derive.spec.construction.bodies import planar_beam
 from derive.spec.parsing.units import UnknownUnit, unit_size
 from derive.spec.toml.read import warnings
 

@@ -18,9 +18,10 @@ from derive.percentages import percent
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import RigidBody
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import RigidBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
 from derive.study.accuracy.chart import accuracy_svg
 from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread

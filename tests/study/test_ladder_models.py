@@ -11,7 +11,8 @@ import pytest
 from derive.cli.main import main
 from derive.errors import SpecError
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import RigidBody, Scene
+from derive.spec.model.planar_bodies import RigidBody
+from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import compiled

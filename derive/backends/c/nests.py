@@ -1,13 +1,8 @@
-"""Plain statements as C: declarations, assignments, and loops, some of which run in vectors.
-
-A loop over lanes takes as many at a time as a register of the target has. gcc and clang get vectors explicitly, since
-they do not make any of such loops by themselves at all levels; for other compilers a vector is a number. Lanes do not
-mix, so that the bits are the same in every way.
-"""
+"""Plain statements as C: declarations, requirements, and loops, some of which run in vectors."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count, groupby
 from typing import assert_never
@@ -22,12 +17,13 @@ from derive.backends.c.loop_text import (
     loop_head,
     row_distance,
 )
-from derive.backends.expression_text import C, Named, element, index_text, text
-from derive.backends.source_map import defining, plain, storing
-from derive.backends.wrapping import BreakableText, join, statement
-from derive.ir.expressions import Element, Ends, Expr, Operation, Operator, ScalarRef, walk
+from derive.backends.c.values_in_lanes import ValuesInLanes
+from derive.backends.expression_text import index_text
+from derive.backends.source_map import defining, plain
+from derive.backends.wrapping import join, statement
+from derive.ir.expressions import Element
 from derive.ir.factor_tables import ROW
-from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm
+from derive.ir.indices import LANE, LANES
 from derive.ir.loop_nests import (
     Accumulator,
     Alias,
@@ -48,7 +44,6 @@ from derive.ir.statements import Let, Require, Requirement, ReturnCode
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
 CHECKS_OF_ENDS = {Requirement.POSITIVE: "TISSERAND_CHECK_ENDS"}  # results are those of bodies, not of joints
-OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
 def names_in_order(name: str) -> Iterator[str]:
@@ -58,20 +53,16 @@ def names_in_order(name: str) -> Iterator[str]:
 
 
 @dataclass
-class CNests:
+class CNests(ValuesInLanes):
     """The plain statements of one function.
 
-    outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
-    of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
-    states of a batch have codes from the beginning, which the first loop over states with requirements gives them
-    otherwise; first_code: that of the first requirements, behind which there are none but those with other ones;
-    starts: the elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of
-    integers and of the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each
-    index.
+    helpers: the first part of the names of the functions that it calls; has_codes: whether the states of a batch have
+    codes from the beginning, which the first loop over states with requirements gives them otherwise; first_code: that
+    of the first requirements, behind which there are none but those with other ones; starts: the elements from which on
+    vectors are stored in local arrays, see `vector_starts`; counter: the type of integers and of the variables of loops
+    in order. Where these place elements, ptrdiff_t spares an extension of each index.
     """
 
-    outputs: Collection[str] = ()
-    arrays: Collection[str] = ()
     helpers: str = ""
     has_codes: bool = False
     first_code: ReturnCode | None = None
@@ -79,18 +70,6 @@ class CNests:
     counter: str = "int"
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
-    _lanes: set[str] = field(default_factory=set)
-    """The arrays of the lanes of sums."""
-    _totals: dict[str, str] = field(default_factory=dict)
-    """The arrays and sums that accumulators add up, by the names of these."""
-    _vectors: set[str] | None = None
-    """The names that differ from lane to lane, in a loop over lanes."""
-    _lane: str = LANE
-    """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
-    _few: int = 0
-    """The number of iterations of that loop, if vectors have more lanes; 0 otherwise."""
-    filled: set[str] = field(default_factory=set)
-    """The arrays that have a number for each lane: angles, sines and cosines, sums over modes and their factors."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
     _is_coded: bool = False
@@ -170,78 +149,7 @@ class CNests:
         rows = row_distance(element.index)
         return f"{element.array} + {rows}" if rows else element.array
 
-    # ---- expressions ----
-
-    def text(self, expr: Expr) -> BreakableText:
-        """An expression; what differs from lane to lane is a vector."""
-        return text(expr, C, self._leaf)
-
-    def _leaf(self, leaf: Named) -> BreakableText:
-        if isinstance(leaf, Ends):
-            return BreakableText((f"{self._of_ends('LOAD', leaf)})",))
-        if not isinstance(leaf, Element):
-            return element(leaf)
-        if leaf.state:
-            return BreakableText((self._of_state(leaf),))
-        if self._vectors is not None and leaf.index and leaf.index.stride(self._lane):
-            address, stride = address_text(leaf.array, leaf.index), leaf.index.stride(self._lane)
-            if self._has_few(leaf.array):
-                return BreakableText((f"TISSERAND_GATHER_FEW({address}, {stride}, {self._left})",))
-            return BreakableText(
-                (f"{self._macro('GATHER')}({address}, {stride})",)
-                if stride != 1
-                else (f"{self._macro('LOAD')}({address})",)
-            )
-        return element(leaf)
-
-    @property
-    def _vector(self) -> str:
-        """The type of the values of all lanes."""
-        return "tisserand_lanes" if self._lane == LANE else "tisserand_ends"
-
-    def _macro(self, what: str) -> str:
-        return f"TISSERAND_{what}" if self._lane == LANE else f"TISSERAND_{what}_ENDS"
-
-    def _has_few(self, array: str) -> bool:
-        """Whether an array has no elements for the lanes that are left."""
-        return self._few > 0 and array not in self.filled
-
-    @property
-    def _left(self) -> str:
-        """The number of iterations from the first lane of a vector on."""
-        return f"{self._few} - {LANE}"
-
-    @staticmethod
-    def _of_ends(what: str, ends: Ends) -> str:
-        return (
-            f"TISSERAND_{what}_BOTH({ends.array}, {ends.variable}, {index_text(ends.first)}, {index_text(ends.second)}"
-        )
-
-    def _of_state(self, leaf: Element) -> str:
-        if leaf.array in self.arrays:
-            rows = row_distance(leaf.index)
-            return f"{leaf.array}[{rows} + {leaf.state}]" if rows else f"{leaf.array}[{leaf.state}]"
-        index = f"[{index_text(leaf.index)}]" if leaf.index else ""
-        return f"{leaf.array}{index}[{leaf.state}]"
-
-    def _differs(self, expr: Expr) -> bool:
-        """Whether the value of an expression differs from lane to lane."""
-        assert self._vectors is not None
-        return any(
-            (isinstance(part, ScalarRef) and part.name in self._vectors)
-            or (isinstance(part, Element) and part.index is not None and part.index.has(self._lane))
-            or isinstance(part, Ends)
-            for part in walk(expr)
-        )
-
-    def _is_vector(self, name: str, expr: Expr) -> bool:
-        """Whether a value is a vector; its name is known from then on."""
-        if self._vectors is None or not self._differs(expr):
-            return False
-        self._vectors.add(name)
-        return True
-
-    # ---- declarations and assignments ----
+    # ---- declarations and requirements ----
 
     def _declared(self, nodes: Iterable[Local]) -> Lines:
         """Local arrays, unless an earlier section has declared them; those of a batch are declared at its beginning."""
@@ -259,50 +167,6 @@ class CNests:
             if n.array in aligned
         ]
         return plain(*lines)
-
-    def _accumulator(self, node: Accumulator) -> Lines:
-        assert self._vectors is not None
-        self._vectors.add(node.name)
-        self._totals[node.name] = node.total
-        value = self.text(node.expr) if self._differs(node.expr) else "{0.0}"
-        return plain(f"    tisserand_lanes {node.name} = {value};")
-
-    def _assign(self, node: Assign) -> Lines:
-        negative = node.operator is Operator.NEG
-        target, value = node.target, self.text(Operation(Operator.NEG, (node.expr,)) if negative else node.expr)
-        if isinstance(target, ScalarRef):
-            code = statement("    ", f"{target.name} {OPERATORS[node.operator]} ", value, ";")
-            return defining(code, self._totals[target.name])
-        if isinstance(target, Ends):
-            return plain(*statement("    ", "", join(f"{self._of_ends('STORE', target)}, ", value, ")"), ";"))
-        if self._vectors is None or not target.index or not target.index.has(self._lane):
-            return self._stored(
-                node, statement("    ", f"{self._leaf(target)} {OPERATORS[node.operator]} ", value, ";")
-            )
-        address, stride = address_text(target.array, target.index), target.index.stride(self._lane)
-        if not self._differs(node.expr):
-            index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
-            width = f"TISSERAND_LEFT({self._left})" if self._has_few(target.array) else "TISSERAND_WIDTH"
-            code = statement("    ", f"for (int m = 0; m < {width}; m++) {target.array}[{index}] = ", value, ";")
-        elif self._has_few(target.array):
-            few = join(f"TISSERAND_SCATTER_FEW({address}, {stride}, {self._left}, ", value, ")")
-            code = statement("    ", "", few, ";")
-        elif stride == 1:
-            code = statement("    ", "", join(f"{self._macro('STORE')}({address}, ", value, ")"), ";")
-        else:
-            code = statement("    ", "", join(f"TISSERAND_SCATTER({address}, {stride}, ", value, ")"), ";")
-        return self._stored(node, code)
-
-    def _stored(self, node: Assign, code: list[str]) -> Lines:
-        """The lines of an assignment to an element, with what they store or define."""
-        assert isinstance(node.target, Element)
-        array, index = node.target.array, node.target.index
-        if array in self.outputs and index:
-            return plain(*code) if node.operator else storing(code, array, index.offset, bool(index.terms))
-        complete = isinstance(node.expr, ScalarRef) and node.expr.name in self._totals
-        if complete or array in self._lanes:
-            return plain(*code)
-        return defining(code, array)
 
     def _require(self, node: Require) -> list[str]:
         value = self.text(node.expr)

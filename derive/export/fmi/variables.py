@@ -8,11 +8,11 @@ from enum import Enum
 from itertools import chain
 
 from derive.algebra import sp
-from derive.derivation import AnyMechanism
 from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel, HostVariable
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.mechanics.symbols import DOTS, Identity, identity, is_indexed
 from derive.simulation.scene_start import size_of

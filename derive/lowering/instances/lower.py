@@ -13,7 +13,6 @@ from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.functions import (
     accelerations,
     body_functions,
@@ -29,7 +28,7 @@ from derive.lowering.instances.zeros_of_kinds import vanished_of_kinds, zeros_of
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
-from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import Family, identity
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {

@@ -19,14 +19,15 @@ from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.instances.loop_code.context import ZERO
 from derive.lowering.trees.ball_columns import TWIST, LinkPair, pairs_of, unit_motion
 from derive.lowering.trees.conditions import VECTORS, Conditions, frame_symbol
+from derive.lowering.trees.link_frames import CARRIED, frame_motion
 from derive.lowering.trees.link_loop import LinkLoop
-from derive.lowering.trees.motion import FRAME, ORIGIN, SPEED, SPIN, TreeMotion, matrix
+from derive.lowering.trees.motion import FRAME, ORIGIN, TreeMotion, matrix
 from derive.lowering.trees.newton_euler import carried_accelerations
-from derive.lowering.trees.vectors import applied, cross, plus, product, scaled, transposed
+from derive.lowering.trees.vectors import applied, cross, plus, scaled, transposed
 from derive.mechanics.terms import Constraint
 
-CARRIED, EXERTED = "carried", "exerted"
-"""The arrays of accelerations of links without those of coordinates, and of the loads of unit multipliers on frames."""
+EXERTED = "exerted"
+"""The array of the loads of unit multipliers on frames."""
 EACH = 9
 """The numbers of a load: a force, its moment about the inertial origin, and the position of the frame."""
 
@@ -62,8 +63,7 @@ class ConditionLoops:
             slot = loop.place(
                 f"frame_{factor.frame}", [self.motion.arrays.slot(place.link)], self.motion.arrays.spacing
             )
-            Q = matrix(loop.vector(FRAME, slot, 9))
-            lever = applied(Q, [loop.value(x) for x in place.origin])
+            lever = self._frame(loop, factor.frame, moving=False, biased=False)["lever"]
             force, torque = values[:3], values[3:]
             for k, value in enumerate([*force, *plus(torque, cross(lever, force))]):
                 loop.store(array, slot.at(k), value, Operator.SUB)
@@ -104,24 +104,7 @@ class ConditionLoops:
 
     def _frame(self, loop: LinkLoop, number: int, moving: bool, biased: bool) -> dict[str, list[ca.SX]]:
         """The motion of a frame, from that of its link."""
-        place, arrays = self.conditions.frames[number].place, self.motion.arrays
-        slot = loop.place(f"frame_{number}", [arrays.slot(place.link)], arrays.spacing)
-        Q = matrix(loop.vector(FRAME, slot, 9))
-        lever = applied(Q, [loop.value(x) for x in place.origin])
-        attitude = [[loop.value(x) for x in row] for row in place.attitude]
-        result = {
-            "position": plus(loop.vector(ORIGIN, slot), lever),
-            "axes": [x for row in product(Q, attitude) for x in row],
-        }
-        if moving:
-            w = loop.vector(SPIN, slot)
-            turned = cross(w, lever)
-            result |= {"angular_velocity": w, "velocity": plus(loop.vector(SPEED, slot), turned)}
-        if biased:
-            alpha = loop.vector(CARRIED, slot, first=3)
-            a = plus(loop.vector(CARRIED, slot), cross(alpha, lever), cross(w, turned))
-            result |= {"angular_acceleration": alpha, "acceleration": a}
-        return result
+        return frame_motion(loop, f"frame_{number}", [self.conditions.frames[number].place], moving, biased)
 
     def bias(self, output: str) -> list[Statement]:
         """The statements of gamma, with the accelerations that frames have without those of coordinates."""

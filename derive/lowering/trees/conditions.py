@@ -97,7 +97,7 @@ def conditions_of(mechanism: SpatialMechanism, tree: Tree) -> Conditions:
             place = marker_place(mechanism, tree.bodies, marker)
             if place.link < 0:
                 return _fixed(place)
-            frames[marker] = _moving(len(frames), place)
+            frames[marker] = FrameOnLink(place, *moving_frame(len(frames)))
         return frames[marker].motion
 
     def driven(joint: Joint) -> Joint:
@@ -142,8 +142,8 @@ def _symbol(drive: str, k: int, value: sp.Expr, definitions: list[Intermediate])
     return symbol
 
 
-def _moving(number: int, place: BodyPlace) -> FrameOnLink:
-    """A frame with symbols for all that moves, and with six rows that move it."""
+def moving_frame(number: int) -> tuple[FrameMotion, tuple[EquationOfMotion, ...]]:
+    """A frame with symbols for all that moves, and six rows that move it."""
 
     def vector(what: str) -> sp.ImmutableMatrix:
         return sp.ImmutableMatrix([frame_symbol(number, what, k) for k in range(3)])
@@ -158,7 +158,7 @@ def _moving(number: int, place: BodyPlace) -> FrameOnLink:
             virtual.append(VirtualMotion(name, **{what: unit}))
     axes = sp.ImmutableMatrix(3, 3, lambda i, j: frame_symbol(number, "axes", 3 * i + j))
     vectors = {what: vector(what) for what in VECTORS}
-    return FrameOnLink(place, FrameMotion((), axes=axes, virtual=tuple(virtual), **vectors), tuple(rows))
+    return FrameMotion((), axes=axes, virtual=tuple(virtual), **vectors), tuple(rows)
 
 
 def frame_symbol(frame: int, what: str, k: int) -> sp.Symbol:

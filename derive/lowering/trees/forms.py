@@ -9,7 +9,8 @@ from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.trees import invariants
 from derive.lowering.trees.articulated import axis
-from derive.lowering.trees.condition_loops import CARRIED, ConditionLoops
+from derive.lowering.trees.condition_loops import ConditionLoops
+from derive.lowering.trees.link_frames import CARRIED
 from derive.lowering.trees.motion import FRAME, LEVER, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.newton_euler import carried_accelerations, free_accelerations, newton_euler
 from derive.lowering.trees.tree_context import TreeContext
@@ -48,7 +49,7 @@ class TreeForm:
             corrected = [("corrected", "(5)", "v - G^T mu", self._corrected(motion, of))]
             rated = replace(motion, v=(CORRECTED, 0))
         return [
-            motion.frames(moving=True, placed=held),
+            motion.frames(moving=True, placed=held or bool(context.springs)),
             *corrected,
             ("rates", "(1)", "qdot - v", invariants.rates(rated, "F", "ydot")),
             motion.inertias(moving=True),

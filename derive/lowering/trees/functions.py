@@ -37,8 +37,9 @@ def _mass_parts(context: TreeContext) -> list[Part]:
     ]
 
 
-def _force_parts(context: TreeContext) -> list[Part]:
-    return [*context.applied, *newton_euler(context.motion, context.gravity, ("h", 0), context.applied_array)]
+def _force_parts(context: TreeContext, in_tree: bool = False) -> list[Part]:
+    applied = context.applied_at(context.motion, in_tree)
+    return [*applied, *newton_euler(context.motion, context.gravity, ("h", 0), context.applied_array)]
 
 
 def mass(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -50,7 +51,8 @@ def mass(context: TreeContext, function: ModelFunction) -> Kernel:
 def force(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the forces h(t, q, v)."""
     motion = context.motion
-    parts = [motion.frames(moving=True), motion.inertias(moving=True), *_force_parts(context)]
+    frames = motion.frames(moving=True, placed=bool(context.springs))
+    parts = [frames, motion.inertias(moving=True), *_force_parts(context)]
     return kernel(context, function, context.counted("h"), *parts)
 
 
@@ -62,7 +64,7 @@ def mass_force(context: TreeContext, function: ModelFunction) -> Kernel:
         motion.frames(moving=True, placed=True, in_tree=True),
         motion.inertias(moving=True),
         *composite(motion, shape),
-        *_force_parts(context),
+        *_force_parts(context, in_tree=True),
     ]
     return kernel(context, function, {"M": Result(pattern=shape), **context.counted("h")}, *parts)
 
@@ -73,7 +75,7 @@ def accel(context: TreeContext, function: ModelFunction) -> Kernel:
     results = context.counted("vdot") | {"lam": _each_constraint(context)}
     if not count:
         parts = [
-            motion.frames(moving=True),
+            motion.frames(moving=True, placed=bool(context.springs)),
             motion.inertias(moving=True),
             *context.applied,
             *articulated(motion, context.gravity, bool(context.applied_array)),
@@ -116,7 +118,8 @@ def energy(context: TreeContext, function: ModelFunction) -> Kernel:
     labels = ("kinetic", "strain", *(("gravity",) if context.has_gravity else ()))
     body = invariants.energy(motion, context.gravity if context.has_gravity else None)
     parts = [motion.frames(moving=True, placed=True), motion.inertias(moving=False)]
-    parts.append(("energy", "(22)", "1/2 int rho xdot . xdot", [*body, *loads.stored(motion, context.loads)]))
+    stored = [*loads.stored(motion, context.loads), *(group.stored(motion) for group in context.springs)]
+    parts.append(("energy", "(22)", "1/2 int rho xdot . xdot", [*body, *stored]))
     return kernel(context, function, {"energy": Result(labels)}, *parts)
 
 

@@ -281,7 +281,7 @@ def refusals(mechanism: SpatialMechanism) -> Iterator[str]:
         if not isinstance(body, SpatialRigidBody)
     )
     for name in refused_actions(mechanism):
-        yield f"{only} no springs but those about and along the axes of joints, and {name} is none"
+        yield f"{only} no loads in joints without a coordinate along or about their axis, and {name} is one"
 
 
 def _matrix(values: sp.Matrix, numbers: Mapping[sp.Symbol, sp.Expr]) -> Matrix:

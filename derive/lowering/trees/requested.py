@@ -19,7 +19,7 @@ def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the generalised forces f = M vdot + h of a motion."""
     motion, target = context.motion, ("f", 0)
     parts = [
-        motion.frames(moving=True),
+        motion.frames(moving=True, placed=bool(context.springs)),
         motion.inertias(moving=True),
         *context.applied,
         *newton_euler(motion, context.gravity, target, context.applied_array, ("vdot", 0)),
@@ -33,7 +33,7 @@ def gravity_compensation(context: TreeContext, function: ModelFunction) -> Kerne
     still: list[Statement] = [Work(STILL, len(context.rows), cleared=True)]
     parts = [
         ("still", "", "no velocities", still),
-        motion.frames(moving=True),
+        motion.frames(moving=True, placed=bool(context.springs)),
         motion.inertias(moving=True),
         *context.applied_at(motion),
         *newton_euler(motion, context.gravity, ("f", 0), context.applied_array),

@@ -62,7 +62,7 @@ def row_loads(mechanism: SpatialMechanism) -> RowLoads:
     loads, springs = [], []
     known = {c.symbol: c.value for c in mechanism.constants}
     for action in mechanism.forces:
-        if isinstance(action.element, AT_MARKERS):
+        if isinstance(action.element, AT_MARKERS) or acts_between_frames(mechanism, action):
             continue
         joint, freedom = _joint(mechanism, action)
         assert joint is not None
@@ -80,11 +80,25 @@ def row_loads(mechanism: SpatialMechanism) -> RowLoads:
 def refused_actions(mechanism: SpatialMechanism) -> Iterator[str]:
     """Yield the names of actions that loops along trees do not have."""
     for action in mechanism.forces:
-        if isinstance(action.element, AT_MARKERS):
+        if isinstance(action.element, AT_MARKERS) or acts_between_frames(mechanism, action):
             continue
         joint, freedom = _joint(mechanism, action)
         if joint is None or _motion(joint, freedom) is None:
             yield action.element.name
+
+
+def acts_between_frames(mechanism: SpatialMechanism, action: SpatialActionInstance) -> bool:
+    """Whether an action is a spring between marker frames: neither on a row, nor on a rotation that counts turns."""
+    if not isinstance(action.element, SpatialSpring):
+        return False
+    own, freedom = _joint(mechanism, action)
+    if own is not None and _motion(own, freedom) is not None:
+        return False
+    joint = mechanism.joint_of(action)
+    if joint is None or action.element.kind != "rotational":
+        return True
+    counts = isinstance(joint, SpatialEliminatedJoint) or joint.drive is not None or joint.type.is_screw
+    return not (counts and joint.type.leaves(joint.type.removed(joint.joint), Freedom.ROTATION))
 
 
 def _spring(action: SpatialActionInstance) -> tuple[sp.Expr, sp.Expr, sp.Expr]:

@@ -20,6 +20,7 @@ from derive.lowering.trees.conditions import conditions_of
 from derive.lowering.trees.exact_numbers import exact
 from derive.lowering.trees.link_loop import LinkArrays
 from derive.lowering.trees.links import Tree, tree_of
+from derive.lowering.trees.marker_springs import spring_groups
 from derive.lowering.trees.motion import TreeMotion
 from derive.lowering.trees.row_loads import row_loads
 from derive.mechanics import quantity
@@ -40,6 +41,7 @@ class TreeContext:
         self.mechanism, self.tree = mechanism, tree or tree_of(mechanism)
         self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
         self.at_markers = marker_loads.marker_loads(mechanism, self.tree)
+        self.springs = spring_groups(mechanism, self.tree)
         inputs = tuple(given.symbol for given in input_symbols(mechanism.scene))
         self.conditions = conditions_of(mechanism, self.tree)
         given = (
@@ -102,11 +104,12 @@ class TreeContext:
         """The section of the loads."""
         return self.applied_at(self.motion)
 
-    def applied_at(self, motion: TreeMotion) -> list[Part]:
-        """The section of the loads for a state in other arrays."""
+    def applied_at(self, motion: TreeMotion, in_tree: bool = False) -> list[Part]:
+        """The section of the loads for a state in other arrays; in_tree: see `TreeMotion.frames`."""
         body = loads.applied(motion, self.loads, self.known.context.u.symbols, len(self.rows))
         acting = marker_loads.acting(motion, self.at_markers)
-        return [("loads", "(10)", "generalised forces of loads and springs", [*body, *acting])]
+        springs = [group.acting(motion, in_tree) for group in self.springs]
+        return [("loads", "(10)", "generalised forces of loads and springs", [*body, *acting, *springs])]
 
     @property
     def applied_array(self) -> str:

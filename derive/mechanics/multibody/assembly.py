@@ -37,10 +37,12 @@ from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, element
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
 from derive.mechanics.time_functions import TimeOperation
+from derive.spec.model.joints import CustomJoint, Drive
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.planar_bodies import SceneBody
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import NAMED, CustomJoint, Drive, Scene, SceneBody
+from derive.spec.model.scene import NAMED, Scene
 from derive.spec.model.scene_functions import function_parameters
 from derive.spec.model.time_function import TimeFunction
 

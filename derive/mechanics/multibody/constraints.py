@@ -8,7 +8,7 @@ from derive.algebra import sp
 from derive.mechanics.multibody.point_motion import Derivatives, RelativeMotion, added
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 from derive.spec.model.instances import identifier, joined
-from derive.spec.model.scene import Joint
+from derive.spec.model.joints import Joint
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion

@@ -13,8 +13,8 @@ from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.spec.model.forces import SceneForce
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import Joint
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion

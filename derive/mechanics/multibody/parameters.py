@@ -16,9 +16,10 @@ from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.mechanics.multibody.space.rigid import frame_constants
 from derive.mechanics.multibody.space.springs import spring_type
+from derive.spec.model.joints import CustomJoint
 from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, CustomJoint, Scene
+from derive.spec.model.scene import NAMED, Scene
 from derive.spec.model.scene_functions import function_parameters, time_functions
 from derive.spec.model.spatial_forces import SpatialSpring
 from derive.spec.model.spatial_scene import SpatialScene

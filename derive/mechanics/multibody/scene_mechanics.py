@@ -15,8 +15,9 @@ from derive.algebra import sp
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, EquationOfMotion
+from derive.spec.model.joints import Drive, Joint
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import Drive, Joint, Scene
+from derive.spec.model.scene import Scene
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.bodies.body_type import ComponentDamping

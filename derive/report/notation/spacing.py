@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from itertools import zip_longest
 from typing import Literal
 
 from derive.report.document.formula import (
@@ -37,6 +39,22 @@ def gap(left: Formula, right: Formula) -> Gap:
     if isinstance(left, NumberToken) and _starts_with_digit(right):
         return "dot"
     return "thin" if _is_word(left) or _is_word(right) else "times"
+
+
+def row_text(
+    parts: Sequence[Formula], write: Callable[[Formula, bool], str], between: Callable[[Formula, Formula], str]
+) -> str:
+    """Formulas side by side; write: one of them, and whether nothing follows that could be a part of its argument."""
+    pieces = []
+    for part, following in zip_longest(parts, parts[1:]):
+        pieces.append(write(part, following is None or isinstance(following, OperatorToken)))
+        pieces.append("" if following is None else between(part, following))
+    return "".join(pieces)
+
+
+def argument(call: Call) -> Formula:
+    """The argument of a function, in brackets."""
+    return call.of if isinstance(call.of, Fenced) else Fenced(call.of)
 
 
 def _is_sign(formula: Formula) -> bool:

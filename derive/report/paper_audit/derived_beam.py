@@ -17,7 +17,7 @@ from derive.report.notation.beam_functions import shape_name
 from derive.report.notation.expressions import Notation, notation, number
 from derive.report.notation.formula_reader import formula
 from derive.report.sections.frame import ansatz_equation, condition_equation, on_ansatz, shape_equations
-from derive.spec.construction import planar_beam
+from derive.spec.construction.bodies import planar_beam
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame, Marker
 

@@ -25,7 +25,7 @@ from derive.report.notation.integral_formulas import SYMMETRIC, integral_formula
 from derive.report.notation.typeset_names import indexed
 from derive.report.notation.vector_form import arrow, summand, summands
 from derive.report.sections.kinematics import MOTION
-from derive.spec.construction import symbolic_body
+from derive.spec.construction.bodies import symbolic_body
 
 if TYPE_CHECKING:
     from derive.mechanics.typed_symbol import Symbol

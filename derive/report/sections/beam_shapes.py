@@ -18,7 +18,7 @@ from derive.report.notation.beam_functions import SHAPE, beam_function
 from derive.report.sections.instance_rows import enumeration_of_instances
 from derive.simulation.observables.beams import function_values
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.specification import AnyScene
 from derive.visual.shape_chart import ShapePanel, shape_chart

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from derive.report.document.page import Block, Content, table
 from derive.spec.model.beam_parts import AttachedMass, AxialDeformation, BeamDamping
 from derive.spec.model.beam_pieces import whole_beam
+from derive.spec.model.planar_bodies import BeamBody, RigidBody, SceneBody
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 from derive.spec.model.specification import AnyScene

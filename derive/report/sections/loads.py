@@ -11,7 +11,7 @@ from derive.report.sections.instance_rows import merged_rows
 from derive.spec.model.beam_parts import Polynomial
 from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.forces import SceneForce
-from derive.spec.model.scene import BeamBody, DistributedLoad
+from derive.spec.model.planar_bodies import BeamBody, DistributedLoad
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_beam_parts import SpatialDistributedLoad
 from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad

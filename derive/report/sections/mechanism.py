@@ -29,7 +29,7 @@ from derive.report.sections.body_values import body_kind, body_values, section_m
 from derive.report.sections.instance_rows import enumeration_of_instances, merged_rows
 from derive.report.sections.loads import load_blocks
 from derive.spec.model.instances import instance_name, joined
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.visual.kkt_matrix import kkt_picture

@@ -14,7 +14,7 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame
 from derive.spec.model.beam_pieces import whole_beam
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, SceneBody
+from derive.spec.model.planar_bodies import BeamBody, SceneBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.specification import AnyScene

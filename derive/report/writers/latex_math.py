@@ -24,7 +24,7 @@ from derive.report.notation.glyphs import index, is_letter, letter, number
 from derive.report.notation.line_breaking import lines, width
 from derive.report.notation.signs import BIG
 from derive.report.notation.signs import SIGNS as KNOWN
-from derive.report.notation.spacing import Gap, bare, factors, gap, is_tall, needs_brackets, summand
+from derive.report.notation.spacing import Gap, argument, bare, factors, gap, is_tall, needs_brackets, row_text, summand
 from derive.report.writers.latex_text import GREEK, escaped
 
 GAPS: dict[Gap, str] = {"none": " ", "times": " ", "thin": " \\, ", "dot": " \\cdot "}
@@ -113,12 +113,7 @@ def _tree(formula: Formula, last: bool = True) -> str:
 
 
 def _row(parts: Sequence[Formula]) -> str:
-    out = []
-    for k, part in enumerate(parts):
-        following = parts[k + 1] if k + 1 < len(parts) else None
-        out.append(_tree(part, following is None or isinstance(following, OperatorToken)))
-        out.append("" if following is None else " " if isinstance(following, Call) else GAPS[gap(part, following)])
-    return "".join(out)
+    return row_text(parts, _tree, lambda part, after: " " if isinstance(after, Call) else GAPS[gap(part, after)])
 
 
 def _number(text: str) -> str:
@@ -196,4 +191,4 @@ def _function(name: str) -> str:
 def _argument(call: Call, last: bool) -> str:
     if bare(call, last):
         return f" {_tree(call.of)}"
-    return _tree(call.of if isinstance(call.of, Fenced) else Fenced(call.of))
+    return _tree(argument(call))

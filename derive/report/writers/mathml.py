@@ -24,7 +24,7 @@ from derive.report.notation.glyphs import index, is_letter, letter, minus, numbe
 from derive.report.notation.line_breaking import width
 from derive.report.notation.signs import BIG
 from derive.report.notation.signs import SIGNS as KNOWN
-from derive.report.notation.spacing import Gap, bare, factors, gap, needs_brackets, summand
+from derive.report.notation.spacing import Gap, argument, bare, factors, gap, needs_brackets, row_text, summand
 from derive.report.notation.spoken_math import words
 
 GAPS: dict[Gap, str] = {
@@ -109,12 +109,7 @@ def _row(parts: Sequence[Formula], behind: bool = False) -> str:
     start = parts[0] if parts else None
     if isinstance(start, OperatorToken) and (behind or start.text in ("+", "=")):
         return f'<mo form="infix">{_sign(start.text)}</mo>{_row(parts[1:])}'
-    out = []
-    for k, part in enumerate(parts):
-        following = parts[k + 1] if k + 1 < len(parts) else None
-        out.append(mathml(part, following is None or isinstance(following, OperatorToken)))
-        out.append(GAPS[gap(part, following)] if following is not None else "")
-    return "".join(out)
+    return row_text(parts, mathml, lambda *pair: GAPS[gap(*pair)])
 
 
 def _number(text: str) -> str:
@@ -220,10 +215,9 @@ def _power(base: Formula, exponent: Formula, last: bool) -> str:
 
 
 def _argument(call: Call, last: bool) -> str:
-    apply = "<mo>\u2061</mo>"
     if bare(call, last):
         return f'<mo rspace=".17em">\u2061</mo>{mathml(call.of)}'
-    return f"{apply}{mathml(call.of if isinstance(call.of, Fenced) else Fenced(call.of))}"
+    return f"<mo>\u2061</mo>{mathml(argument(call))}"
 
 
 def _cell(formula: Formula | None) -> str:

@@ -21,7 +21,7 @@ from derive.report.document.formula import (
 from derive.report.notation.glyphs import GREEK, index, letter, minus, number
 from derive.report.notation.signs import BIG
 from derive.report.notation.signs import SIGNS as KNOWN
-from derive.report.notation.spacing import Gap, bare, factors, gap, needs_brackets, summand
+from derive.report.notation.spacing import Gap, argument, bare, factors, gap, needs_brackets, row_text, summand
 
 GAPS: dict[Gap, str] = {"none": " ", "times": " ", "thin": " thin ", "dot": " dot.op "}
 SIGNS = {text: sign.typst for sign in KNOWN for text in sign.texts}
@@ -73,13 +73,7 @@ def relation_typst(text: str) -> str:
 
 
 def _row(parts: Sequence[Formula]) -> str:
-    out = []
-    for k, part in enumerate(parts):
-        following = parts[k + 1] if k + 1 < len(parts) else None
-        out.append(typst_math(part, following is None or isinstance(following, OperatorToken)))
-        called = isinstance(part, Call) or isinstance(following, Call)
-        out.append("" if following is None else " " if called else GAPS[gap(part, following)])
-    return "".join(out)
+    return row_text(parts, typst_math, lambda *pair: " " if Call in map(type, pair) else GAPS[gap(*pair)])
 
 
 def _number(text: str) -> str:
@@ -138,6 +132,4 @@ def _power(base: Formula, exponent: str, last: bool) -> str:
 
 
 def _argument(call: Call, last: bool) -> str:
-    if bare(call, last):
-        return typst_math(call.of)
-    return typst_math(call.of if isinstance(call.of, Fenced) else Fenced(call.of))
+    return typst_math(call.of if bare(call, last) else argument(call))

@@ -231,7 +231,6 @@ class Adaptive:
                 ),
                 ctypes.byref(result),
             )
-        observer.reraise()
         happening.reraise()
         if code == 4:
             raise ValueError(f"{native.name}: {ADAPTIVE_CODES[4]}: give times that increase, and positive tolerances")

@@ -18,6 +18,7 @@ from derive.artifacts import File
 from derive.errors import TisserandError
 from derive.runtime.compiler import FLAGS
 from derive.runtime.integrators.compilation import header_flags, write_sources
+from derive.runtime.integrators.observer import Observe, Observer
 from derive.runtime.loading import shared_library
 from derive.runtime.native_call import Vector, doubles
 from derive.runtime.native_scene import NativeScene
@@ -166,6 +167,24 @@ class CIntegrator:
         if q.ndim != 1:
             raise ValueError("q0 and v0 have to be vectors: this method integrates one state")
         return q, v
+
+    def observed(
+        self,
+        function: Callable[..., int],
+        arguments: Sequence[Any],
+        rows: Array,
+        row_times: Vector,
+        counts: ctypes.Structure,
+        observe: Observe | None,
+        work: Sequence[Array] = (),
+        meanings: Mapping[int, str] = CODES,
+    ) -> Integration:
+        """The result of a C function that fills rows. Raises IntegratorError, and what the observer raises."""
+        observer = Observer(observe, self.width)
+        with observer.interrupts():
+            code, seconds = timed(function, *arguments, observer.pointer, *work, ctypes.byref(counts))
+        result = self.integration(row_times, rows, counts, seconds, code == STOPPED)
+        return checked_result(self.native.name, code, result, meanings)
 
     def integration(
         self, t: Vector, rows: Array, counts: ctypes.Structure, seconds: float, stopped: bool = False

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CONSISTENT,
-    STOPPED,
     Array,
     CIntegrator,
     Integration,
@@ -23,7 +22,7 @@ from derive.runtime.integrators.c_integrator import (
     times,
     types,
 )
-from derive.runtime.integrators.observer import Observe, Observer
+from derive.runtime.integrators.observer import Observe
 
 
 class _FixedCounts(ctypes.Structure):
@@ -100,18 +99,14 @@ class FixedStep(CIntegrator):
         rows: Array = np.empty((*states, steps // every + 1, self.width))
         work, counts = np.empty(self.library.tisserand_fixed_work(self.model)), _FixedCounts()
         given = (t0, step, steps, every, self.constants(k), tolerance if project else 0.0, q, v, rows)
-        if states:
-            if observe is not None:
-                raise ValueError("many states have no observer; integrate each by a call of its own")
-            number = int(np.prod(states))
-            codes = np.zeros(max(number, 1), dtype=np.intc)
-            batch = self.library.tisserand_rk4_batch
-            code, seconds = timed(batch, self.model, number, *given, codes, work, ctypes.byref(counts))
-        else:
-            observer = Observer(observe, self.width)
-            rk4 = self.library.tisserand_rk4
-            with observer.interrupts():
-                code, seconds = timed(rk4, self.model, *given, observer.pointer, work, ctypes.byref(counts))
-            observer.reraise()
         t = times(t0, step * every, steps // every + 1)
-        return checked_result(self.native.name, code, self.integration(t, rows, counts, seconds, code == STOPPED))
+        if not states:
+            rk4 = self.library.tisserand_rk4
+            return self.observed(rk4, (self.model, *given), rows, t, counts, observe, [work])
+        if observe is not None:
+            raise ValueError("many states have no observer; integrate each by a call of its own")
+        number = int(np.prod(states))
+        codes = np.zeros(max(number, 1), dtype=np.intc)
+        batch = self.library.tisserand_rk4_batch
+        code, seconds = timed(batch, self.model, number, *given, codes, work, ctypes.byref(counts))
+        return checked_result(self.native.name, code, self.integration(t, rows, counts, seconds))

@@ -13,20 +13,17 @@ from derive.runtime.integrators.c_integrator import (
     CODES,
     CONSISTENT,
     PROXIMAL,
-    STOPPED,
     Array,
     CIntegrator,
     Integration,
     check_numbers,
     check_steps,
-    checked_result,
     fields,
-    timed,
     times,
     types,
 )
 from derive.runtime.integrators.compilation import klu
-from derive.runtime.integrators.observer import Observe, Observer
+from derive.runtime.integrators.observer import Observe
 
 ALPHA_CODES = {
     **CODES,
@@ -123,14 +120,6 @@ class GeneralisedAlpha(CIntegrator):
         table: Array = np.empty((steps // every + 1, self.width))
         term = PROXIMAL if self.native.proximal else 0.0
         options, counts = _AlphaOptions(rho, tolerance, consistent, term), _AlphaCounts()
-        observer = Observer(observe, self.width)
-        with observer.interrupts():
-            code, seconds = timed(
-                self.library.tisserand_alpha,
-                *(self.model, ctypes.byref(options), t0, step, steps, every, self.constants(k), q, v, table),
-                *(observer.pointer, ctypes.byref(counts)),
-            )
-        observer.reraise()
-        t = times(t0, step * every, steps // every + 1)
-        result = self.integration(t, table, counts, seconds, code == STOPPED)
-        return checked_result(self.native.name, code, result, ALPHA_CODES)
+        given = (self.model, ctypes.byref(options), t0, step, steps, every, self.constants(k), q, v, table)
+        rows = times(t0, step * every, len(table))
+        return self.observed(self.library.tisserand_alpha, given, table, rows, counts, observe, meanings=ALPHA_CODES)

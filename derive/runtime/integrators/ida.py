@@ -13,20 +13,17 @@ from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CONSISTENT,
     PROXIMAL,
-    STOPPED,
     Array,
     CIntegrator,
     Integration,
     check_numbers,
     checked_array,
-    checked_result,
     fields,
-    timed,
     times,
     types,
 )
 from derive.runtime.integrators.compilation import sundials
-from derive.runtime.integrators.observer import Observe, Observer
+from derive.runtime.integrators.observer import Observe
 
 
 class _IdaOptions(ctypes.Structure):
@@ -139,16 +136,9 @@ class Ida(CIntegrator):
         term = PROXIMAL if self.native.proximal else 0.0
         options = _IdaOptions(name, rtol, absolute, scaled, order, consistent, step_max, steps_max, term)
         table: Array = np.empty((rows, self.width))
-        counts, observer = _IdaCounts(), Observer(observe, self.width)
-        with observer.interrupts():
-            code, seconds = timed(
-                self.library.tisserand_ida,
-                *(self.model, ctypes.byref(options), t0, interval, rows, self.constants(k), q, v, table),
-                *(observer.pointer, ctypes.byref(counts)),
-            )
-        observer.reraise()
-        result = self.integration(times(t0, interval, rows), table, counts, seconds, code == STOPPED)
-        return checked_result(self.native.name, code, result)
+        given = (self.model, ctypes.byref(options), t0, interval, rows, self.constants(k), q, v, table)
+        instants = times(t0, interval, rows)
+        return self.observed(self.library.tisserand_ida, given, table, instants, _IdaCounts(), observe)
 
 
 def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:

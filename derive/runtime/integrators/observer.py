@@ -27,7 +27,7 @@ class Observer:
     """A function as the observer of a C integrator, with rows of `width` numbers.
 
     `pointer` is the argument of the C function, None without a function; `address` is the same as a number, or 0. An
-    exception of the function ends the integration, and `reraise` raises it again outside the C.
+    exception of the function ends the integration, and `interrupts` raises it again outside the C.
     """
 
     def __init__(self, observe: Observe | None, width: int) -> None:
@@ -49,25 +49,22 @@ class Observer:
 
     @contextmanager
     def interrupts(self) -> Iterator[None]:
-        """A context in which Ctrl-C ends the integration at the next row, and `reraise` raises KeyboardInterrupt.
+        """A context in which Ctrl-C ends the integration at the next row, and that raises the exception at its end.
 
         Python would raise it before the function's first line, from where it does not come through the C.
         """
         main = threading.current_thread() is threading.main_thread()
-        if self.pointer is None or not main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-            yield
-            return
+        handled = self.pointer is not None and main and signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
         def interrupted(*_: object) -> None:
             self._error = KeyboardInterrupt()
 
-        signal.signal(signal.SIGINT, interrupted)
         try:
+            if handled:
+                signal.signal(signal.SIGINT, interrupted)
             yield
         finally:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
-
-    def reraise(self) -> None:
-        """Raise the exception of the function again, if it has raised one."""
+            if handled:
+                signal.signal(signal.SIGINT, signal.default_int_handler)
         if self._error is not None:
             raise self._error

@@ -24,7 +24,8 @@ from derive.simulation.initial.loose_bodies import LooseBodies
 from derive.simulation.initial.targets import Target
 from derive.simulation.observables.motion import simulated_drive
 from derive.simulation.time_derivatives import derivatives_at
-from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.joints import Drive
+from derive.spec.model.scene import Scene
 
 MET = 1e-6
 """rad, part of the size, or relative to the largest rate: demands that are missed by less are met."""

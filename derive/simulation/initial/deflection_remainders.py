@@ -8,7 +8,8 @@ from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.bodies.deflection_projection import projection
 from derive.percentages import percent
 from derive.simulation.observables.beams import beam_bodies, shape_functions
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 
 def deflection_remainders(scene: Scene) -> tuple[str, ...]:

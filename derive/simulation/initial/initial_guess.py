@@ -15,7 +15,8 @@ from derive.simulation.compiled_scene import Mask, coordinates_with
 from derive.simulation.initial.targets import piece_deflections
 from derive.simulation.observables.beams import half_length
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.scene import BeamBody, CustomBody, RigidBody, Scene
+from derive.spec.model.planar_bodies import BeamBody, CustomBody, RigidBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import InitialValues
 
 

@@ -28,7 +28,8 @@ from derive.simulation.initial.targets import Strength, Target, targets
 from derive.simulation.linear.steady_motion import SteadyMotion, steady_motion
 from derive.simulation.observables.beams import beam_bodies, half_length, relative_deflection
 from derive.simulation.observables.motion import SceneMotion, si_value, transformed
-from derive.spec.model.scene import EQUILIBRIUM, STEADY, BeamBody, RigidBody, Scene
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
+from derive.spec.model.scene import EQUILIBRIUM, STEADY, Scene
 from derive.spec.model.specification import AnyScene
 
 LISTED = 6

@@ -20,9 +20,11 @@ from derive.simulation.observables.motion import body_coordinates, si_value
 from derive.spec.model.beam_pieces import piece_of, place_in_piece
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.instances import joined
+from derive.spec.model.joints import CustomJoint, Joint, JointInitialValues
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, CustomJoint, Joint, JointInitialValues, Scene
+from derive.spec.model.scene import Scene
 
 Function = Callable[[Kinematics], Linear]
 

@@ -16,7 +16,8 @@ from derive.simulation.compiled_scene import coordinates_with
 from derive.simulation.initial.assembler import Assembler
 from derive.simulation.initial.joint_functions import Function
 from derive.simulation.initial.kinematics import Kinematics, Linear
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,8 @@ def start_state(spec: AnyScene | NodalBody, model: Model) -> StartState:
     model: its kernels. Run-time inputs have their values at the start of a simulation, since a prescribed motion may be
     one of them. Raises SpecError where an input has no value, what `initial_state` raises, and NoStartState.
     """
-    from derive.derivation import derive, lower
+    from derive.derivation import derive
+    from derive.model_lowering import lower
 
     if isinstance(spec, NodalBody):
         state = spatial_state(model, spec.start)

@@ -17,7 +17,9 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.joint_functions import Function, driven_coordinate
 from derive.simulation.initial.kinematics import Kinematics, Linear
 from derive.simulation.observables.beams import half_length, shape_functions
-from derive.spec.model.scene import BeamBody, Joint, JointInitialValues, Scene, SceneBody
+from derive.spec.model.joints import Joint, JointInitialValues
+from derive.spec.model.planar_bodies import BeamBody, SceneBody
+from derive.spec.model.scene import Scene
 
 
 class Strength(Enum):

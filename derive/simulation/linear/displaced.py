@@ -22,7 +22,8 @@ from derive.simulation.observables.marker_positions import marker_positions
 from derive.simulation.observables.motion import Array, SceneMotion, outline, planar, transformed
 from derive.simulation.simulated_scene import FreeBeam, beam_scene
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import NOT_GIVEN
 
 DISPLACEMENT = 0.1

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from derive.mechanics.prescribed_motion import drive_motion, drive_speed
 from derive.simulation.linear.run_time_inputs import scene_with_values
-from derive.spec.model.scene import Drive
+from derive.spec.model.joints import Drive
 from derive.spec.model.scene_functions import breaks, time_functions, with_changed_functions
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, depends_on_time, function_at, value_at

@@ -17,7 +17,7 @@ from derive.simulation.observables.motion import Array, SceneMotion, si_value, t
 from derive.spec.model.beam_parts import AssumedDeflection
 from derive.spec.model.beam_pieces import piece_of, place_in_piece
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.specification import AnyScene
 
 

@@ -9,7 +9,10 @@ from derive.ir.model import Model
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, ChordDeflection
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import output_type
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.marker_outputs import AXES
 from derive.mechanics.multibody.space.outputs import spatial_output_type
+from derive.mechanics.multibody.space.rows import ROTATIONS
 from derive.roles import Role
 from derive.simulation.trajectory import energy_names
 from derive.spec.model.instances import identifier, joined
@@ -47,7 +50,7 @@ def default_plots(scene: AnyScene, model: Model, stresses: tuple[str, ...] = ())
     largest = [name for name in stresses if name not in shown]
     if scene.outputs or scene.plots:
         outputs = _unplotted(scene)
-        own = [_plot(_free_name(output, scene), output_columns(output, _in_space(scene))) for output in outputs]
+        own = [_plot(_free_name(output, scene), _drawn_columns(output, scene)) for output in outputs]
     else:
         own = [_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items()]
     taken = [plot.name for plot in (*scene.plots, *own)]
@@ -134,6 +137,25 @@ def output_columns(output: SceneOutput, in_space: bool = False) -> tuple[str, ..
     of: Any = spatial_output_type(output.kind) if in_space else output_type(output.kind)
     labels: tuple[str, ...] = of.labels
     return tuple(joined(output.name, label) for label in labels)
+
+
+def _drawn_columns(output: SceneOutput, scene: AnyScene) -> tuple[str, ...]:
+    """The columns of an output that its plot shows: not the torque of what exerts none, whatever the motion."""
+    columns = output_columns(output, _in_space(scene))
+    if not isinstance(scene, SpatialScene) or not _without_torque(output, scene):
+        return columns
+    return tuple(column for column in columns if column not in {joined(output.name, f"torque{k}") for k in AXES})
+
+
+def _without_torque(output: SceneOutput, scene: SpatialScene) -> bool:
+    """Whether an output is the force of a linear spring, or of a joint that leaves all rotations."""
+    values: Mapping[str, Any] = output.values
+    if output.kind == "spring":
+        return any(spring.name == values["spring"] and spring.kind == "linear" for spring in scene.springs)
+    if output.kind != "reaction":
+        return False
+    joint = next(joint for joint in scene.joints if joint.name == values["joint"])
+    return not {*ROTATIONS} & {*SPATIAL_JOINTS[joint.kind].removed(joint)}
 
 
 def _plot(name: str, columns: Sequence[str]) -> Plot:

@@ -11,8 +11,8 @@ from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.beam_pieces import located
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.planar_bodies import RigidBody
 from derive.spec.model.plots import Deflection
-from derive.spec.model.scene import RigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 
 

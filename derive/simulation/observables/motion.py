@@ -14,10 +14,12 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_scene import NativeScene
 from derive.spec.files.splines import cubic_spline
+from derive.spec.model.joints import Drive
 from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
+from derive.spec.model.planar_bodies import BeamBody, CustomBody, RigidBody
 from derive.spec.model.plots import ReferenceCurve
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, CustomBody, Drive, RigidBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, value_at

@@ -37,8 +37,10 @@ from derive.simulation.observables.motion import (
     simulated_drive,
     transformed,
 )
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import BeamBody, Joint, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 Plain = dict[str, Any]
 

@@ -16,8 +16,8 @@ from derive.simulation.validity.piece_shapes import TWIST, PieceShapes
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AssumedDeflection, AxialDeformation
 from derive.spec.model.beam_pieces import whole_beam
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.specification import AnyScene
 

@@ -7,7 +7,8 @@ from collections.abc import Collection
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.model.beam_parts import Marker
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 TORQUE = "N m"
 """The unit of multipliers that hold a section against rotation."""

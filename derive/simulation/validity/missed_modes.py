@@ -24,7 +24,7 @@ from derive.simulation.compiled_scene import constraint_matrix, coordinates_with
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.held_beam import SMALL, HeldMode, admitted_modes
-from derive.spec.model.body import InterfaceMarker
+from derive.spec.model.node_markers import InterfaceMarker
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 

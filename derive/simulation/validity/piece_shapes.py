@@ -15,7 +15,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.observables.beams import function_values, half_length, shape_functions
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 
 POINTS = 48
 """Gauss points along a piece: polynomials up to degree 95 are integrated exactly, and products of twenty half waves."""
@@ -65,16 +65,6 @@ class PieceShapes:
     def strain_order(self) -> int:
         """The derivative of the shapes that is strain: the second in bending, the first in torsion."""
         return 1 if self.twists else 2
-
-    @property
-    def euler_load(self) -> float:
-        """The buckling load of a piece with pinned ends, N: pi^2 EI/l^2."""
-        return float(np.pi**2 * self.bending_stiffness / self.length**2)
-
-    @property
-    def pinned_frequency(self) -> float:
-        """The lowest natural frequency of a piece with pinned ends, rad/s: pi^2 sqrt(EI/(m l^3))."""
-        return float(np.pi**2 * np.sqrt(self.bending_stiffness / (self.mass * self.length**3)))
 
     @cached_property
     def stiffness(self) -> Matrix:

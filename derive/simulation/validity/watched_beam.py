@@ -28,7 +28,7 @@ from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.simulation.validity.surroundings import Surroundings, surroundings
 from derive.simulation.validity.watched_forms import WatchedForms
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.specification import AnyScene
 
 SLOPE = 1e-9

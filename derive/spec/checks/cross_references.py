@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
@@ -22,25 +22,70 @@ from derive.spec.model.scene import NAMED
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 from derive.spec.tables.scene_bodies import RIGID
 
+JOINTS_ARE_WRITTEN = "write one, such as [joints.bearing]"
+"""What to do where there are no joints that something needs."""
+
 
 def scene_faults(data: Raw) -> list[Fault]:
     """All faults of a scene that concern more than a single key."""
-    bodies = data.get("bodies", {})
-    if isinstance(bodies, Mapping) and not bodies:
-        return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")]
+    if faults := no_bodies(data):
+        return faults
     view = SceneData(data)
     faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
-        faults += [*marker_faults(view), *_joints(view), *_drives(view), *_weightless(view)]
+        faults += [*marker_faults(view), *_joints(view), *drive_faults(view, _undriven), *_weightless(view)]
         faults += [*_actions(view), *plot_faults(view), *line_faults(view, _coincide)]
         faults += [*joint_start_faults(view)]
         faults += [*input_faults(view), *_outputs(view), *column_faults(view)]
     return faults
 
 
+def no_bodies(data: Raw) -> list[Fault]:
+    """The fault of a scene whose table of bodies is empty or missing."""
+    bodies = data.get("bodies", {})
+    missing = isinstance(bodies, Mapping) and not bodies
+    return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")] if missing else []
+
+
+def unknown_name(view: SceneData, section: str, name: str, none: str = "") -> str:
+    """The message that there is no element of this name in a section; none: what to do if there are no others."""
+    others = view.names(section)
+    known = f"the {section} are {names_text(others)}" if others else none or f"the scene has no {section}"
+    return f"there is no {NAMED[section]} {quoted(name)}{did_you_mean(name, others, known)}"
+
+
+def end_faults(view: SceneData, name: str) -> Iterator[Fault]:
+    """Faults of a joint within one body, or within the ground."""
+    if not (markers := view.pair("joints", name)):
+        return
+    first, second = (marker.body for marker in markers)
+    path: KeyPath = ("joints", name, "between")
+    if first == second == GROUND:
+        yield Fault(path, "both markers are on the ground, which does not move; one of them must be on a body")
+    elif first == second and first in view.names("bodies"):
+        yield Fault(path, f"both markers are on the body {first}; a joint is between two bodies, or ground and body")
+
+
+def drive_faults(view: SceneData, undriven: Callable[[str, Raw], str]) -> Iterator[Fault]:
+    """Faults of drives of joints that are not there, or have another drive; undriven: why a joint has none, or ""."""
+    driven: dict[str, str] = {}
+    for name, drive in view.tables["drives"].items():
+        joint, path = drive.get("joint"), ("drives", name, "joint")
+        if not isinstance(joint, str):
+            continue
+        if joint not in view.names("joints"):
+            yield Fault(path, unknown_name(view, "joints", joint, JOINTS_ARE_WRITTEN))
+            continue
+        if text := undriven(joint, view.tables["joints"].get(joint, {})):
+            yield Fault(path, text)
+        other = driven.setdefault(joint, name)
+        if other != name:
+            yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+
+
 def ground_faults(view: SceneData) -> Iterator[Fault]:
     """Faults of bodies with the name of the inertial frame."""
-    for name in view.names_of_bodies:
+    for name in view.names("bodies"):
         if name.lower() == GROUND:
             text = f"{quoted(name)} is the name of the inertial frame, whose markers are in [ground.markers]"
             yield Fault(("bodies", name), f"{text}; choose another name")
@@ -49,9 +94,9 @@ def ground_faults(view: SceneData) -> Iterator[Fault]:
 def marker_faults(view: SceneData) -> Iterator[Fault]:
     """Faults of references to markers that do not exist."""
     for path, marker in view.marker_refs():
-        if marker.body != GROUND and marker.body not in view.names_of_bodies:
-            bodies = f"the bodies are {names_text(view.names_of_bodies)}, and there is the ground"
-            hint = did_you_mean(marker.body, (*view.names_of_bodies, GROUND), bodies)
+        if marker.body != GROUND and marker.body not in view.names("bodies"):
+            bodies = f"the bodies are {names_text(view.names('bodies'))}, and there is the ground"
+            hint = did_you_mean(marker.body, (*view.names("bodies"), GROUND), bodies)
             yield Fault(path, f"there is no body {quoted(marker.body)}{hint}")
             continue
         markers = view.markers(marker.body)
@@ -72,56 +117,33 @@ def _no_marker(view: SceneData, marker: MarkerRef, markers: list[str]) -> str:
 
 def _joints(view: SceneData) -> Iterator[Fault]:
     for name, joint in view.tables["joints"].items():
-        markers = view.pair("joints", name)
-        if markers is None:
+        faults = [*end_faults(view, name)]
+        yield from faults
+        joint_type, markers = _type(joint), view.pair("joints", name)
+        if faults or not joint_type or not markers or not joint_type.rigid_first or not view.is_beam(markers[0].body):
             continue
         first, second = (marker.body for marker in markers)
-        path: KeyPath = ("joints", name, "between")
-        if first == second == GROUND:
-            yield Fault(path, "both markers are on the ground, which does not move; one of them must be on a body")
-        elif first == second and first in view.names_of_bodies:
-            yield Fault(
-                path, f"both markers are on the body {first}; a joint is between two bodies, or ground and body"
-            )
-        elif (joint_type := _type(joint)) and joint_type.rigid_first and view.is_beam(first):
-            text = f"the line must belong to the ground or to a rigid body, and {first} is a beam"
-            if view.is_beam(second):
-                yield Fault(path, f"{text}, as {second} is; weld a rigid body to {first}, and let {second} slide on it")
-            else:
-                yield Fault(path, f"{text}; swap the two markers")
+        text = f"the line must belong to the ground or to a rigid body, and {first} is a beam"
+        if view.is_beam(second):
+            text += f", as {second} is; weld a rigid body to {first}, and let {second} slide on it"
+        else:
+            text += "; swap the two markers"
+        yield Fault(("joints", name, "between"), text)
 
 
-def _drives(view: SceneData) -> Iterator[Fault]:
-    joints = view.data.get("joints", {})
-    driven: dict[str, str] = {}
-    for name, drive in view.tables["drives"].items():
-        joint = drive.get("joint")
-        if not isinstance(joint, str) or not isinstance(joints, Mapping):
-            continue
-        path: KeyPath = ("drives", name, "joint")
-        if joint not in joints:
-            known_names = (
-                f"the joints are {names_text(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
-            )
-            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, map(str, joints), known_names)}")
-            continue
-        joint_table = view.tables["joints"].get(joint, {})
-        joint_type, kind = _type(joint_table), joint_table.get("kind")
-        if joint_type and not joint_type.driven:
-            why = "nothing moves in" if joint_type.freedom == 0 else "no drive can prescribe the motion of"
-            yield Fault(path, f"{why} the {kind} joint {joint}; drive a {_driven_kinds()} one")
-        other = driven.setdefault(joint, name)
-        if other != name:
-            yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+def _undriven(name: str, joint: Raw) -> str:
+    """Why no drive prescribes the motion of a joint; empty if one can."""
+    joint_type = _type(joint)
+    if not joint_type or joint_type.driven:
+        return ""
+    why = "nothing moves in" if joint_type.freedom == 0 else "no drive can prescribe the motion of"
+    kinds = " or a ".join(kind for kind, of in JOINTS.items() if of.driven)
+    return f"{why} the {joint.get('kind')} joint {name}; drive a {kinds} one"
 
 
 def _type(joint: Raw) -> JointType | None:
     """The type of a joint, or None if its kind is unknown."""
     return JOINTS.get(str(joint.get("kind")))
-
-
-def _driven_kinds() -> str:
-    return " or a ".join(kind for kind, joint_type in JOINTS.items() if joint_type.driven)
 
 
 def _coincide(joint: Raw) -> bool:
@@ -171,8 +193,7 @@ def input_faults(view: SceneData) -> Iterator[Fault]:
     for path, name in view.input_refs():
         used.add(name)
         if name not in known:
-            others = f"the inputs are {', '.join(known)}" if known else f"write one, such as [inputs.{name}]"
-            yield Fault(path, f"there is no input {quoted(name)}{did_you_mean(name, known, others)}")
+            yield Fault(path, unknown_name(view, "inputs", name, f"write one, such as [inputs.{name}]"))
     for name in known:
         if name not in used:
             text = f'no force, torque, load or drive uses it; write {{ input = "{name}" }} in place of a function of t'
@@ -188,12 +209,8 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
             section, value = sections.get(key.type), table.get(key.name)
             if key.type is KeyType.BEAM_MARKER:
                 yield from section_faults(view, ("outputs", name, key.name), value)
-            if section is None or not isinstance(value, str) or value in view.tables[section]:
-                continue
-            noun, others = NAMED[section], [*view.tables[section]]
-            known = f"the {section} are {names_text(others)}" if others else f"the scene has no {section}"
-            text = f"there is no {noun} {quoted(value)}{did_you_mean(value, others, known)}"
-            yield Fault(("outputs", name, key.name), text)
+            if section and isinstance(value, str) and value not in view.tables[section]:
+                yield Fault(("outputs", name, key.name), unknown_name(view, section, value))
 
 
 def section_faults(view: SceneData, path: KeyPath, marker: object) -> Iterator[Fault]:
@@ -207,17 +224,11 @@ def section_faults(view: SceneData, path: KeyPath, marker: object) -> Iterator[F
 
 def plot_faults(view: SceneData) -> Iterator[Fault]:
     """Faults of plots of drives and beams that are not there, and of beams that are not cut."""
-    drives = view.data.get("drives", {})
-    known = [str(drive) for drive in drives] if isinstance(drives, Mapping) else []
     for name, plot in view.tables["plots"].items():
         over, cut = plot.get("over"), plot.get("cut")
-        if isinstance(over, str) and over not in known:
-            known_names = (
-                f"the drives are {', '.join(known)}" if known else "leave `over` out, for a plot over the time"
-            )
-            yield Fault(
-                ("plots", name, "over"), f"there is no drive {quoted(over)}{did_you_mean(over, known, known_names)}"
-            )
+        if isinstance(over, str) and over not in view.names("drives"):
+            text = unknown_name(view, "drives", over, "leave `over` out, for a plot over the time")
+            yield Fault(("plots", name, "over"), text)
         beams = [body for body in view.bodies if view.is_beam(body)]
         if isinstance(cut, str) and cut not in beams:
             known_names = f"the beams are {names_text(beams)}" if beams else "leave `cut` and `pieces` out"

@@ -8,7 +8,7 @@ from typing import Any
 
 from derive.errors import quoted
 from derive.mechanics.multibody.space.nodal_loads import load_points
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 from derive.spec.tables.shared import TomlTable
 from derive.spec.tables.spatial_bodies import LEAST_NODES, kind_of_spatial_body

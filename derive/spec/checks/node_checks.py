@@ -10,8 +10,8 @@ from derive.spec.files.mesh_arrays import set_sizes
 from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
-from derive.spec.model.body import NodeData
 from derive.spec.model.mode_selection import ModeSelection
+from derive.spec.model.node_data import NodeData
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, readable
 from derive.spec.parsing.values import MAX_MODES

@@ -15,8 +15,9 @@ from derive.spec.checks.name_clashes import RATES, coordinate_names
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.instances import joined, rate_name
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.plots import ColumnCurves, Plot
-from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.specification import Specification
 from derive.spec.parsing.condition import condition
 from derive.spec.parsing.faults import Fault, did_you_mean, names_text

@@ -11,10 +11,11 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.checks.dimensions import is_in_space
+from derive.spec.model.joints import Joint
 from derive.spec.model.keys import Key, KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
-from derive.spec.model.scene import NAMED, Joint
+from derive.spec.model.scene import NAMED
 from derive.spec.model.spatial_forces import (
     SpatialForce,
     SpatialJointForce,
@@ -64,11 +65,10 @@ class SceneData:
         """The bodies by their names."""
         return self.tables["bodies"]
 
-    @cached_property
-    def names_of_bodies(self) -> list[str]:
-        """The names of all bodies, including those whose values are not tables."""
-        bodies = self.data.get("bodies")
-        return [name for name in bodies if isinstance(name, str)] if isinstance(bodies, Mapping) else []
+    def names(self, section: str) -> list[str]:
+        """The names of all elements of a section, including those whose values are not tables."""
+        elements = self.data.get(section)
+        return [name for name in elements if isinstance(name, str)] if isinstance(elements, Mapping) else []
 
     @property
     def complete(self) -> bool:

@@ -19,7 +19,8 @@ from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT, AttachedM
 from derive.spec.model.body import ACCELERATION_UNIT
 from derive.spec.model.keys import Key, declared_keys, quantities
 from derive.spec.model.markers import GROUND
-from derive.spec.model.scene import NAMED, RigidBody
+from derive.spec.model.planar_bodies import RigidBody
+from derive.spec.model.scene import NAMED
 from derive.spec.model.spatial_scene import Gear
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, SpatialJointType
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
+from derive.spec.checks.cross_references import JOINTS_ARE_WRITTEN, end_faults, unknown_name
 from derive.spec.checks.scene_data import Raw, SceneData
+from derive.spec.model.joints import JointInitialValues
 from derive.spec.model.keys import declared_keys
-from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import NAMED, JointInitialValues
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import NAMED
 from derive.spec.model.spatial_scene import SpatialJointInitialValues
-from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
+from derive.spec.parsing.faults import Fault, KeyPath, names_text
 from derive.spec.parsing.values import WrongValueError, number
 
 
@@ -26,13 +27,7 @@ def joint_faults(view: SceneData) -> Iterator[Fault]:
     for name, joint in view.tables["joints"].items():
         markers = view.pair("joints", name)
         path: KeyPath = ("joints", name, "between")
-        if markers is not None:
-            first, second = (marker.body for marker in markers)
-            if first == second == GROUND:
-                yield Fault(path, "both markers are on the ground, which does not move; one of them must be on a body")
-            elif first == second and first in view.names_of_bodies:
-                text = f"both markers are on the body {first}; a joint is between two bodies, or ground and body"
-                yield Fault(path, text)
+        yield from end_faults(view, name)
         joint_type = joint_type_of(joint)
         if joint_type and markers is not None:
             yield from _without_rotation(view, path, joint_type, joint, markers)
@@ -82,26 +77,14 @@ def no_rotation(marker: MarkerRef, acts: str, other: str) -> str:
     )
 
 
-def drive_faults(view: SceneData) -> Iterator[Fault]:
-    """Faults of drives of joints that have no driven motion, or have another drive."""
-    joints, driven = view.tables["joints"], dict[str, str]()
-    for name, drive in view.tables["drives"].items():
-        joint = drive.get("joint")
-        if not isinstance(joint, str):
-            continue
-        path: KeyPath = ("drives", name, "joint")
-        if joint not in joints:
-            known = f"the joints are {names_text(joints)}" if joints else "write one, such as [joints.bearing]"
-            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, joints, known)}")
-            continue
-        joint_type, kind = joint_type_of(joints[joint]), joints[joint].get("kind")
-        if joint_type and not joint_type.driven:
-            *others, last = (kind for kind, of in SPATIAL_JOINTS.items() if of.driven)
-            kinds = f"{', a '.join(others)} or a {last}"
-            yield Fault(path, f"no drive can prescribe the motion of the {kind} joint {joint}; drive a {kinds} one")
-        other = driven.setdefault(joint, name)
-        if other != name:
-            yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+def undriven(name: str, joint: Raw) -> str:
+    """Why no drive prescribes the motion of a joint; empty if one can."""
+    joint_type = joint_type_of(joint)
+    if not joint_type or joint_type.driven:
+        return ""
+    *others, last = (kind for kind, of in SPATIAL_JOINTS.items() if of.driven)
+    kinds = f"{', a '.join(others)} or a {last}"
+    return f"no drive can prescribe the motion of the {joint.get('kind')} joint {name}; drive a {kinds} one"
 
 
 def gear_faults(view: SceneData) -> Iterator[Fault]:
@@ -117,8 +100,7 @@ def gear_faults(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, "a gear couples two joints, and these are the same")
         for i, joint in enumerate(map(str, pair)):
             if joint not in joints:
-                known = f"the joints are {names_text(joints)}" if joints else "write one, such as [joints.bearing]"
-                yield Fault((*path, i), f"there is no joint {quoted(joint)}{did_you_mean(joint, joints, known)}")
+                yield Fault((*path, i), unknown_name(view, "joints", joint, JOINTS_ARE_WRITTEN))
             elif (own := joint_type_of(joints[joint])) and not own.couples(removed_motions(own, joints[joint])):
                 kinds = [kind for kind, of in SPATIAL_JOINTS.items() if of.removes and of.couples(of.removes)]
                 text = (
@@ -154,13 +136,6 @@ def joint_load_faults(view: SceneData) -> Iterator[Fault]:
                     f"alone; joints whose bodies can are {', '.join(kinds)}; or write a {NAMED[section]} at a marker"
                 )
                 yield Fault(path, text)
-
-
-def unknown_name(view: SceneData, section: str, name: str) -> str:
-    """The message that there is no element of this name in a section."""
-    others = [*view.tables[section]]
-    known = f"the {section} are {names_text(others)}" if others else f"the scene has no {section}"
-    return f"there is no {NAMED[section]} {quoted(name)}{did_you_mean(name, others, known)}"
 
 
 def removed_motions(joint_type: SpatialJointType, joint: Raw) -> tuple[str, ...]:

@@ -10,11 +10,14 @@ from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS
 from derive.spec.checks.body_checks import spatial_shape_faults
 from derive.spec.checks.cross_references import (
+    drive_faults,
     ground_faults,
     input_faults,
     marker_faults,
+    no_bodies,
     plot_faults,
     section_faults,
+    unknown_name,
 )
 from derive.spec.checks.initial_values import spatial_start_faults
 from derive.spec.checks.lines import line_faults
@@ -23,7 +26,6 @@ from derive.spec.checks.scene_data import Raw, SceneData, WrittenRef
 from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.checks.spatial_joint_faults import (
     JOINT_LOADS,
-    drive_faults,
     gear_faults,
     is_node,
     joint_faults,
@@ -32,7 +34,7 @@ from derive.spec.checks.spatial_joint_faults import (
     joint_type_of,
     no_rotation,
     removed_motions,
-    unknown_name,
+    undriven,
 )
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import GROUND
@@ -42,9 +44,8 @@ from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 
 def spatial_scene_faults(data: Raw) -> list[Fault]:
     """All faults of a scene in space that concern more than a single key."""
-    bodies = data.get("bodies", {})
-    if isinstance(bodies, Mapping) and not bodies:
-        return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")]
+    if faults := no_bodies(data):
+        return faults
     view = SceneData(data)
     faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view)]
     if view.complete:
@@ -52,7 +53,7 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
             *marker_faults(view),
             *_shapes(view),
             *joint_faults(view),
-            *drive_faults(view),
+            *drive_faults(view, undriven),
             *gear_faults(view),
             *_outputs(view),
             *_of_elements(view),
@@ -119,6 +120,10 @@ def _coincide(joint: Raw) -> bool:
     return joint_type is not None and {*DISPLACEMENTS} <= {*removed_motions(joint_type, joint)}
 
 
+SECTIONS: dict[object, str] = {KeyType.DRIVE: "drives", KeyType.SPRING: "springs"}
+"""The sections of elements that outputs name."""
+
+
 def _of_elements(view: SceneData) -> Iterator[Fault]:
     """Faults of outputs of drives, springs and loads in joints that are not there, and of sections of no beam."""
     for name, output in view.tables["outputs"].items():
@@ -129,10 +134,8 @@ def _of_elements(view: SceneData) -> Iterator[Fault]:
                 continue
             if key.type is KeyType.BEAM_MARKER:
                 yield from section_faults(view, path, value)
-            elif key.type is KeyType.DRIVE and value not in view.tables["drives"]:
-                yield Fault(path, unknown_name(view, "drives", value))
-            elif key.type is KeyType.SPRING and value not in view.tables["springs"]:
-                yield Fault(path, unknown_name(view, "springs", value))
+            elif (section := SECTIONS.get(key.type)) and value not in view.tables[section]:
+                yield Fault(path, unknown_name(view, section, value))
             elif key.type is KeyType.JOINT_LOAD:
                 loads = [of for section in JOINT_LOADS for of, load in view.tables[section].items() if "joint" in load]
                 if value not in loads:
@@ -153,8 +156,7 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
             continue
         path: KeyPath = ("outputs", name, "joint")
         if joint not in joints:
-            known = f"the joints are {names_text(joints)}" if joints else "the scene has no joints"
-            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, joints, known)}")
+            yield Fault(path, unknown_name(view, "joints", joint))
             continue
         joint_type = joint_type_of(joints[joint])
         if output_type.of_motion and joint_type and not joint_type.couples(removed_motions(joint_type, joints[joint])):

@@ -25,7 +25,8 @@ from derive.spec.files.meshes import with_meshes
 from derive.spec.files.nodal_forces import with_nodal_forces
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.beam import BEAM_QUANTITIES, PlanarBeam
-from derive.spec.model.body import NodeData, SymbolicBody
+from derive.spec.model.body import SymbolicBody
+from derive.spec.model.node_data import NodeData
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import Specification

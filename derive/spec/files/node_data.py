@@ -16,7 +16,7 @@ from derive.spec.files.matrices import NEARLY, Entries, misfit, of_nodes, square
 from derive.spec.files.mesh_arrays import mesh_of
 from derive.spec.files.node_files import MAX_BYTES, NODES, PARTS, SPARSE, Array, FoundArrays
 from derive.spec.files.node_format import FILES, Units, holds_indices
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 from derive.spec.parsing.faults import Faults
 from derive.spec.parsing.values import WrongValueError
 

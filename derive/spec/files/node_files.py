@@ -21,7 +21,7 @@ from derive.errors import printable, quoted
 from derive.spec.files.file_content import file_content
 from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.files.node_format import FILES, MESH, is_of_mesh
-from derive.spec.model.body import NodeData
+from derive.spec.model.node_data import NodeData
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, unknown_key
 from derive.spec.parsing.values import WrongValueError, kind_of
 

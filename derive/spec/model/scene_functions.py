@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.specification import AnyScene

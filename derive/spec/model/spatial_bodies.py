@@ -12,8 +12,8 @@ from derive.spec.model.body import NodalBody
 from derive.spec.model.documentation import documented
 from derive.spec.model.forces import ForceFrame
 from derive.spec.model.keys import KeyType, key
+from derive.spec.model.planar_bodies import BODY_MASS, NOT_NEEDED
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.scene import BODY_MASS, NOT_NEEDED
 from derive.spec.model.spatial_start import (
     NO_ROTATION,
     NOT_GIVEN_IN_SPACE,

@@ -12,21 +12,13 @@ from derive.spec.model.beam_parts import DEFAULT_LENGTH
 from derive.spec.model.body import GRAVITY
 from derive.spec.model.documentation import documented
 from derive.spec.model.forces import BETWEEN
+from derive.spec.model.joints import Drive, JointInitialValues
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.scene import (
-    NAMED,
-    Drive,
-    JointInitialValues,
-    Redundant,
-    Scene,
-    SceneInput,
-    SceneLowering,
-    SceneStart,
-)
+from derive.spec.model.scene import NAMED, Redundant, Scene, SceneInput, SceneLowering, SceneStart
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_bodies import FRAMES, FrameMarker

@@ -29,7 +29,7 @@ from derive.spec.model.beam_parts import (
 from derive.spec.model.body import Damping, DisplacementOrder
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
-from derive.spec.model.scene import BeamBody, DistributedLoad
+from derive.spec.model.planar_bodies import BeamBody, DistributedLoad
 from derive.spec.model.simulation import OF_BEAMS, InitialValues
 from derive.spec.parsing import choices
 from derive.spec.parsing.values import WrongValueError

@@ -7,18 +7,11 @@ from typing import Annotated, Any
 
 from pydantic import PlainValidator, WithJsonSchema
 
-from derive.spec.model.body import (
-    BodyFrame,
-    Damping,
-    DisplacementOrder,
-    InterfaceMarker,
-    NodalBody,
-    NodeData,
-    NodeMarker,
-    SymbolicBody,
-)
+from derive.spec.model.body import BodyFrame, Damping, DisplacementOrder, NodalBody, SymbolicBody
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.mode_selection import ModeSelection
+from derive.spec.model.node_data import NodeData
+from derive.spec.model.node_markers import InterfaceMarker, NodeMarker
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.model.spatial_bodies import NodeFrame
 from derive.spec.parsing import choices

@@ -13,7 +13,7 @@ from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import declared_keys
-from derive.spec.model.scene import BeamBody, CustomBody, RigidBody, SceneBody
+from derive.spec.model.planar_bodies import BeamBody, CustomBody, RigidBody, SceneBody
 from derive.spec.tables.beam import BEAM_BODY
 from derive.spec.tables.declared_tables import DeclaredTable, declare, key_field, keyed_model, named
 from derive.spec.tables.registered_tables import key_values

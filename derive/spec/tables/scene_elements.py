@@ -14,10 +14,11 @@ from derive.mechanics.multibody.space.joints import SpatialJointType
 from derive.spec.model.documentation import purpose
 from derive.spec.model.forces import Force, SceneForce, Spring, Torque
 from derive.spec.model.instances import COUNT
+from derive.spec.model.joints import CustomJoint, Drive, Joint, JointInitialValues
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, JointInitialValues, SceneInput
+from derive.spec.model.scene import NAMED, SceneInput
 from derive.spec.model.spatial_scene import SpatialJoint
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.declared_tables import DeclaredTable, declare

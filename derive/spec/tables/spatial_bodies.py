@@ -8,9 +8,10 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from derive.spec.model.body import NodalBody, NodeData
+from derive.spec.model.body import NodalBody
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.node_data import NodeData
 from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_beam import OF_BEAM, OF_BEAM_IN_SPACE
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, NodalLoad, NodeFrame, SpatialRigidBody

@@ -11,10 +11,10 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.spec.files.reference_curves import Rows
-from derive.spec.model.body import NodeData
 from derive.spec.model.documentation import purpose
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.node_data import NodeData
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.spatial_forces import (

@@ -11,9 +11,10 @@ from pydantic import ConfigDict, Field
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.files.reference_curves import Rows
+from derive.spec.model.joints import Joint
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import Joint, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.tables.beam import BEAM
 from derive.spec.tables.body import BodyInput
 from derive.spec.tables.declared_tables import TABLES, DeclaredTable, keyed_model

@@ -11,9 +11,10 @@ from pydantic import AfterValidator, BeforeValidator, PlainValidator, Validation
 from derive.mechanics.multibody.space.rows import RELATIVE_MOTIONS
 from derive.spec.files.nodal_forces import MAX_LOADED
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT, Marker, Polynomial
-from derive.spec.model.body import ACCELERATION_UNIT, NodeMarker
+from derive.spec.model.body import ACCELERATION_UNIT
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.node_markers import NodeMarker
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.model.visuals import Mesh

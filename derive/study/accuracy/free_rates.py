@@ -15,7 +15,7 @@ from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import function_values
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.beam_parts import AssumedDeflection
-from derive.spec.model.scene import BeamBody, RigidBody
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes

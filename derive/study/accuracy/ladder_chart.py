@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.short_text import counted, summary
 from derive.study.accuracy.headline import Headline, headline, headline_texts
 from derive.study.accuracy.measurement import Line
@@ -14,8 +13,10 @@ from derive.study.accuracy.reference import Reference
 
 
 @dataclass(frozen=True, repr=False)
-class LadderChart:
+class LadderChart(Tabulated):
     """The result of a study of accuracy: the error of each model of a ladder against what it costs.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each run of each model: errors, times, operations.
 
     Attributes:
         name: that of the scene.
@@ -42,6 +43,8 @@ class LadderChart:
         >>> study = derive.study_accuracy(arm, orders=["first"], shapes=[2], pieces=[], sines=[1], runs=1)
         >>> study.lines[0].model.label, len(study.lines)
         ('rigid', 3)
+        >>> study.to_pandas()["model"].unique().tolist()
+        ['rigid', '1 sine, first', '1 beam, P2, P3, first']
     """
 
     name: str
@@ -68,17 +71,3 @@ class LadderChart:
         models = f"{counted(len(self.lines), 'model')} in {counted(runs, 'run')}"
         result = dict(headline_texts(self.headline, self.shown)) if self.drawn else {}
         return summary(f"LadderChart of {self.name}: {models}", {**result, "notes": "; ".join(self.notes)})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each run of each model: its errors, its times and its operations.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> study.to_pandas()["model"].unique().tolist()
-            ['rigid', '1 sine, first', '1 beam, P2, P3, first']
-        """
-        return data_frame(self)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.simulation.observables.beams import beam_bodies
-from derive.spec.model.scene import BeamBody, RigidBody
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene

@@ -15,13 +15,13 @@ from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.simulation.initial.deflection_remainders import remainder_lines
 from derive.simulation.observables.beams import beam_bodies, shape_functions
 from derive.simulation.observables.default_plots import output_columns
-from derive.spec.construction import validated
+from derive.spec.construction.validated import validated
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import BeamBody, RigidBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_forces import SpatialForce, SpatialTorque
 from derive.spec.model.spatial_scene import SpatialScene

@@ -17,8 +17,8 @@ from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.plots import PlotCurve
 from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
-from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene

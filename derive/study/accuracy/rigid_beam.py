@@ -17,7 +17,7 @@ from derive.mechanics.multibody.bodies.beam_loads import LoadResultant, load_for
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import PointMarker
-from derive.spec.model.scene import BeamBody, RigidBody
+from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.simulation import InitialValues
 
 

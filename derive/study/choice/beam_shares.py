@@ -75,10 +75,6 @@ class BeamShares:
         """The shares of a beam that have been measured successfully."""
         return [share for share in self.known if share.beam == beam and share.share is not None]
 
-    def exhausted(self, beam: str) -> bool:
-        """Whether there is nothing more to try for a beam."""
-        return not self._left[beam]
-
     def targets(self, error: float) -> dict[str, float]:
         """The share in an error that each beam may have, from its share as a rigid body, measured if not known."""
         for beam in set(self.beams) - {of.beam for of in self.known}:

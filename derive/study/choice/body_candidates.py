@@ -13,7 +13,8 @@ from dataclasses import replace
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene

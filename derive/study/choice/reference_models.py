@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.specification import AnyScene

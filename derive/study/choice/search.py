@@ -11,9 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.percentages import percent
 from derive.short_text import counted, listed, summary
 from derive.spec.model.body import DisplacementOrder
@@ -38,8 +37,10 @@ Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, repr=False)
-class Choice:
+class Choice(Tabulated):
     """The result of a search for an error: its reference, and the models in the order in which they were tried.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each model that was tried, of the run that speaks for it.
 
     Attributes:
         scene: the scene whose models were tried, with the plots whose curves have to be accurate.
@@ -67,6 +68,8 @@ class Choice:
         >>> choice = derive.choose(arm, error=0.05)
         >>> choice.chosen[0].model.label  # the beam hardly bends
         'rigid'
+        >>> bool(choice.to_pandas()["measured"].min() < 0.05)
+        True
     """
 
     scene: AnyScene
@@ -125,20 +128,6 @@ class Choice:
             result = f"{line.label}, {point.setting}, with {percent(point.rms)}"
         tried = counted(len(self.tried), "model")
         return summary(f"Choice for {self.name}: {asked}", {"chosen": result, "tried": tried})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each model that was tried, of the run that speaks for it.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> bool(choice.to_pandas()["measured"].min() < 0.05)
-            True
-        """
-        return data_frame(self)
 
 
 def quiet(_: str) -> None:

@@ -19,8 +19,8 @@ from derive.durations import duration_text
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.motion import si_value
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed

@@ -16,8 +16,8 @@ from derive.simulation.observables.default_plots import output_columns
 from derive.spec.as_tables import as_table
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.plots import ColumnCurves
-from derive.spec.model.scene import BeamBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_forces import SpatialTorque
 from derive.spec.model.spatial_scene import SpatialScene

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.errors import TisserandError, first_line
 from derive.runtime.native_call import Vector
 from derive.short_text import counted, summary
@@ -55,8 +54,11 @@ class Conditioning:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MethodStudy:
+class MethodStudy(Tabulated):
     """The results of a study of methods: limits of steps, drift, formulations and conditioning.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each way in which methods fail: its criterion, and
+    what was measured.
 
     Attributes:
         name: that of the scene.
@@ -87,6 +89,8 @@ class MethodStudy:
         >>> study = derive.study_methods(pendulum, integrators=["rk4"], steps=500, states=3)
         >>> study.along, study.steps
         ('1 s', 500)
+        >>> list(study.to_pandas().columns)
+        ['failure', 'criterion', 'measured', 'agrees']
     """
 
     name: str
@@ -122,20 +126,6 @@ class MethodStudy:
     def __repr__(self) -> str:
         runs = counted(len(self.drifts) + len(self.forms), "run")
         return summary(f"MethodStudy of {self.name}: {runs} along {self.along}", {"notes": "; ".join(self.notes)})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each way in which methods fail: its criterion, and what was measured.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> list(study.to_pandas().columns)
-            ['failure', 'criterion', 'measured', 'agrees']
-        """
-        return data_frame(self)
 
 
 MEMORY = 2e9

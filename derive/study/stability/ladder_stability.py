@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.enumerations import enumeration
 from derive.remaining_time import RemainingTime
 from derive.short_text import counted, summary
@@ -29,6 +28,8 @@ CONVERGED = 0.05
 
 TRIED = 4
 """The number of models in space, ever finer, of which the first two that agree give the reference."""
+HOPELESS = 3
+"""The number of models of which none has a steady motion, after which no other is tried."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,10 @@ class KnownLoss:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LadderStability:
+class LadderStability(Tabulated):
     """The result of a study of stability: where the models of a ladder lose their stability as a parameter grows.
+
+    `to_pandas` returns a pandas.DataFrame with a row for each mode of each model at each value of the parameter.
 
     Attributes:
         name: that of the scene.
@@ -65,6 +68,8 @@ class LadderStability:
         >>> study = derive.study_stability(column, ("P", 2, 3.5, 2), shapes=[2], pieces=[], sines=[])
         >>> [(path.model.label, round(path.loss, 2)) for path in study.paths if path.loss]
         [('1 beam, P2, P3, first', 3.01), ('1 beam, P2, P3, truncated', 2.49)]
+        >>> study.to_pandas()["parameter"].max().item()
+        3.5
     """
 
     name: str
@@ -123,20 +128,6 @@ class LadderStability:
 
     def __repr__(self) -> str:
         return summary(f"LadderStability of {self.name}: {counted(len(self.paths), 'model')}", {"about": self.motion})
-
-    _repr_html_ = html
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each mode of each model at each value of the parameter.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> study.to_pandas()["parameter"].max().item()
-            3.5
-        """
-        return data_frame(self)
 
 
 def agree(before: ModelPath, richest: ModelPath) -> bool:
@@ -248,14 +239,28 @@ def ladder_stability(
             paths[model] = model_path(parameter, model)
         return paths[model]
 
+    def is_hopeless() -> bool:
+        """Whether the first models, which are quick, have motions and no steady one: others cost minutes each."""
+        return sum(path.coordinates > 0 for path in paths.values()) >= HOPELESS and all(
+            p.failure for p in paths.values()
+        )
+
     for model in models:
         compute(model)
+        if is_hopeless():
+            break
     for before, richest in pairwise(steps):
+        if is_hopeless():
+            break
         pair = compute(before), compute(richest)
         if known is not None or agree(*pair):
             break
     if all(path.failure for path in paths.values()):
-        reasons = dict.fromkeys(path.failure for path in paths.values())
-        raise SimulationError("\n".join(["no model has a steady motion:", *(f"  {reason}" for reason in reasons)]))
+        reasons = [f"  {reason}" for reason in dict.fromkeys(path.failure for path in paths.values())]
+        left = len({*models} - {*paths})
+        untried = (
+            [f"{counted(left, 'finer model')} of the ladder {'was' if left == 1 else 'were'} not tried"] if left else []
+        )
+        raise SimulationError("\n".join(["no model has a steady motion:", *reasons, *untried]))
     shown = tuple(paths[model] for model in models)
     return LadderStability(name, parameter.range, shown, paths[richest], paths[before], known, parameter.motion)

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from derive.ir.analysis import reads
 from derive.ir.model import Model
 from derive.ir.statements import Let, Require, Statement, Store
+from derive.spec.model.planar_bodies import BeamBody, SceneBody
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, SceneBody
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.display import data_frame, html
+from derive.display import Tabulated
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
 from derive.short_text import summary
@@ -19,10 +18,11 @@ from derive.study.sweep.samples import Samples
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SweepResult:
+class SweepResult(Tabulated):
     """The result of a sweep: `result["peak_slider_s"]` is the output of that name.
 
-    It is an array (n,), or for a grid an array with an axis for each name.
+    It is an array (n,), or for a grid an array with an axis for each name. `to_pandas` returns a pandas.DataFrame with
+    a row for each sample: its values, its outputs and its failure, if any.
 
     Attributes:
         name: that of the model.
@@ -49,6 +49,8 @@ class SweepResult:
         >>> result = derive.sweep(ball, derive.grid({"g": [-10, -20]}), ["peak:ball_c2"], duration=2, interval=0.5)
         >>> result.labels, result.failures
         (('peak_ball_c2',), {})
+        >>> result.to_pandas()["peak_ball_c2"].round(6).tolist()
+        [5.0, 20.0]
     """
 
     name: str
@@ -91,8 +93,6 @@ class SweepResult:
         head = f"Sweep of {self.name}: {len(self.samples)} samples of {names}{failed}"
         return summary(f"{head}; outputs {', '.join(self.labels)}")
 
-    _repr_html_ = html
-
     def __getitem__(self, label: str) -> NDArray[np.float64]:
         return self.column(label).reshape(self.samples.shape or -1)
 
@@ -104,18 +104,6 @@ class SweepResult:
             {'g': -20.0}
         """
         return dict(zip(self.samples.names, self.samples.values[number].tolist(), strict=True))
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each sample: its values, its outputs and its failure, if any.
-
-        Raises:
-            PandasMissing: if pandas is not installed.
-
-        Examples:
-            >>> result.to_pandas()["peak_ball_c2"].round(6).tolist()
-            [5.0, 20.0]
-        """
-        return data_frame(self)
 
     def reasons(self) -> Iterator[tuple[str, int, int]]:
         """The reasons of failures, the most frequent first: the text, how often, and the first sample with it.

@@ -8,7 +8,7 @@ from itertools import accumulate
 from typing import Any
 
 from derive.algebra import sp
-from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
+from derive.lowering.instances.classes.dimension import AnyJoint
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
@@ -21,6 +21,7 @@ from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
+from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
 from derive.spec.model.markers import GROUND, MarkerRef

@@ -15,7 +15,7 @@ from typing import Any
 
 from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import BodyClass, Handle, Member
-from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism, of_joint
+from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
 from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.lowering.instances.classes.varying_joints import at_rest, varies
 from derive.lowering.instances.classes.varying_parts import VaryingPart, varying_part
@@ -25,6 +25,7 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.terms import Constraint, Eliminated, Intermediate, MarkerEquations
 from derive.spec.model.markers import MarkerRef
 

@@ -8,14 +8,12 @@ from typing import Any, TypeAlias
 
 from derive.algebra import sp
 from derive.mechanics.multibody.kinds import JointInstance
-from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_axes, fixed_frame, still
 from derive.mechanics.multibody.space.joints import SpatialJointInstance
-from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
 
-AnyMechanism: TypeAlias = "Mechanism | SpatialMechanism"
 AnyJoint: TypeAlias = "JointInstance | SpatialJointInstance"
 """A joint of a mechanism in the plane or in space."""
 

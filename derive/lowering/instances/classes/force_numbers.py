@@ -7,13 +7,12 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from derive.algebra import sp
-from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.multibody.space.mechanism import SpatialActionInstance
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialActionInstance
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import EquationOfMotion, ModelConstant
 from derive.spec.model.forces import CustomForce

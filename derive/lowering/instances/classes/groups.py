@@ -14,7 +14,6 @@ from typing import Any
 from derive.algebra import sp
 from derive.errors import TisserandError
 from derive.lowering.instances.classes.body_classes import BodyClass, Member, body_key, fixed_values
-from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
@@ -30,10 +29,10 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import Joint
 
 
 class NotInLoops(TisserandError):

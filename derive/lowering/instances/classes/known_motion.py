@@ -17,13 +17,14 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
-from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism, dimension_of
+from derive.lowering.instances.classes.dimension import AnyJoint, dimension_of
 from derive.lowering.instances.classes.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.fixed_symbols import t
 from derive.mechanics.multibody.gathering import functions_of_time
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
 from derive.spec.model.instances import identifier

@@ -24,7 +24,7 @@ from derive.lowering.instances.classes.body_classes import (
     plain_joint,
     with_forces,
 )
-from derive.lowering.instances.classes.dimension import AnyJoint, AnyMechanism
+from derive.lowering.instances.classes.dimension import AnyJoint
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import (
     COUPLING,
@@ -37,6 +37,7 @@ from derive.lowering.instances.elimination.block_system import (
 )
 from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.mechanics.multibody.space.joints import SpatialJointInstance
+from derive.mechanics.multibody.space.mechanism import AnyMechanism
 
 BODY = 20
 """The work of a body without joints, in entries of the blocks of the joints."""

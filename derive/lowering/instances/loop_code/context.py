@@ -24,7 +24,6 @@ from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
-from derive.lowering.instances.classes.dimension import AnyMechanism
 from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
@@ -46,7 +45,7 @@ from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.outputs.output_type import SumOutput
-from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
 from derive.spec.model.instances import identifier, joined

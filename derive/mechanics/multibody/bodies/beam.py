@@ -21,8 +21,9 @@ from derive.spec.model.beam_parts import AttachedMass, Marker, ShapeFamily
 from derive.spec.model.beam_pieces import CUT, piece_of, place_in_piece
 from derive.spec.model.beam_pieces import piece_name as name_of_piece
 from derive.spec.model.forces import Force
+from derive.spec.model.joints import Joint
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import BeamBody, Joint
+from derive.spec.model.planar_bodies import BeamBody
 
 if TYPE_CHECKING:
     from derive.mechanics.body import Body

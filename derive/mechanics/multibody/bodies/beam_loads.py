@@ -17,8 +17,8 @@ from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import BeamBody, DistributedLoad
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, DistributedLoad
 from derive.spec.model.spatial_beam_parts import SpatialDistributedLoad
 from derive.spec.model.time_function import TimeFunction
 

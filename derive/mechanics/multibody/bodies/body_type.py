@@ -9,10 +9,11 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from derive.algebra import sp
+from derive.spec.model.joints import Joint
 from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.planar_bodies import SceneBody
 from derive.spec.model.quantity import Quantity
-from derive.spec.model.scene import Joint, SceneBody
 from derive.spec.model.spatial_beam import SpatialBody
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.spec.model.markers import PointMarker
-from derive.spec.model.scene import RigidBody
+from derive.spec.model.planar_bodies import RigidBody
 
 if TYPE_CHECKING:
     from derive.mechanics.terms import ModelConstant

@@ -9,7 +9,7 @@ from derive.algebra import sp
 from derive.mechanics.multibody.coordinates import CoordinateMap, displacement_only, prescribed_motion, rotation_only
 from derive.mechanics.multibody.joints.relative_rows import ALONG_AXIS, ROTATION, Axes
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, added
-from derive.spec.model.scene import Joint
+from derive.spec.model.joints import Joint
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.joints.joint_type import JointType, Support

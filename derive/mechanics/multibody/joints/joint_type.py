@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from derive.mechanics.multibody.joints.relative_rows import Axes, RelativeRow
+from derive.spec.model.joints import Joint
 from derive.spec.model.keys import Key
-from derive.spec.model.scene import Joint
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion

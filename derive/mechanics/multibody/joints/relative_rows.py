@@ -19,8 +19,8 @@ from derive.algebra import sp
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Intermediate
+from derive.spec.model.joints import Joint
 from derive.spec.model.keys import Key, declared_keys
-from derive.spec.model.scene import Joint
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion

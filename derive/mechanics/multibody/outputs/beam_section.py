@@ -33,7 +33,8 @@ from derive.mechanics.terms import ModelConstant
 from derive.spec.model.beam_pieces import CUT, place_in_piece
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.planar_bodies import BeamBody
+from derive.spec.model.scene import Scene
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.instances import InstanceEquations

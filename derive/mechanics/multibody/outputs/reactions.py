@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 from derive.algebra import sp
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.output_type import NamedElements, OutputComponent, OutputComponents, OutputType
+from derive.spec.model.joints import Drive
 from derive.spec.model.keys import Key, KeyType
-from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.scene import Scene
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.joints.relative_rows import RelativeRow

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from derive.algebra import sp
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
+from derive.mechanics.multibody.point_motion import length_of
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
@@ -160,7 +161,7 @@ def _distance(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialCo
     first, second = (parts.at(marker) for marker in values["between"])
     d = second.position - first.position
     text = f"distance between {values['between'][0]} and {values['between'][1]}"
-    return (SpatialComponent("", "m", text, sp.sqrt(dot(d, d))),)
+    return (SpatialComponent("", "m", text, length_of(d)),)
 
 
 def _deflection(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:

@@ -12,6 +12,7 @@ from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equations_of_mechanism, refuse_idle
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
 from derive.mechanics.multibody.space.actions import loads_of
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
@@ -228,3 +229,7 @@ def joint_loads(
         totals = [t + f.xreplace(values) * multiplier for t, f in zip(totals, factors, strict=True)]
     f1, m1, f2, m2 = totals
     return MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2)
+
+
+AnyMechanism = Mechanism | SpatialMechanism
+"""A mechanism in the plane or in space."""

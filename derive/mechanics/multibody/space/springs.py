@@ -9,6 +9,7 @@ from fractions import Fraction
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
 from derive.mechanics.motion.vectors import dot
+from derive.mechanics.multibody.point_motion import length_of
 from derive.mechanics.multibody.space.forces import (
     ActionLoads,
     CountedRotation,
@@ -37,7 +38,7 @@ def _linear(spring: SpatialSpring, frames: Frames, values: Values, turns: Counte
             "name other markers, or write a rotational spring or a bushing"
         )
         raise SpecError((Problem(f"springs.{spring.name}.between", text),))
-    length = name("length", sp.sqrt(dot(apart, apart)), "length")
+    length = name("length", length_of(apart), "length")
     extension = length - values["rest"]
     tension, dissipation = values["stiffness"] * extension, sp.S.Zero
     if values["damping"] != 0:
