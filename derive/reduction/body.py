@@ -192,7 +192,7 @@ def second_order_fields(body: NodalBody, prepared: Prepared) -> SecondOrderField
 def stiffened_data(body: NodalBody) -> NodeData:
     """The data of a body with the geometric stiffness matrices of the modes that it uses, from its elements.
 
-    K0F is that of its markers and loads. Raises SpecError for elements that are distorted.
+    K0F is that of its markers, its loads and the nodes of its frame. Raises SpecError for elements that are distorted.
     """
     prepared, data = prepare(body), body.data
     assert data.stiffness is not None and data.mesh is not None, "a body of second order has matrices or elements"
@@ -201,7 +201,8 @@ def stiffened_data(body: NodalBody) -> NodeData:
         return data
     solid = integrated_mesh(data.mesh, raw)
     respond = free_response(raw.x, prepared.mass, data.stiffness, () if body.uses_given_modes else body.rigid_sets)
-    nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers)})
+    frame = () if body.frame.node is None else (body.frame.node, *prepared.framed.around)
+    nodes = sorted({*body.loaded_nodes, *(marker.node for marker in body.markers), *frame})
     tables: dict[str, Any] = geometric_stiffness_tables(solid, prepared.mass, raw.phi, nodes, respond)
     return replace(data, **tables)
 

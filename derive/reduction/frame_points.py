@@ -51,7 +51,7 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
             continue
         fields, second = mean.phi[:, motion.nodes], None
         if mean.second is not None:
-            second = motion.second_rotation(fields, np.stack([mean.second[node] for node in motion.nodes], axis=2))
+            second = motion.second_rotation(fields, (mean.second[node] for node in motion.nodes))
         frames.append(ModalFrame(point, np.ascontiguousarray(motion.rotation(fields)), second))
     return tuple(frames)
 

@@ -6,7 +6,7 @@ displacements of all of it. Other nodes have the weights that are given, or equa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
@@ -63,22 +63,23 @@ class MarkerMotion:
         moments = np.cross(self.arms[None], fields).sum(axis=1)
         return np.asarray(np.linalg.solve(self.inertia, moments.T).T)
 
-    def second_rotation(self, fields: Array, second: Array) -> Array:
+    def second_rotation(self, fields: Array, second: Iterable[Array]) -> Array:
         """The rotations s_ij (N, N, 3) of second order that fit sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij best.
 
-        fields (N, n, 3) are Phi; second (N, N, n, 3) are Psi. The turned levers R r, with the rotation R of the vector
-        sum a_i theta_i + 1/2 sum a_i a_j s_ij, are those of the least weighted squares of r + u - R r. Then the sum of
-        w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
+        fields (N, n, 3) are Phi; second are Psi, (N, N, 3) for each node. The rotation R of the vector
+        sum a_i theta_i + 1/2 sum a_i a_j s_ij turns levers r such that the weighted squares of r + u - R r are least.
+        Then the sum of w (R r) x (r + u) vanishes, in any frame, and its part of second order determines s_ij:
 
             J s_ij = sum w {r x (Psi_ij - theta_i x (theta_j x r)) + 2 (theta_i x r) x Phi_j},
 
         made symmetric in i and j. The arms take the place of w r.
         """
         theta = self.rotation(fields)
-        curved = second - np.cross(theta[:, None, None], np.cross(theta[:, None], self.levers)[None])
-        turned = np.cross(theta[:, None], self.arms)
-        moments = np.cross(self.arms, curved) + 2 * np.cross(turned[:, None], fields[None])
-        both = (moments + np.swapaxes(moments, 0, 1)).sum(axis=2) / 2
+        moments = np.zeros((len(theta), *theta.shape))
+        for lever, arm, phi, psi in zip(self.levers, self.arms, fields.swapaxes(0, 1), second, strict=True):
+            curved = psi - np.cross(theta[:, None], np.cross(theta, lever))
+            moments += np.cross(arm, curved) + 2 * np.cross(np.cross(theta, arm)[:, None], phi)
+        both = (moments + moments.swapaxes(0, 1)) / 2
         return np.asarray(np.linalg.solve(self.inertia, both.reshape(-1, 3).T).T.reshape(both.shape))
 
 

@@ -23,9 +23,10 @@ from derive.solids.stresses import IntegratedMesh, nodal_stresses, von_mises
 from derive.spec.model.mesh import ElementKind
 
 sys.path.append(str(ROOT / "tests/solids"))
-from assembled import assembled
+from assembled import assembled, consistent_mass
 from cantilever_run import FORCE, cantilever, scene_file
 from grid_meshes import STEEL, box_mesh
+from nonlinear_elements import Held, nodes_held
 
 pytestmark = pytest.mark.hosts
 
@@ -122,6 +123,20 @@ def test_preloads_stiffen_as_in_calculix(tmp_path: Path, element: str, kind: Ele
         expected = np.array([float(row[1]) for row in rows[:5]])
         found = eigh(np.diag(squares) + stiffening, eigvals_only=True)[:5]
         assert np.abs(found / expected - 1).max() < 2e-3, (name, found / expected - 1)
+
+
+def test_large_displacements_of_the_tests_are_those_of_calculix(tmp_path: Path) -> None:
+    """A bar that bends by a tenth of its length, by the equilibrium with which tests of second order are compared."""
+    x, mesh = box_mesh(ElementKind.HEX20, (1.0, 0.04, 0.02), (6, 1, 1))
+    solid, tip = IntegratedMesh(mesh, x, full=True), np.flatnonzero(x[:, 0] > 1 - 1e-9)
+    forces = np.zeros_like(x)
+    forces[tip] = np.array([1500.0, -2000.0, 3000.0]) / len(tip)
+    lines = [f"{node + 1}, {axis + 1}, {force}" for (node, axis), force in np.ndenumerate(forces) if force]
+    run(tmp_path, job(solid, "C3D20", ["*CLOAD", *lines]).replace("*STEP", "*STEP, NLGEOM"))
+    held = nodes_held(x, np.flatnonzero(x[:, 0] < 1e-9).tolist(), "rigid")
+    u, expected = Held(solid, held, consistent_mass(solid)).displacements(forces), nodal_values(tmp_path, "DISP", 3)
+    assert np.abs(expected).max() > 0.1
+    assert np.abs(u - expected).max() < 1e-5 * np.abs(expected).max()
 
 
 def test_the_stress_of_a_run_is_that_of_calculix(tmp_path: Path) -> None:
