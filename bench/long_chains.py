@@ -17,7 +17,8 @@ from robot_coordinates import Motion
 from robot_files import chain_count, scene_of
 from timed_program import Program
 
-from derive.derivation import derive, lower
+from derive.derivation import derive
+from derive.model_lowering import lower
 
 
 class ChainAngles:

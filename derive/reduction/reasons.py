@@ -9,12 +9,18 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from derive.mechanics.bodies.foreshortening import CONDITION_17 as SECOND_17
-from derive.mechanics.tables import AT_CENTRE, CONDITION_17, CONDITION_19, EXACT_SUM, ORTHONORMAL, UNDAMPED
+from derive.mechanics.reasons_of_zeros import (
+    AT_CENTRE,
+    CONDITION_17,
+    CONDITION_19,
+    EXACT_SUM,
+    ORTHONORMAL,
+    SECOND_17,
+    SECOND_19,
+    UNDAMPED,
+)
 from derive.reduction.arithmetic import Array
 from derive.reduction.integrals import Integrals
-
-SECOND_ROTATION = "condition (19) at second order (no mean rotation)"
 
 PAIRS = tuple(combinations_with_replacement(range(3), 2))
 """The components (a, b), a <= b, of a symmetric tensor."""
@@ -139,7 +145,7 @@ def _by_frame(entry: IntegralEntry, *, mean: bool, orthonormal: bool) -> str:
     if mean and entry.table in ("c1", "c2", "c6"):
         return {"c1": AT_CENTRE, "c2": CONDITION_17, "c6": CONDITION_19}[entry.table]
     if mean and entry.table in ("c9", "c10"):
-        return {"c9": SECOND_17, "c10": SECOND_ROTATION}[entry.table]
+        return {"c9": SECOND_17, "c10": SECOND_19}[entry.table]
     diagonal = ("c8", "stiffness", "damping") if mean else ("c8", "stiffness")  # damping is that of the free modes
     if orthonormal and entry.table in diagonal and entry.index[0] != entry.index[1]:
         return ORTHONORMAL

@@ -1,4 +1,4 @@
-"""The forms of the equations of a scene with trees: relative against absolute coordinates, and two ways to accelerations.
+"""The forms of the equations of a scene with trees: relative against absolute coordinates, and two accelerations.
 
 Both coordinates give the same motion of the markers. Articulated bodies with flexible ones as leaves and the factors of
 the KKT matrix give the same accelerations and multipliers in a random state.
@@ -26,7 +26,7 @@ from leaves_on_trees import both_ways_of
 SAME = 1e-6
 """The largest distance of two motions, relative to the largest number above 1 in them."""
 TOLERANCE = 1e-9
-"""That of the integration of these motions."""
+"""The error of the integration of these motions."""
 ROUNDING = 1e-9
 """The largest difference of accelerations in a state, relative to the largest one; frequencies of beams are high."""
 

@@ -49,7 +49,7 @@ class MarkerSpring:
 
     @property
     def code(self) -> tuple[Any, ...]:
-        """What springs with one code have in common."""
+        """The numbers that springs with one code share."""
         moves, free = (tuple(n >= 0 for n in of) for of in ([end.link for end in self.ends], self.roots))
         return self.action.element.kind, moves, free, str(self.values)
 

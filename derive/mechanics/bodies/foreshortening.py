@@ -23,6 +23,7 @@ from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField
 from derive.mechanics.bodies.displacement_fields import shortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.motion.full_second_order import field_weight
+from derive.mechanics.reasons_of_zeros import SECOND_17
 from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 PARALLEL_TO_AXIS = "geometry (X and the Psi_ij are along e1)"
 SHORTENING = "geometry (the beam shortens along e1)"
-CONDITION_17 = "condition (17) at second order (no mean displacement)"
 STRETCHING = "geometry (displacements along the axis do not shorten the beam)"
 NO_SHORTENING = "these shapes (no displacement along e1 there)"
 NO_PART = "these shapes (the shortening has no such part)"
@@ -63,7 +63,7 @@ class Foreshortening:
             return Value(sp.S.Zero, SHORTENING)
         if self.stretches(i, j):
             return Value(sp.S.Zero, STRETCHING)
-        return self._value(self.of(i, j), self.factor, CONDITION_17 if self.frame.kind == "mean" else None)
+        return self._value(self.of(i, j), self.factor, SECOND_17 if self.frame.kind == "mean" else None)
 
     def trace(self, i: int, j: int) -> sp.Expr:
         """The moment int rho X . Psi_ij."""

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.mechanics.symbols import Family
-from derive.mechanics.tables import (
+from derive.mechanics.reasons_of_zeros import (
     AT_CENTRE,
     CONDITION_17,
     CONDITION_19,
@@ -18,14 +17,10 @@ from derive.mechanics.tables import (
     NO_SHAPES,
     ODD,
     ORTHONORMAL,
-    PAIRS,
-    SCALARS,
-    TENSORS,
     UNDAMPED,
-    CoefficientTable,
-    TableKind,
-    entries,
 )
+from derive.mechanics.symbols import Family
+from derive.mechanics.tables import PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
 from derive.spec.model.body import SymbolicBody
 
 if TYPE_CHECKING:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from derive.algebra import sp
+from derive.mechanics.quantity import rounded
 
 
 def skew(v: Iterable[sp.Expr]) -> sp.Matrix:
@@ -33,3 +34,15 @@ def _product(x: sp.Expr, y: sp.Expr) -> sp.Expr:
     """x y; SymPy would multiply each term of a sum by a number, and the products of several would share nothing."""
     number = x.is_Rational and y.is_Add and x not in (0, 1, -1)
     return sp.Mul(x, y, evaluate=False) if number else x * y
+
+
+def length_of(vector: Sequence[sp.Expr]) -> sp.Expr:
+    """The length of a vector; simplified where it is a multiple of one expression, as along a guide."""
+    from derive.mechanics.time_functions import Absolute  # its class loads SymPy
+
+    components = [x for x in vector if x != 0]
+    if len(components) == 1 and not components[0].is_number:
+        return Absolute(components[0])
+    factor, square = dot(vector, vector).as_coeff_Mul()
+    base, exponent = square.as_base_exp()
+    return rounded(sp.sqrt(factor)) * Absolute(base) if exponent == 2 else sp.sqrt(factor * square)

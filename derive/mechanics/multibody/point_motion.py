@@ -17,11 +17,8 @@ from derive.mechanics.motion.material_points import (
     radius_and_rate,
     tangent_vectors,
 )
-from derive.mechanics.motion.vectors import dot
-from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import Intermediate, ModelConstant
-from derive.mechanics.time_functions import Absolute
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion
@@ -188,16 +185,6 @@ class RelativeMotion:
         """The displacement along axis k of the inertial frame, counted from 0."""
         position, velocity, acceleration = self.displacement
         return position[k], velocity[k], acceleration[k]
-
-
-def length_of(vector: Sequence[sp.Expr]) -> sp.Expr:
-    """The length of a vector; simplified where it is a multiple of one expression, as along a guide."""
-    components = [x for x in vector if x != 0]
-    if len(components) == 1 and not components[0].is_number:
-        return Absolute(components[0])
-    factor, square = dot(vector, vector).as_coeff_Mul()
-    base, exponent = square.as_base_exp()
-    return rounded(sp.sqrt(factor)) * Absolute(base) if exponent == 2 else sp.sqrt(factor * square)
 
 
 def added(a: Derivatives, b: Derivatives, sign: int = 1) -> Derivatives:

@@ -29,7 +29,8 @@ class LinearSpring(SpringType):
         self, element: Spring, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the tension at both ends, and the energy of the spring."""
-        from derive.mechanics.multibody.point_motion import RelativeMotion, length_of
+        from derive.mechanics.motion.vectors import length_of
+        from derive.mechanics.multibody.point_motion import RelativeMotion
 
         stiffness, damping, rest = values["stiffness"], values["damping"], values["rest"]
         name, (first, second), definitions = f"spring {element.name}", points, list[Intermediate]()

@@ -47,7 +47,7 @@ class ChordDeflection(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component: a length, or a ratio."""
-        from derive.mechanics.multibody.point_motion import length_of
+        from derive.mechanics.motion.vectors import length_of
 
         divisor = values.get("divided_by")
         points = (scene.point(at).position for at in (values["marker"], *values["chord"]))

@@ -77,7 +77,8 @@ class Distance(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component, the distance."""
-        from derive.mechanics.multibody.point_motion import RelativeMotion, length_of
+        from derive.mechanics.motion.vectors import length_of
+        from derive.mechanics.multibody.point_motion import RelativeMotion
 
         first, second = values["between"]
         displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement

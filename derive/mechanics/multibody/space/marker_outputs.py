@@ -16,9 +16,8 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from derive.algebra import sp
-from derive.mechanics.motion.vectors import cross, dot
+from derive.mechanics.motion.vectors import cross, dot, length_of
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
-from derive.mechanics.multibody.point_motion import length_of
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from derive.algebra import sp
 from derive.errors import Problem, SpecError
-from derive.mechanics.motion.vectors import dot
-from derive.mechanics.multibody.point_motion import length_of
+from derive.mechanics.motion.vectors import dot, length_of
 from derive.mechanics.multibody.space.forces import (
     ActionLoads,
     CountedRotation,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import cast
 
 from derive.errors import Problem
 from derive.mechanics.multibody.space.marker_outputs import STRESS
@@ -13,7 +14,7 @@ from derive.spec.model.spatial_scene import SpatialScene
 
 def stressed_markers(scene: SpatialScene) -> dict[MarkerRef, str]:
     """The markers at which outputs ask for stresses, and the name of one of these outputs."""
-    return {output.values["marker"]: output.name for output in scene.outputs if output.kind == STRESS}
+    return {cast(MarkerRef, output.values["marker"]): output.name for output in scene.outputs if output.kind == STRESS}
 
 
 def bodies_without_stresses(scene: SpatialScene) -> Iterator[Problem]:
