@@ -102,7 +102,10 @@ def hook(motion: str, frame: str) -> Hook:
     solid = IntegratedMesh(mesh, x, full=True)
     m, k = assembled(solid)
     arrays = {"positions": x, "mass": m, "stiffness": k, **mesh_arrays(mesh)}
-    sets = {"left": {"nodes": left, "motion": motion}, "right": {"nodes": right}}
+    equal = {"weights": [1] * len(left)}  # faces of elements are weighed by area without them
+    sets = {"left": {"nodes": left, "motion": motion}, "right": {"nodes": right, **equal}}
+    if motion == "mean":
+        sets["left"] |= equal
     keys = {"nodes": arrays, "units": "SI", "modes": MODES, "interface": ["left", "right"], "order": 2}
     scene = derive.spatial_scene("hook", bodies={"hook": keys | {"markers": sets, "frame": FRAMES[frame]}})
     reduced = reduced_bodies(scene)["hook"]
