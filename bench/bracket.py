@@ -87,7 +87,10 @@ def own_run(model: str, speed: float, folder: Path) -> tuple[Run, Row]:
     """The motion of the free end by a model, and its costs."""
     kind, order, modes = model.split(":")
     tables = specification("free" if kind == "rigid" else kind, int(order), int(modes), speed)
-    tables["bodies"]["bracket"]["nodes"] = str(folder / "bracket.npz")
+    bracket = tables["bodies"]["bracket"]
+    bracket["nodes"] = str(folder / "bracket.npz")
+    tip = np.load(folder / "bracket.npz")["set_right"].tolist()
+    bracket["markers"]["right"] = {"nodes": tip, "weights": [1] * len(tip)}  # as `bracket_run` takes the mean
     start = cpu()
     trajectory = derive.simulate(derive.spatial_scene("bracket", **tables), duration=END, output=OUTPUT, tolerance=1e-8)
     before = cpu() - start - trajectory.solution.cost.seconds
