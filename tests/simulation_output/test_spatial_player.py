@@ -16,8 +16,9 @@ from conftest import ROOT
 from derive.artifacts import MARK
 from derive.cli.main import main
 from derive.simulation.observables.spatial_player_data import MAX_NODES, Tie, rigid_drawing, spatial_player_data
-from derive.simulation.observables.spatial_scene_player import ties
+from derive.simulation.observables.spatial_scene_player import drawn_bodies, ties
 from derive.simulation.trajectory import Trajectory
+from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.specification import SpatialScene
 from derive.spec.toml.read import parse
 from derive.visual.player import spatial_player_page
@@ -122,6 +123,29 @@ def test_springs_along_a_line_and_distances_are_lines_between_markers() -> None:
     scene = parse(HUNG)
     assert isinstance(scene, SpatialScene)
     assert ties(scene) == [Tie(True, ((-1, 0), (0, 0))), Tie(False, ((0, 1), (-1, 1)))]
+
+
+def test_the_markers_at_which_pieces_are_welded_are_not_shown() -> None:
+    text = """
+name = "rod"
+scene = { gravity = [0, 0, -9.81] }
+ground.markers.o = [0, 0, 0]
+simulation = { duration = 1, output = 0.1 }
+[bodies.rod]
+length = 1
+mass = 1
+bending_stiffness = 1
+rotary_inertia = 1e-3
+pieces = 3
+markers = { root = -1, tip = 1 }
+[joints.root]
+kind = "spherical"
+between = ["ground.o", "rod.root"]
+"""
+    scene = parse(text)
+    assert isinstance(scene, SpatialScene)
+    drawn = drawn_bodies(in_pieces(scene))
+    assert [[name for name, _ in body.markers] for body in drawn] == [["root"], [], ["tip"]]
 
 
 def test_the_page_needs_nothing_from_outside(trajectory: Trajectory) -> None:

@@ -175,7 +175,9 @@ def _add_choose(commands: Any) -> None:
     choose = add_command(
         commands, "choose", "select, explain and write the cheapest model of a scene that is accurate enough"
     )
-    choose.add_argument("spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
+    choose.add_argument(
+        "spec", type=spec_file, metavar="SPEC", help=f"{SPEC} of a scene with a flexible body and a plot"
+    )
     choose.add_argument(
         "--error", "--tolerance", type=error_fraction, default=ERROR, metavar="X",
         help=f"largest error (rms) that is allowed, relative to the peak of a curve (default: {ERROR})",

@@ -32,6 +32,7 @@ from derive.simulation.observables.spatial_player_data import (
 from derive.simulation.observables.stresses import amplitude_places
 from derive.simulation.observables.visual_surfaces import VisualSurface, visual_surfaces
 from derive.simulation.space.beam_frames import beam_frames, drawn_points
+from derive.spec.model.beam_pieces import CUT
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
@@ -117,7 +118,8 @@ def _drawn(body: SpatialBody, visuals: VisualSurface) -> DrawnBody:
     if isinstance(body, FlexibleBody):
         return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), modal_frames(body))
     if isinstance(body, SpatialBeam):
-        return _with_markers(beam_drawing(body.name, *drawn_points(body)), tuple(beam_frames(body).values()))
+        frames = [frame for frame in beam_frames(body).values() if frame.point.name not in CUT]
+        return _with_markers(beam_drawing(body.name, *drawn_points(body)), frames)
     named = [(m.name, _vector(m.position)) for m in body.markers]
     if visuals.faces:
         return visual_drawing(body.name, visuals, named)

@@ -31,7 +31,7 @@ def _lines(scene: SpatialScene, modes: ModesOfBodies) -> Iterator[str]:
         elif isinstance(body, FlexibleBody):
             yield from _of_modes(body, modes)
     if not monitoring_outputs(scene):
-        yield "no monitor watches bodies in space: errors are those that are measured"
+        yield "no monitor watches these bodies: errors are those that are measured"
 
 
 def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[str]:
