@@ -46,14 +46,6 @@ TENSORS, SCALARS = (Family.C3, Family.C4, Family.C5), (Family.C8, Family.STIFFNE
 VECTORS = (Family.C1, Family.C2, Family.C9, Family.POINT_POSITION, Family.POINT_SHAPE, Family.POINT_SECOND)
 
 
-AT_CENTRE = "the choice of the origin (the centre of mass)"
-CONDITION_17 = "condition (17) (no mean displacement)"
-CONDITION_19 = "condition (19) (no mean rotation)"
-ORTHONORMAL = "orthogonality (modes orthonormal in the mass)"
-UNDAMPED = "the specification (no damping)"
-EXACT_SUM = "the sum over the nodes, which is exactly zero"
-ZERO_THERE = "a zero of the integrand at the attached masses"
-CANCEL = "the attached masses, which cancel"
 NO_SHAPES = "the number of shapes (there is none)"
 ODD = "c7 is odd in its indices (one shape does not act on itself)"
 

@@ -10,7 +10,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from derive.mechanics.bodies.foreshortening import CONDITION_17 as SECOND_17
-from derive.mechanics.tables import AT_CENTRE, CONDITION_17, CONDITION_19, EXACT_SUM, ORTHONORMAL, UNDAMPED
+from derive.mechanics.zero_reasons import AT_CENTRE, CONDITION_17, CONDITION_19, EXACT_SUM, ORTHONORMAL, UNDAMPED
 from derive.reduction.arithmetic import Array
 from derive.reduction.integrals import Integrals
 

@@ -10,8 +10,8 @@ from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AT_CENTRE
 from derive.mechanics.terms import ModelConstant
+from derive.mechanics.zero_reasons import AT_CENTRE
 
 if TYPE_CHECKING:
     pass

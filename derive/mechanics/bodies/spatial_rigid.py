@@ -9,8 +9,9 @@ from derive.mechanics.bodies.spatial_tables import DOCS, rigid_tables
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AT_CENTRE, AXES, PAIRS
+from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import ModelConstant
+from derive.mechanics.zero_reasons import AT_CENTRE
 from derive.roles import Source
 
 if TYPE_CHECKING:

@@ -1,0 +1,10 @@
+"""Reasons why integrals vanish, as texts that bodies in the plane and in space share."""
+
+AT_CENTRE = "the choice of the origin (the centre of mass)"
+CONDITION_17 = "condition (17) (no mean displacement)"
+CONDITION_19 = "condition (19) (no mean rotation)"
+ORTHONORMAL = "orthogonality (modes orthonormal in the mass)"
+UNDAMPED = "the specification (no damping)"
+EXACT_SUM = "the sum over the nodes, which is exactly zero"
+ZERO_THERE = "a zero of the integrand at the attached masses"
+CANCEL = "the attached masses, which cancel"
