@@ -8,7 +8,6 @@ from enum import Enum
 from itertools import combinations_with_replacement, product
 from typing import TYPE_CHECKING
 
-from derive.mechanics.reasons_of_zeros import NO_SHAPES, ODD
 from derive.mechanics.sums import PARITY, signed_entry
 from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex
 
@@ -45,6 +44,10 @@ INDICES = {
 
 TENSORS, SCALARS = (Family.C3, Family.C4, Family.C5), (Family.C8, Family.STIFFNESS, Family.DAMPING)
 VECTORS = (Family.C1, Family.C2, Family.C9, Family.POINT_POSITION, Family.POINT_SHAPE, Family.POINT_SECOND)
+
+
+NO_SHAPES = "the number of shapes (there is none)"
+ODD = "c7 is odd in its indices (one shape does not act on itself)"
 
 
 class TableKind(Enum):

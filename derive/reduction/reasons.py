@@ -9,7 +9,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from derive.mechanics.reasons_of_zeros import (
+from derive.mechanics.zero_reasons import (
     AT_CENTRE,
     CONDITION_17,
     CONDITION_19,

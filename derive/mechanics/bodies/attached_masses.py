@@ -24,9 +24,9 @@ from derive.algebra import sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_functions import rational
 from derive.mechanics.bodies.planar_integrals import Value
-from derive.mechanics.reasons_of_zeros import CANCEL, ZERO_THERE
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.mechanics.zero_reasons import CANCEL, ZERO_THERE
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.quantity import Parameter

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from derive.algebra import sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.planar_integrals import Value
-from derive.mechanics.reasons_of_zeros import CONDITION_17, CONDITION_19
+from derive.mechanics.zero_reasons import CONDITION_17, CONDITION_19
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
 PARALLEL = "geometry (all deflections are along e2)"

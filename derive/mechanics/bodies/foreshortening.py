@@ -23,9 +23,9 @@ from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField
 from derive.mechanics.bodies.displacement_fields import shortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.motion.full_second_order import field_weight
-from derive.mechanics.reasons_of_zeros import SECOND_17
 from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ModelConstant
+from derive.mechanics.zero_reasons import SECOND_17
 from derive.roles import Source
 from derive.spec.model.beam_parts import Frame
 

@@ -9,9 +9,9 @@ from derive.algebra import sp
 from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.reasons_of_zeros import AT_CENTRE
 from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ModelConstant
+from derive.mechanics.zero_reasons import AT_CENTRE
 
 if TYPE_CHECKING:
     pass

@@ -28,11 +28,11 @@ from derive.mechanics.bodies.section_fields import (
 )
 from derive.mechanics.bodies.section_masses import SectionMass
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
-from derive.mechanics.reasons_of_zeros import CANCEL, CONDITION_17, CONDITION_19, ZERO_THERE
 from derive.mechanics.symbols import Family
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import ModelConstant
+from derive.mechanics.zero_reasons import CANCEL, CONDITION_17, CONDITION_19, ZERO_THERE
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder
 

@@ -24,11 +24,11 @@ from derive.mechanics.bodies.spatial_tables import (
 )
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.reasons_of_zeros import EXACT_SUM
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.tables import CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.mechanics.zero_reasons import EXACT_SUM
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder, Gravity, SymbolicBody
 

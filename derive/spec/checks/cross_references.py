@@ -23,7 +23,7 @@ from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 from derive.spec.tables.scene_bodies import RIGID
 
 JOINTS_ARE_WRITTEN = "write one, such as [joints.bearing]"
-"""The remedy where there are no joints that something needs."""
+"""The advice where a scene has no joints and needs one."""
 
 
 def scene_faults(data: Raw) -> list[Fault]:
