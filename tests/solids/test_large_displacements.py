@@ -100,7 +100,8 @@ def hook(motion: str) -> Hook:
     solid = IntegratedMesh(mesh, x, full=True)
     m, k = assembled(solid)
     arrays = {"positions": x, "mass": m, "stiffness": k, **mesh_arrays(mesh)}
-    sets = {"left": {"nodes": left, "motion": motion}, "right": {"nodes": right}}
+    equal = {"weights": [1] * len(left)}  # as the nonlinear elements are held and loaded here
+    sets = {"left": {"nodes": left, "motion": motion, **equal}, "right": {"nodes": right, **equal}}
     keys = {"nodes": arrays, "units": "SI", "modes": MODES, "interface": ["left", "right"], "order": 2}
     scene = derive.spatial_scene("hook", bodies={"hook": keys | {"markers": sets}})
     reduced = reduced_bodies(scene)["hook"]
