@@ -138,7 +138,7 @@ _TEXT: Mapping[str, Any] = {"type": "string", "minLength": 1}
 _FORMULA = {**_TEXT, "maxLength": MAX_LENGTH}
 _INPUT = {"type": "object", "properties": {"input": _TEXT}, "required": ["input"], "additionalProperties": False}
 _COUNT: Mapping[str, Any] = {"type": "integer", "minimum": 0}
-MODE_COUNT_SCHEMA: Mapping[str, Any] = {**_COUNT, "maximum": values.MAX_MODES}
+MODE_COUNT_SCHEMA: dict[str, Any] = {**_COUNT, "maximum": values.MAX_MODES}
 """The JSON schema of a number of modes."""
 
 _float = _read(float, values.any_float, number_schema())
