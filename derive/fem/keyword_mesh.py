@@ -45,6 +45,17 @@ OF_STEPS = ("STEP", "END STEP", "FREQUENCY", "NODE FILE", "EL FILE", "NODE PRINT
 LARGEST_NUMBER = 2**53
 
 
+@dataclass(frozen=True)
+class RigidBody:
+    """A set of nodes that moves as a rigid body: its name, the numbers of its reference node and of the node of its
+    rotations, 0 if the program chooses it, and the line of the card."""
+
+    name: str
+    reference: int
+    rotation: int
+    line: int
+
+
 @dataclass
 class KeywordMesh:
     """The contents of the cards of a file: nodes by their numbers, in the order of the file.
@@ -52,7 +63,7 @@ class KeywordMesh:
     sets: numbers of nodes by the names of sets in capital letters; names: these names as written. elements: blocks
     whose nodes are numbers of nodes. other_elements: how many elements of other types there are. cards: the keywords
     that are not read, with the line of the first of each and how many there are. unknown: how many numbers of sets are
-    no nodes.
+    no nodes. rigid_bodies: those of sets of nodes.
     """
 
     numbers: Indices = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -64,6 +75,7 @@ class KeywordMesh:
     other_elements: Counter[str] = field(default_factory=Counter)
     cards: dict[str, tuple[int, int]] = field(default_factory=dict)
     unknown: int = 0
+    rigid_bodies: list[RigidBody] = field(default_factory=list)
 
 
 def read_mesh(path: Path) -> KeywordMesh:
@@ -121,6 +133,8 @@ class _Reader:
                 self.property(card)
             case "SOLID SECTION":
                 self.sections.append((self.named(card, "ELSET"), self.named(card, "MATERIAL")))
+            case "RIGID BODY":
+                self.rigid_body(card)
             case keyword if keyword not in (*READ, *OF_STEPS):
                 line, count = self.mesh.cards.get(keyword, (card.line, 0))
                 self.mesh.cards[keyword] = (line, count + 1)
@@ -276,6 +290,15 @@ class _Reader:
             self.problems.append(card.fault("no element of the surface has the face that is given"))
             return
         self.add(self.mesh.sets, name, np.concatenate(parts))
+
+    def rigid_body(self, card: Card) -> None:
+        """A rigid body of a set of nodes; those of elements are among what is not read."""
+        nodes = [card.parameters.get(parameter, "0") for parameter in ("REF NODE", "ROT NODE")]
+        if "NSET" in card.parameters and all(node.isdecimal() for node in nodes) and int(nodes[0]):
+            name = self.named(card, "NSET")
+            self.mesh.rigid_bodies.append(RigidBody(name, int(nodes[0]), int(nodes[1]), card.line))
+        else:
+            self.mesh.cards["RIGID BODY"] = (card.line, 1)
 
     def by_material(self, block: _Block) -> list[Elements]:
         """The elements of a block, of each material."""

@@ -40,7 +40,8 @@ def read_standard_input(path: Path) -> FiniteElementModel:
         raise SpecError((problem,), str(path)) from None
     body = content.body
     positions, modes, sets = _frames(content)
-    moments, stiffening = moments_of(body)
+    moments, geometric = moments_of(body)
+    stiffening: dict[str, Any] = {**geometric}
     if body.second_order:
         second = [point.second for point in body.points for _ in range(1 + len(AROUND))]
         stiffening["K0F"] = np.array([-np.moveaxis(psi, -1, 0) for psi in second if psi is not None])

@@ -86,7 +86,11 @@ WRONG_SET = "*NODE, NSET=all\n1,0,0,0\n*NSET, NSET=b\nalle\n"
             {**without_rows(1), "inp": EQUATION},
             ": displacements of the nodes 1 are missing in some directions (*EQUATION in line 68); tie nodes in all",
         ),
-        ({"inp": RIGID}, ":68: *RIGID BODY: nodes of a body have no rotations; leave it out, and make the set"),
+        ({"inp": RIGID}, ":68: *RIGID BODY: the matrices do not hold three displacements and three rotations of its"),
+        (
+            {"inp": RIGID.replace("NSET", "ELSET")},
+            ":68: *RIGID BODY: a rigid body is read of a set of nodes with a reference node",
+        ),
         (
             {"inp": SHELL},
             ": *ELEMENT: elements of the type S8R have rotations, and nodes of a body do not: mesh the part with solid",

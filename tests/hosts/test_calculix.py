@@ -93,6 +93,26 @@ def test_nodes_tied_in_all_directions_move_with_others(
     assert float(body.data.mass.sum()) == pytest.approx(2.3864)
 
 
+def test_a_rigid_body_moves_with_its_reference_node(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Four nodes around the reference node take its place, with the frequencies of the program; joints hold them."""
+    rigid = "*NODE\n900, 0.01, 0.02, 0.25\n*RIGID BODY, NSET=left, REF NODE=900\n*STEP"
+    path = run_bracket(tmp_path, (1, 1, 1), (("*STEP", rigid),))
+    monkeypatch.chdir(tmp_path)
+    theirs = read_calculix(path).frequencies
+    assert theirs is not None
+    assert main(["import", "bracket.inp", "--modes", "8", "--out", "free.toml"]) == 0
+    assert "left is rigid: its motion is that of its reference node" in capsys.readouterr().out
+    free = derive.read("free.toml")
+    assert isinstance(free, NodalBody)
+    assert np.allclose(body_properties(free).frequencies[:6], theirs[6:12], rtol=3e-6)
+    assert body_properties(free).mass == pytest.approx(2.3864)
+    assert main(["import", "bracket.inp", "--interface", "left,right", "--scene", "--out", "held.toml"]) == 0
+    scene = derive.read("held.toml")
+    assert [float(x) for x in scene.ground[0].position] == pytest.approx([0.01, 0.02, 0.25])  # type: ignore[union-attr]
+
+
 def test_point_masses_are_in_the_matrices(tmp_path: Path) -> None:
     mass = "*ELEMENT, TYPE=MASS, ELSET=load\n900, 1\n*MASS, ELSET=load\n0.5\n*STEP"
     model = read_calculix(run_bracket(tmp_path, (1, 1, 1), (("*STEP", mass),)))

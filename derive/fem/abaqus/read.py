@@ -23,8 +23,8 @@ from derive.progress_line import show_progress
 from derive.spec.files.file_content import why_unreadable
 
 HOW_TO_WRITE = (
-    "add these lines at the end of the input, for a body without supports, and run Abaqus again:\n"
-    "*STEP\n*MATRIX GENERATE, STIFFNESS, MASS\n*MATRIX OUTPUT, STIFFNESS, MASS, FORMAT=COORDINATE\n*END STEP"
+    "add four lines at the end of the input, for a body without supports, and run Abaqus again: *STEP, then "
+    "*MATRIX GENERATE, STIFFNESS, MASS, then *MATRIX OUTPUT, STIFFNESS, MASS, FORMAT=COORDINATE, then *END STEP"
 )
 
 KINDS = {"stiffness": "STIF", "mass": "MASS"}
@@ -43,6 +43,8 @@ def read_abaqus(path: Path) -> FiniteElementModel:
     """The part of a job of Abaqus; of several steps with matrices the last one counts. Raises SpecError."""
     mesh = read_mesh(path)
     problems: list[Problem] = []
+    if mesh.rigid_bodies:  # that of CalculiX alone is read
+        mesh.cards["RIGID BODY"] = (mesh.rigid_bodies[0].line, len(mesh.rigid_bodies))
     kept = np.isin(mesh.numbers, nodes_of_elements(mesh))
     numbers = np.sort(mesh.numbers[kept])
     files = matrix_files(path)

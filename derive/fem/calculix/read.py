@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from derive.errors import Problem, SpecError
 from derive.fem.calculix.matrices import read_matrices
 from derive.fem.calculix.results import read_frequencies, read_modes
+from derive.fem.calculix.rigid_bodies import without_rotations
 from derive.fem.keyword_mesh import KeywordMesh, read_mesh
 from derive.fem.model import FiniteElementModel
 from derive.fem.node_names import node_list
@@ -34,7 +35,13 @@ def read_calculix(path: Path) -> FiniteElementModel:
     mesh = read_mesh(path)
     problems = list(_faults_of_elements(mesh))
     matrices = None if problems else read_matrices(path, problems)
+    rigid = [
+        f"{mesh.names.get(body.name, body.name)} is rigid: its motion is that of its reference node"
+        for body in mesh.rigid_bodies
+    ]
     if matrices is not None:
+        mesh, matrices = without_rotations(mesh, matrices, problems)
+    if matrices is not None and not problems:
         problems += _faults_of_displacements(mesh, matrices, path.stem)
     if problems or matrices is None:
         raise SpecError(tuple(problems), str(path))
@@ -43,7 +50,7 @@ def read_calculix(path: Path) -> FiniteElementModel:
     stiffness, mass = in_order_of_nodes(matrices, numbers)
     frequencies = read_frequencies(path)
     modes = read_modes(path, numbers, problems)
-    notes = [*notes_on_mesh(mesh, kept), *(f"{problem.path}: {problem.message}" for problem in problems)]
+    notes = [*rigid, *notes_on_mesh(mesh, kept), *(f"{problem.path}: {problem.message}" for problem in problems)]
     if frequencies is not None and modes is not None:
         modes = modes[-len(frequencies) :] if len(modes) >= len(frequencies) else None
     return FiniteElementModel(
@@ -85,8 +92,8 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: 
         yield Problem("", f"{text} beams and incompatible modes (C3D8I); use other solid elements, such as C3D20")
         return
     if "RIGID BODY" in mesh.cards:
-        text = "nodes of a body have no rotations; leave it out, and make the set of nodes rigid in the scene"
-        yield Problem("*RIGID BODY", f'{text}: motion = "rigid"', mesh.cards["RIGID BODY"][0])
+        text = "a rigid body is read of a set of nodes with a reference node: NSET=..., REF NODE=..."
+        yield Problem("*RIGID BODY", f"{text}; name these, and run ccx again", mesh.cards["RIGID BODY"][0])
         return
     numbers, counts = np.unique(matrices.node, return_counts=True)
     absent = np.setdiff1d(nodes_of_elements(mesh), numbers)
@@ -101,7 +108,7 @@ def _faults_of_displacements(mesh: KeywordMesh, matrices: MatricesOfNodes, job: 
     elif partly.size:
         text = f"displacements of the nodes {node_list(partly)} are missing in some directions"
         yield Problem("", f"{text}{_ties(mesh)}; tie nodes in all three directions, or leave the ties out")
-    elif not any(card in mesh.cards for card in TIES):
+    elif not (mesh.rigid_bodies or any(card in mesh.cards for card in TIES)):
         yield Problem("", f"displacements of the nodes {node_list(absent)} are missing in {job}.dof; run ccx again")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import cast
 
 from derive.errors import Problem
 from derive.mechanics.multibody.space.marker_outputs import STRESS
@@ -14,7 +13,8 @@ from derive.spec.model.spatial_scene import SpatialScene
 
 def stressed_markers(scene: SpatialScene) -> dict[MarkerRef, str]:
     """The markers at which outputs ask for stresses, and the name of one of these outputs."""
-    return {cast(MarkerRef, output.values["marker"]): output.name for output in scene.outputs if output.kind == STRESS}
+    of_kind = [output for output in scene.outputs if output.kind == STRESS]
+    return {marker: output.name for output in of_kind if isinstance(marker := output.values["marker"], MarkerRef)}
 
 
 def bodies_without_stresses(scene: SpatialScene) -> Iterator[Problem]:
