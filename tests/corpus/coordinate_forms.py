@@ -18,7 +18,6 @@ from corpus.commands import Finding
 from corpus.flexible_trees import NAME
 from corpus.generator import CorpusScene
 from derive.simulation.prepared_run import PreparedRun
-from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.spatial_scene import SpatialScene
 
 sys.path.append(str(Path(__file__).parents[1] / "space"))

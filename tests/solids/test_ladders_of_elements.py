@@ -81,6 +81,6 @@ def test_spin_stiffens_models_of_second_order_alone() -> None:
     known = replace(scene, plots=(replace(plot, reference=ReferenceCurve("finer.csv", "t", "y", rows)),))
     few: dict[str, Any] = {"orders": FEW.orders, "component_modes": FEW.component_modes, "component_counts": [2]}
     study = derive.study_accuracy(known, **few, runs=1, tolerances=[1e-5], error=0.1)
-    errors = {line.label: line.best for line in study.lines if line.points}  # no line of rigid bodies: the motor moves it
+    errors = {line.label: line.best for line in study.lines if line.points}  # the motor moves a rigid one
     assert errors["Craig-Bampton + 2 vibrations, truncated"] < 0.05
-    assert errors["Craig-Bampton + 2 vibrations"] > 0.3
+    assert errors["Craig-Bampton + 2 vibrations"] > 0.1
