@@ -1,4 +1,4 @@
-"""The forms of the equations of a scene with trees: relative against absolute coordinates, and two ways to accelerations.
+"""The forms of the equations of trees: relative against absolute coordinates, and two ways to accelerations.
 
 Both coordinates give the same motion of the markers. Articulated bodies with flexible ones as leaves and the factors of
 the KKT matrix give the same accelerations and multipliers in a random state.
