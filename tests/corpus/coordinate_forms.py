@@ -1,4 +1,4 @@
-"""The forms of the equations of a scene with trees: relative against absolute coordinates, and two accelerations.
+"""The forms of the equations of trees: relative against absolute coordinates, and two ways to accelerations.
 
 Both coordinates give the same motion of the markers. Articulated bodies with flexible ones as leaves and the factors of
 the KKT matrix give the same accelerations and multipliers in a random state.
@@ -27,6 +27,8 @@ SAME = 1e-6
 """The largest distance of two motions, relative to the largest number above 1 in them."""
 TOLERANCE = 1e-9
 """The error of the integration of these motions."""
+BENT = 1e-4
+"""The amplitudes of this state: matrices of truncated beams that bend far are not positive definite."""
 ROUNDING = 1e-9
 """The largest difference of accelerations in a state, relative to the largest one; frequencies of beams are high."""
 
@@ -63,7 +65,7 @@ def _poses(spec: SpatialScene) -> np.ndarray:
 
 def _accelerations(spec: SpatialScene) -> Iterator[Finding]:
     """Accelerations and multipliers by both ways; none if the scene has no tree, or redundant constraints."""
-    solved = both_ways_of(replace(spec, coordinates="relative", redundant="auto"))
+    solved = both_ways_of(replace(spec, coordinates="relative", redundant="auto"), bent=BENT)
     for name in ("vdot", "multipliers") if solved else ():
         a, b = (getattr(way, name) for way in solved)
         worst = float(np.abs(a - b).max(initial=0)) / max(float(np.abs(b).max(initial=0)), 1e-12)

@@ -95,8 +95,8 @@ def _limb(draft: SpatialDraft, at: Vector) -> Limb:
     if draft.draws.chance(0.6):
         beam = beam_body(draft, at)
         return Limb(beam, at, tip(beam))
-    block, *ends = block_with_ends(draft)
-    return Limb(block, *ends, f"{block.name}.root", f"{block.name}.end")
+    block, root, end = block_with_ends(draft)
+    return Limb(block, root, end, f"{block.name}.root", f"{block.name}.end")
 
 
 def _hang(draft: SpatialDraft, kind: str, base: SolidBody, limb: Limb) -> None:

@@ -52,11 +52,11 @@ def blade(order: int = 1) -> SpatialScene:
 
 
 def test_elements_give_rungs_of_second_order_and_such_a_reference() -> None:
-    """No rung has full displacements, which are those of beams."""
+    """No rung has full displacements, which are those of beams, and none without modes is of second order."""
     scene = blade()
     labels = [model.label for model in ladder(FEW, scene)]
-    modes = [f"Craig-Bampton + {count}" for count in ("no vibration", "2 vibrations")]
-    assert labels == ["rigid", *(f"{label}{order}" for label in modes for order in ("", ", truncated"))]
+    modes = [f"Craig-Bampton + {count}" for count in ("no vibration", "2 vibrations", "2 vibrations, truncated")]
+    assert labels == ["rigid", *modes]
     assert {model.order for model in refinements(scene)} == {SECOND} and not linear_reference(scene)
     (body,) = scene.bodies
     assert not can_have(scene, body, LadderModel(Shapes.FREE, 2, DisplacementOrder.FULL))  # type: ignore[arg-type]
@@ -81,6 +81,6 @@ def test_spin_stiffens_models_of_second_order_alone() -> None:
     known = replace(scene, plots=(replace(plot, reference=ReferenceCurve("finer.csv", "t", "y", rows)),))
     few: dict[str, Any] = {"orders": FEW.orders, "component_modes": FEW.component_modes, "component_counts": [2]}
     study = derive.study_accuracy(known, **few, runs=1, tolerances=[1e-5], error=0.1)
-    errors = {line.label: line.best for line in study.lines}
+    errors = {line.label: line.best for line in study.lines if line.points}  # the motor moves a rigid one
     assert errors["Craig-Bampton + 2 vibrations, truncated"] < 0.05
-    assert errors["Craig-Bampton + 2 vibrations"] > 0.3
+    assert errors["Craig-Bampton + 2 vibrations"] > 0.1

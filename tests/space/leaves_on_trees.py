@@ -74,8 +74,11 @@ def both_ways(tables: Table, seed: int = 0) -> tuple[Solved, Solved]:
     return solved
 
 
-def both_ways_of(scene: SpatialScene, seed: int = 0) -> tuple[Solved, Solved] | None:
-    """A random state by articulated bodies and by the KKT matrix; None without trees that have articulated bodies."""
+def both_ways_of(scene: SpatialScene, seed: int = 0, bent: float = 0.01) -> tuple[Solved, Solved] | None:
+    """A random state by articulated bodies and by the KKT matrix; None without trees that have articulated bodies.
+
+    bent: about the amplitudes of flexible bodies; those of truncated beams have to be small.
+    """
     equations = derive.derive(replace(scene, coordinates="relative", lowering="flat")).expanded()
     context = Context(equations)
     function = next(f for f in functions_of(equations, explicit=True) if f.kind is FunctionKind.SOLVE)
@@ -92,7 +95,7 @@ def both_ways_of(scene: SpatialScene, seed: int = 0) -> tuple[Solved, Solved] | 
     k = interpret(setup, {"p": [p.default for p in equations.parameters]})["k"]
     rng = np.random.default_rng(seed)
     deforms = [identity(c.q).family is Family.AMPLITUDE for c in equations.coordinates]
-    q = np.where(deforms, 0.01, 1) * rng.normal(size=len(deforms))
+    q = np.where(deforms, bent, 1) * rng.normal(size=len(deforms))
     e0 = [n for n, c in enumerate(equations.coordinates) if identity(c.q).components == (0,)]
     for n in e0:
         q[n : n + 4] /= np.linalg.norm(q[n : n + 4])

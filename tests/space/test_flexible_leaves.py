@@ -11,6 +11,7 @@ from leaves_on_trees import both_ways, random_leaves
 from trees_of_bodies import Table
 
 import derive
+from derive.lowering.flat.constraints import COMPARED_WITH_OTHERS
 
 LIMIT = 1e-12
 """The largest difference, relative to the largest number."""
@@ -62,6 +63,17 @@ def test_gears_between_flexible_bodies_and_trees() -> None:
     tables["gears"] = {"pair": {"joints": ["to_beam1", "joint1"], "ratio": -2}}
     tables["drives"] = {"motor": {"joint": "joint2", "motion": "0.3*sin(2*t)"}}
     assert_equal(tables)
+
+
+@pytest.mark.long
+def test_leaves_of_many_rows_have_the_accelerations_of_the_kkt_matrix() -> None:
+    """A scene of more rows and multipliers than those of which the lowering compares both ways."""
+    tables = random_leaves(0, TWO, ("revolute",) * 8)
+    ours, by_factors = both_ways(tables)
+    assert len(ours.vdot) + len(ours.multipliers) > COMPARED_WITH_OTHERS
+    for a, b in ((ours.vdot, by_factors.vdot), (ours.multipliers, by_factors.multipliers)):
+        assert abs(a - b).max() < LIMIT * abs(b).max()
+    assert ours.operations < by_factors.operations
 
 
 @pytest.mark.long

@@ -122,7 +122,7 @@ def _more_modes(scene: SpatialScene, body: FlexibleBody) -> tuple[LadderModel, .
     """The models of a finite-element body: as many modes as its nodes allow, at most."""
     kinds = (Shapes.CRAIG_BAMPTON, Shapes.FREE, Shapes.GIVEN)
     shapes = next(shapes for shapes in kinds if can_have(scene, body, LadderModel(shapes)))
-    second = LadderModel(shapes, order=DisplacementOrder.TRUNCATED)
+    second = LadderModel(shapes, 1, DisplacementOrder.TRUNCATED)
     order = second.order if can_have(scene, body, second) else DisplacementOrder.FIRST_ORDER
     most = most_modes(scene, body, shapes)
     counts = REFINED if most >= REFINED[-1] else [most * n // REFINED[-1] for n in REFINED]

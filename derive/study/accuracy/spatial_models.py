@@ -123,7 +123,9 @@ def can_have(scene: SpatialScene, body: SpatialBeam | FlexibleBody, model: Ladde
         return False
     if given:
         return data.modes is not None
-    return data.stiffness is not None and (model.shapes not in STATIC or _is_held(scene, body))
+    if data.stiffness is None or (model.shapes in STATIC and not _is_held(scene, body)):
+        return False
+    return model.order is DisplacementOrder.FIRST_ORDER or mode_count(scene, body, model) > 0
 
 
 def _has_order(body: FlexibleBody, order: DisplacementOrder, given: bool) -> bool:
