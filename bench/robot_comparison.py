@@ -29,6 +29,8 @@ BATCH = 8
 """The states of a batch."""
 TOLERANCE = 1e-12
 """The largest difference, relative to the largest number of a state."""
+PEERS_PER_VELOCITY = 1e-13
+"""What each velocity adds to the rounding errors of others: MuJoCo errs by 2e-12 in a chain of 100 bodies."""
 FUNCTIONS = ("accel", "inverse_dynamics", "mass")
 
 
@@ -241,7 +243,8 @@ class Comparison:
             if function != "inverse_dynamics":
                 scale = abs(wanted).max()
             error = abs(given.ravel() - wanted.ravel()).max() / scale
-            if not error < TOLERANCE:
+            ours = call.name in ("ours", "batch")
+            if not error < (TOLERANCE if ours else max(TOLERANCE, PEERS_PER_VELOCITY * len(v))):
                 raise ArithmeticError(f"{self.case}: {function} of {call.name} is off by {error:.1e}")
 
     def in_pinocchio(self, function: str, maker: str, q: Array, v: Array, values: Array) -> Array:
