@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 BATCH = 8
 """The states of a batch."""
+PEERS_PER_VELOCITY = 1e-13
+"""What each velocity adds to the rounding errors of others: MuJoCo errs by 2e-12 in a chain of 100 bodies."""
 FUNCTIONS = ("accel", "inverse_dynamics", "mass")
 
 
@@ -245,7 +247,8 @@ class Comparison:
             if function != "inverse_dynamics":
                 scale = abs(wanted).max()
             error = abs(given.ravel() - wanted.ravel()).max() / scale
-            if not error < self.tolerance:
+            peers = 0.0 if call.name in ("ours", "batch") else PEERS_PER_VELOCITY * len(v)
+            if not error < max(self.tolerance, peers):
                 raise ArithmeticError(f"{self.case}: {function} of {call.name} is off by {error:.1e}")
 
     def in_pinocchio(self, function: str, maker: str, q: Array, v: Array, values: Array) -> Array:

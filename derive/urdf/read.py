@@ -54,7 +54,8 @@ def robot_of(root: XmlElement, source: str | None = None, keep_angles: bool = Fa
     name = reader.text(root, "name", "robot")
     links = reader.by_name(reader.link(e) for e in root.all("link"))
     joints = reader.by_name(reader.joint(e) for e in root.all("joint"))
-    if any(e.tag.startswith("xacro:") for e in root.children if e.tag.removeprefix("xacro:") in ("property", "macro")):
+    macros = any(e.tag in ("xacro:property", "xacro:macro") for e in root.children)
+    if macros or any(mark in name for name in (*links, *joints) for mark in ("${", "$(")):
         reader.fault(root, "", "these are macros of xacro; write their result to a file first: xacro FILE > robot.urdf")
     if not links:
         reader.fault(root, "", "there is no <link>")
@@ -193,8 +194,9 @@ class _Reader:
             self.fault(element, path, f"the type is one of {', '.join(kinds)}, not {quoted(given)}")
         kind = kinds.get(given, JointKind.FIXED)
         parent, child = (self.of_link(element, tag, path) for tag in ("parent", "child"))
+        known = len(self.problems)
         axis = self.triple(element.first("axis"), "xyz", path, (1.0, 0.0, 0.0))
-        if not any(axis) and kind not in (JointKind.FIXED, JointKind.FLOATING):
+        if not any(axis) and len(self.problems) == known and kind not in (JointKind.FIXED, JointKind.FLOATING):
             self.fault(element.first("axis") or element, f"{path}.axis", "the axis has no direction")
             axis = (1.0, 0.0, 0.0)
         limit, dynamics = element.first("limit"), element.first("dynamics")

@@ -15,12 +15,15 @@ WIDTH, HEIGHT = 5.2, 2.7
 LEAST = 1e-9
 """Errors below this, in percent, are drawn there: they are rounding."""
 
+FEW_DECADES = 100
+"""Powers of ten alone would label an axis with less than this between its ends at one or two places."""
+
 
 def convergence_chart(counts: Sequence[int], errors: Sequence[tuple[str, Sequence[float]]], title: str) -> str:
     """A curve for each label of `errors`, relative ones, over the number of modes; gaps where errors are infinite."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import LogLocator, MaxNLocator
 
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -42,6 +45,9 @@ def convergence_chart(counts: Sequence[int], errors: Sequence[tuple[str, Sequenc
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
         axes.minorticks_off()
+        low, high = axes.get_ylim()
+        if high < FEW_DECADES * low:
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set_xlabel("number of modes")
         axes.set_ylabel("largest error, %")

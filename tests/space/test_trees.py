@@ -58,6 +58,14 @@ def test_the_joint_that_removes_least_closes_a_loop() -> None:
     assert constraints_of(loop(coordinates="absolute")) == {"j2", "j3"}
 
 
+def test_a_ball_leaves_one_rotation() -> None:
+    body = {"mass": 1, "inertia": INERTIA, "markers": {"o": [0, 0, 0]}}
+    joints = {"ball": {"kind": "spherical", "between": ["ground.o", "a.o"]}}
+    scene = derive.spatial_scene("ball", ground={"o": [0, 0, 0]}, bodies={"a": body}, joints=joints)
+    (said,) = (out.reason for out in derive.derive(scene).eliminated if out.what == "a")
+    assert "and only its rotation remains; this eliminates 3" in said
+
+
 def test_bodies_that_hang_on_the_ground_or_on_drives_alone_are_no_trees() -> None:
     """A drive prescribes the motion of its body, unless a body hangs on another one behind it."""
     driven = loop(drives={"motor": {"joint": "j1", "speed": 2}})

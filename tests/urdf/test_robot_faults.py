@@ -192,6 +192,11 @@ def test_joints_without_mass_can_be_locked() -> None:
         with_locked_joints(robot(*lines), ["kk"])
 
 
+def test_an_axis_that_cannot_be_read_has_one_line() -> None:
+    ((_, text),) = faults(*links("a", "b"), joint("j", "a", "b", "revolute", '<axis xyz="0 1"/>'))
+    assert text == 'joint j.axis.xyz: 3 numbers needed, not "0 1"'
+
+
 def test_nothing_moves() -> None:
     ((_, text),) = faults(*links("a"))
     assert "import it with --base free" in text
@@ -207,6 +212,7 @@ def test_nothing_moves() -> None:
         ('<?xml version="1.0" encoding="klingon"?><robot/>', "names an encoding that is not read (unknown encoding"),
         ("<robot/>", '<robot> needs name="..."'),
         ('<robot name="r" xmlns:xacro="x"><xacro:macro name="m"/></robot>', "xacro FILE > robot.urdf"),
+        ('<robot name="r"><link name="${side}_arm"/></robot>', "xacro FILE > robot.urdf"),
         ('<!DOCTYPE r [<!ENTITY e SYSTEM "/etc/passwd">]><robot name="&e;"/>', "a document type"),
         (f"{'<a>' * 101}{'</a>' * 101}", "nested more than 100 deep"),
     ],

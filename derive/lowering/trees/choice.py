@@ -1,9 +1,10 @@
 """The choice between straight-line code and loops over links for trees in relative coordinates.
 
-Straight-line code of n links took 30, 44, 49, 56 ns for each of 3, 6, 10, 16 revolute links in a chain with any axes;
+Straight-line code of n links took 30, 44, 53, 56 ns for each of 3, 6, 10, 16 revolute links in a chain with any axes;
 of robots, whose axes are along each other or normal, 23 ns for each of 6 links, 25 of 18, 28 to 36 of 35, and 41 of 38
-with some others. Loops took 55, 50, 50, 47 and 53 ns for chains, 38 to 45 for robots (gcc 12, -O3 -march=x86-64-v3, AMD
-EPYC, family 26). The compiler took 28 s for the straight-line code of 35 links without derivatives, and 2 s for loops.
+with some others. Loops took 44, 45, 45 and 46 ns for chains of 8, 10, 30 and 100, 38 to 45 for robots (gcc 12, -O3
+-march=x86-64-v3, AMD EPYC, family 26). The compiler took 28 s for the straight-line code of 35 links without
+derivatives, and 2 s for loops.
 In loops iteration matrices are dense, a column after the other, so that models that need these stay in straight-line
 code up to many more links.
 """
@@ -36,8 +37,8 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
         return False, "unrolled, since loops over links have no multipliers of least norm"
     links = tree_of(mechanism).links
     count, along = len(links), sum(map(_is_along, links))
-    flat = (count - along) * (29 + 1.7 * count) + along * (20 + 0.3 * count)
-    looped = 30 + 45 * count
+    flat = (count - along) * (29 + 1.9 * count) + along * (20 + 0.3 * count)
+    looped = 30 + 42 * count
     times = f"predicted evaluation time of the accelerations: {flat:.0f} ns unrolled, {looped:.0f} ns looped over links"
     seconds = (0.023 if explicit else 0.1) * count**2
     if seconds > (LONG if explicit else MOST_SECONDS):

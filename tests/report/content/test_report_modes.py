@@ -16,6 +16,7 @@ from derive.report.sections.modes import mode_blocks, modes_of_scene
 from derive.report.writers.picture import inline
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.visual.convergence_chart import convergence_chart
 from spring_lattice import lattice
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -103,3 +104,15 @@ def test_a_picture_may_move_points_and_nothing_else() -> None:
     for bad in ('attributeName="href" values="a;b"', 'attributeName="points" onbegin="f()"'):
         with pytest.raises(ValueError, match="a picture holds"):
             inline(still.format(f"<animate {bad}/>"), "p", "")
+
+
+def test_errors_of_one_decade_have_an_axis_that_can_be_read() -> None:
+    """Powers of ten alone would be the single label 10 here; over many decades they are enough."""
+
+    def labels(errors: list[float]) -> list[str]:
+        chart = convergence_chart([6, 7, 8, 9], [("frequencies", errors)], "errors")
+        texts = [element.text or "" for element in ElementTree.fromstring(chart).iter(f"{SVG}text")]
+        return texts[texts.index("number of modes") + 1 : texts.index("largest error, %")]
+
+    assert labels([0.7, 0.69, 0.1, 0.06]) == ["10", "20", "50"]
+    assert labels([0.7, 1e-3, 1e-6, 1e-9]) == ["1e-06", "0.0001", "0.01", "1", "100"]

@@ -109,6 +109,6 @@ def reason_text(joint: SpatialJoint, support: SpatialSupport, coordinates: list[
     count = len(kept) + (3 if ball else 0)
     return (
         f"joint {joint.name} connects it to {support.attached_to}, and only {names} "
-        f"{'remain' if ball or len(kept) > 1 else 'remains'}; this eliminates {6 - count} degrees of freedom and "
+        f"{'remain' if len(kept) + ball > 1 else 'remains'}; this eliminates {6 - count} degrees of freedom and "
         f"{6 - count} constraints"
     )
