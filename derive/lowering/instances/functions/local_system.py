@@ -18,6 +18,7 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
+from derive.lowering.instances.functions.compliance_loops import ComplianceLoops
 from derive.lowering.instances.functions.constant_modes import constant_modes, elimination_order
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
 from derive.lowering.ldlt import Factorisation, factorise, solve
@@ -41,7 +42,8 @@ class LocalSystem:
     compliance: the entry of G M^-1 G^T of two constraints; floor: the diagonal entry of a constraint if all factors
     that it has were 1 and its coordinates independent, with which a proximal term compares it; right: gamma - G M^-1 f;
     unknowns: x in terms of lambda; checks: what is named or required before; inverses: what stands for the inverses of
-    divisors in `unknowns`, with their values, so that each is computed once.
+    divisors in `unknowns`, with their values, so that each is computed once; in_loops: compliance and right in loops over
+    the rows of joints, where these are alike.
     """
 
     compliance: Callable[[int, int], ca.SX]
@@ -50,6 +52,7 @@ class LocalSystem:
     unknowns: list[ca.SX]
     checks: tuple[StepItem, ...]
     inverses: tuple[tuple[ca.SX, ca.SX], ...] = ()
+    in_loops: ComplianceLoops | None = None
 
 
 def local_system(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
@@ -160,7 +163,10 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
         half_force = _forward(factors, dict(enumerate(forces)))
         rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(half_force), strict=True)]
         unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
-        return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks)
+        loops = ComplianceLoops(of, modes, half_force, [symbols(b) for b in right.bias])
+        return LocalSystem(
+            modes.compliance, modes.floor, rest, unknowns, checks, in_loops=loops if loops.groups else None
+        )
     entries = jacobian_entries(context, symbols)
     G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]
     inverse = dict(zip(factors.order, factors.inverses, strict=True))

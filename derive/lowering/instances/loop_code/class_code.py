@@ -13,7 +13,7 @@ from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operat
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.kernel import ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
-from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement, Work
 from derive.lowering.attitude import attitude_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
@@ -43,6 +43,23 @@ Loaded = tuple[str, Place, Input]
 """An array, the place of the elements of an instance in it, and their names."""
 
 
+Tables = Callable[..., Element]
+"""The element of a table of constants, by its name, an offset, and the terms of loops around."""
+
+
+@dataclass(frozen=True)
+class InnerLoops:
+    """Loops at the end of the body of a loop, and what they read of it.
+
+    arrays: the local arrays of an iteration with their sizes, of which outputs of the steps fill some; tables: those of
+    outputs that are constants of an instance; made: the loops, with the elements of the tables.
+    """
+
+    arrays: Mapping[str, int]
+    tables: Mapping[str, int]
+    made: Callable[[Tables], Iterable[InstanceItem]]
+
+
 class LoopCode:
     """The code of a class of bodies or of a group: its context of straight-line code, and places of its instances."""
 
@@ -64,7 +81,8 @@ class LoopCode:
             if self.differing
         ]
         self._members = [_name(m) for m in of.members]
-        self._columns: dict[str, int] = {}
+        self._columns: list[Expr] = []
+        self._firsts: dict[tuple[Expr, ...], int] = {}
 
     def place(self, what: str, firsts: Sequence[int], spacing: int = 1) -> Place:
         """The place of the first of some elements of each instance, and the distance of these."""
@@ -81,12 +99,14 @@ class LoopCode:
         inputs: Iterable[Loaded],
         targets: Mapping[str, LoopTarget],
         in_lanes: bool = False,
+        inner: InnerLoops | None = None,
     ) -> ForEach:
         """The loop over the instances of the class.
 
         targets: those of the outputs of the steps, by name. in_lanes: whether instances that do not add to elements are
-        worth the text and the time of compilers that vectors take.
+        worth the text and the time of compilers that vectors take. inner: loops at the end of the body.
         """
+        inner = inner or InnerLoops({}, {}, lambda _: ())
         sections = self.context.sections(symbols, *steps)
         statements = [statement for section in sections for statement in section.body]
         used = {
@@ -102,8 +122,13 @@ class LoopCode:
             entries += _entries(place) if names else ()
         loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
         body: list[InstanceItem] = [*checks]
+        tables: dict[str, dict[int, Expr]] = {table: {} for table in inner.tables}
         for statement in statements:
-            if isinstance(statement, Store):
+            if isinstance(statement, Store) and statement.output in tables:
+                tables[statement.output][statement.index] = statement.expr
+            elif isinstance(statement, Store) and statement.output in inner.arrays:
+                body.append(StoreElement(Element(statement.output, ElementIndex(statement.index)), statement.expr))
+            elif isinstance(statement, Store):
                 target = targets[statement.output]
                 element = Element(target.array, target.index(statement.index))
                 body.append(StoreElement(element, statement.expr, target.operator))
@@ -112,7 +137,21 @@ class LoopCode:
                 assert isinstance(statement, Let | Require)
                 body.append(statement)
         start, stop = ElementIndex(0), ElementIndex(self.count)
-        body = [*dict.fromkeys(entries), *loads, *body]
+        arrays = {**inner.arrays, **{name: len(of) for name, of in tables.items() if not self._is_known(of.values())}}
+        body += [
+            StoreElement(Element(name, ElementIndex(k)), expr)
+            for name, of in tables.items()
+            if name in arrays
+            for k, expr in of.items()
+        ]
+
+        def at(table: str, offset: int, *terms: IndexTerm) -> Element:
+            if table in arrays:
+                return Element(table, ElementIndex(offset, terms))
+            return self._number(tuple(tables[table][k] for k in range(len(tables[table]))), offset, terms)
+
+        works = [Work(name, size) for name, size in arrays.items()]
+        body = [*dict.fromkeys(entries), *loads, *works, *body, *inner.made(at)]
         in_lanes = in_lanes and all(target.operator is None for target in targets.values())
         return ForEach(INSTANCE, start, stop, tuple(body), independent=in_lanes)
 
@@ -120,8 +159,21 @@ class LoopCode:
 
     def _constant(self, name: str) -> Element:
         """The element of the constant array of the class that holds a constant."""
-        column = self._columns.setdefault(name, len(self._columns))
-        return Element(self._array, ElementIndex(column * self.count, (IndexTerm(1, INSTANCE),)))
+        return self._number((ScalarRef(name),), 0, ())
+
+    def _number(self, table: tuple[Expr, ...], offset: int, terms: Sequence[IndexTerm]) -> Element:
+        """The element of the constant array of the class with a number of a table, whose numbers follow each other."""
+        if table not in self._firsts:
+            self._firsts[table] = len(self._columns)
+            self._columns += table
+        more = (replace(term, stride=term.stride * self.count) for term in terms)
+        index = ElementIndex((self._firsts[table] + offset) * self.count, (*more, IndexTerm(1, INSTANCE)))
+        return Element(self._array, index)
+
+    def _is_known(self, values: Iterable[Expr]) -> bool:
+        """Whether values are numbers of the instances that differ, so that the constant array of the class has them."""
+        names = {part.name for value in values for part in walk(value) if isinstance(part, ScalarRef)}
+        return names <= self.context.constants.of_instances
 
     @property
     def _array(self) -> str:
@@ -133,8 +185,8 @@ class LoopCode:
             return
         hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
         columns: list[Fraction] = []
-        for name in self._columns:
-            columns += [_evaluated(ScalarRef(name), values, hoisted) for values in self._values]
+        for expr in self._columns:
+            columns += [_evaluated(expr, values, hoisted) for values in self._values]
         self.places.numbers(ConstantArray(self._array, tuple(columns), False, self.count))
 
     def of_members(self, requirement: Require) -> Iterator[Require]:
