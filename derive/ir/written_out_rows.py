@@ -57,7 +57,9 @@ class _Lines:
             if not isinstance(item, Element) or not item.index:
                 return item
             index = _at(item.index, variables)
-            return ScalarRef(_name(item.array, index.offset)) if item.array in self.arrays else replace(item, index=index)
+            return (
+                ScalarRef(_name(item.array, index.offset)) if item.array in self.arrays else replace(item, index=index)
+            )
 
         for item in body:
             match item:

@@ -95,7 +95,7 @@ def _system(
         places = _loop_targets(context.blocks, of) if loops else None
         if loops and places:
             inner = loops.loops(places)
-            items += [*loops.items(), *loops.right_items()]
+            items += loops.items()
         else:
             more, targets = _block_items(context, of, system)
             items += more

@@ -24,6 +24,7 @@ from derive.lowering.flat.schedule import StepItem
 from derive.lowering.instances.classes.mode_factors import AXES
 from derive.lowering.instances.functions.constant_modes import ROTATIONS, ConstantModes
 from derive.lowering.instances.loop_code.class_code import ClassCode, InnerLoops, Tables
+from derive.mechanics.symbols import Identity
 
 ROW, COLUMN = "row", "column"
 """The variables of the loops over the rows of one group, and of another one."""
@@ -67,8 +68,9 @@ class ComplianceLoops:
     ) -> None:
         self.of, self.modes, self.half_force, self.bias = of, modes, half_force, bias
         self.coupled = [j for j in modes.factors.order if j in modes.coupled]
-        self.coefficients, self.turning, self.halves, self.weighted, self.shared = (
-            f"{what}_of_{of.name}" for what in ("coefficients", "turning", "halves", "weighted_halves", "shared")
+        self.coefficients, self.turning, self.halves, self.weighted, self.shared, self.forces, self.moved = (
+            f"{what}_of_{of.name}"
+            for what in ("coefficients", "turning", "halves", "weighted_halves", "shared", "forces", "moved")
         )
 
     @cached_property
@@ -87,7 +89,7 @@ class ComplianceLoops:
         apart = not any(self.modes.factors.lower[j] for j in fixed)
         return tuple(result) if len(self.coupled) == ROTATIONS and apart and not varies else None
 
-    def _labels(self, group: RowGroup) -> list[object]:
+    def _labels(self, group: RowGroup) -> list[Identity]:
         return [*self.modes.rows[group.first].coefficients]
 
     # ---- values ----
@@ -99,9 +101,13 @@ class ComplianceLoops:
         yield from stores(self.coefficients, [c for row in rows for c in row.coefficients.values()])
         yield from stores(self.turning, [row.factors.get(j, ca.SX(0)) for row in rows for j in self.coupled])
         yield from stores(self.shared, self._shared)
+        yield from stores(self.forces, [self.half_force[j] for j in self._forces])
+        weighted = (modes.weighted[label] for label in self._labelled)
+        yield from stores(self._loads, [of.get(j, ca.SX(0)) for of in weighted for j in self._forces])
+        yield from stores(self._rights, [self.right(row) for row in range(len(rows))])
         for group in self.groups:
             for other in self.groups[group.number :]:
-                constants = [modes.compliances[a, b] for a in self._labels(group) for b in self._labels(other)]  # type: ignore[index]
+                constants = [modes.compliances[a, b] for a in self._labels(group) for b in self._labels(other)]
                 yield from stores(self._table(group, other), [*constants, *self._fixed(group, other)])
 
     @cached_property
@@ -112,14 +118,18 @@ class ComplianceLoops:
         inverses = [modes.inverse[j] for j in order]
         values = [*lower, *inverses, *(modes.inverse[j] * self.half_force[j] for j in order)]
         for group in self.groups or ():
-            values += [modes.couplings[label][i] for i in order for label in self._labels(group)]  # type: ignore[index]
-            values += [self._load(label) for label in self._labels(group)]
+            values += [modes.couplings[label][i] for i in order for label in self._labels(group)]
         return values
 
-    def _load(self, label: object) -> ca.SX:
-        """The motion of a marker that the forces on the modes alone would cause."""
-        weighted = self.modes.weighted[label]  # type: ignore[index]
-        return sum((w * self.half_force[j] for j, w in weighted.items()), start=ca.SX(0))
+    @cached_property
+    def _forces(self) -> list[int]:
+        """The numbers of the coordinates that the constants belong to: the modes."""
+        return sorted({j for label in self._labelled for j in self.modes.weighted[label]})
+
+    @cached_property
+    def _labelled(self) -> list[Identity]:
+        """The constants of modes of each group, one after the other."""
+        return [label for group in self.groups or () for label in self._labels(group)]
 
     def _fixed(self, group: RowGroup, other: RowGroup) -> list[ca.SX]:
         """The part of each entry that is due to coordinates without coupling; nothing if there is none."""
@@ -149,8 +159,9 @@ class ComplianceLoops:
         assert self.groups is not None
         rows, pairs = len(self.modes.rows), AXES * len(self.modes.rows)
         arrays = {self.coefficients: pairs, self.turning: pairs, self.halves: pairs, self.weighted: pairs}
-        arrays |= {self.shared: len(self._shared), self._rights: rows}
-        tables = {
+        arrays |= {self.shared: len(self._shared), self.forces: len(self._forces), self.moved: len(self._labelled)}
+        tables = {self._rights: rows, self._loads: len(self._labelled) * len(self._forces)}
+        tables |= {
             self._table(group, other): AXES**2 + len(self._fixed(group, other))
             for group in self.groups
             for other in self.groups[group.number :]
@@ -158,8 +169,9 @@ class ComplianceLoops:
 
         def made(at: Tables) -> Iterator[InstanceItem]:
             assert self.groups is not None
+            yield self._moved(at)
             for group in self.groups:
-                yield self._rows(group, targets)
+                yield self._rows(group, at, targets)
             for group in self.groups:
                 for other in self.groups[group.number :]:
                     yield self._block(group, other, at, targets)
@@ -170,9 +182,9 @@ class ComplianceLoops:
     def _rights(self) -> str:
         return f"right_of_{self.of.name}"
 
-    def right_items(self) -> tuple[StepItem, ...]:
-        """The items that store right-hand sides."""
-        return stores(self._rights, [self.right(row) for row in range(len(self.modes.rows))])
+    @property
+    def _loads(self) -> str:
+        return f"loads_of_{self.of.name}"
 
     def _shared_at(self, index: int) -> Element:
         return Element(self.shared, constant(index))
@@ -181,12 +193,21 @@ class ComplianceLoops:
         """One of the three numbers of a row."""
         return Element(array, variable(index, AXES, AXES * group.first + k))
 
-    def _rows(self, group: RowGroup, targets: Targets) -> ForEach:
+    def _moved(self, at: Tables) -> ForEach:
+        """The loop over the constants of modes at all markers: the motion that the forces on the modes alone would cause."""
+        count = len(self._forces)
+        parts = [
+            _product(at(self._loads, j, IndexTerm(count, ROW)), Element(self.forces, constant(j))) for j in range(count)
+        ]
+        moved = StoreElement(Element(self.moved, variable(ROW)), _sum(parts))
+        return ForEach(ROW, constant(0), constant(len(self._labelled)), (moved,))
+
+    def _rows(self, group: RowGroup, at: Tables, targets: Targets) -> ForEach:
         """The loop over the rows of a group: the factors of the coupled coordinates, and the right-hand side."""
         pairs = [(i, j) for i in range(ROTATIONS) for j in range(i)]
         inverses = len(pairs)
         forces = inverses + ROTATIONS
-        own = forces + ROTATIONS + group.number * (ROTATIONS + 1) * AXES
+        own = forces + ROTATIONS + group.number * ROTATIONS * AXES
         body: list[InstanceItem] = []
         p = [self._named(body, f"p{m + 1}", self._of_row(self.coefficients, group, m)) for m in LABELS]
         x: list[Expr] = []
@@ -198,9 +219,9 @@ class ComplianceLoops:
             body.append(StoreElement(self._of_row(self.halves, group, i), x[i]))
             weighted = _product(x[i], self._shared_at(inverses + i))
             body.append(StoreElement(self._of_row(self.weighted, group, i), weighted))
-        loads = [_product(p[m], self._shared_at(own + ROTATIONS * AXES + m)) for m in LABELS]
+        loads = [_product(p[m], Element(self.moved, constant(AXES * group.number + m))) for m in LABELS]
         motions = [_product(x[i], self._shared_at(forces + i)) for i in range(ROTATIONS)]
-        start = Element(self._rights, variable(ROW, 1, group.first))
+        start = at(self._rights, group.first, IndexTerm(1, ROW))
         body.append(StoreElement(targets.right(group), _minus(start, [*loads, *motions])))
         return ForEach(ROW, constant(0), constant(group.count), tuple(body))
 
