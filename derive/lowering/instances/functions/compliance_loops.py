@@ -26,9 +26,11 @@ from derive.lowering.instances.functions.constant_modes import ROTATIONS, Consta
 from derive.lowering.instances.loop_code.class_code import ClassCode, InnerLoops, Tables
 from derive.mechanics.symbols import Identity
 
-ROW, COLUMN = "row", "column"
-"""The variables of the loops over the rows of one group, and of another one."""
+ROW, COLUMN, LABEL = "constraint", "partner", "label"
+"""The variables of the loops over the rows of one group, those of another one, and all constants of modes."""
 LABELS = range(AXES)
+MOVED = ROTATIONS + 1
+"""What moves markers through the modes: coordinates that are coupled with these, and forces."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +103,9 @@ class ComplianceLoops:
         yield from stores(self.coefficients, [c for row in rows for c in row.coefficients.values()])
         yield from stores(self.turning, [row.factors.get(j, ca.SX(0)) for row in rows for j in self.coupled])
         yield from stores(self.shared, self._shared)
-        yield from stores(self.forces, [self.half_force[j] for j in self._forces])
-        weighted = (modes.weighted[label] for label in self._labelled)
-        yield from stores(self._loads, [of.get(j, ca.SX(0)) for of in weighted for j in self._forces])
+        yield from stores(self.forces, self._of_modes)
+        constants = (modes.constants[label] for label in self._labelled)
+        yield from stores(self._loads, [of.get(j, ca.SX(0)) for of in constants for j in self._forces])
         yield from stores(self._rights, [self.right(row) for row in range(len(rows))])
         for group in self.groups:
             for other in self.groups[group.number :]:
@@ -112,19 +114,23 @@ class ComplianceLoops:
 
     @cached_property
     def _shared(self) -> list[ca.SX]:
-        """What all rows read: L between coupled coordinates, D^-1, D^-1 L^-1 f, and what the rows of a group read."""
+        """What all rows read: L between coupled coordinates, D^-1, and D^-1 L^-1 f."""
         modes, order = self.modes, self.coupled
         lower = [dict(modes.factors.lower[j]).get(i, ca.SX(0)) for i in order for j in order[: order.index(i)]]
         inverses = [modes.inverse[j] for j in order]
-        values = [*lower, *inverses, *(modes.inverse[j] * self.half_force[j] for j in order)]
-        for group in self.groups or ():
-            values += [modes.couplings[label][i] for i in order for label in self._labels(group)]
-        return values
+        return [*lower, *inverses, *(modes.inverse[j] * self.half_force[j] for j in order)]
+
+    @cached_property
+    def _of_modes(self) -> list[ca.SX]:
+        """What the constants of all modes are multiplied by: L between these and coupled coordinates, and D^-1 f."""
+        lower = [dict(self.modes.factors.lower[j]) for j in self._forces]
+        own = [self.modes.inverse[j] * self.half_force[j] for j in self._forces]
+        return [*(of.get(i, ca.SX(0)) for i in self.coupled for of in lower), *own]
 
     @cached_property
     def _forces(self) -> list[int]:
         """The numbers of the coordinates that the constants belong to: the modes."""
-        return sorted({j for label in self._labelled for j in self.modes.weighted[label]})
+        return sorted({j for label in self._labelled for j in self.modes.constants[label]})
 
     @cached_property
     def _labelled(self) -> list[Identity]:
@@ -159,8 +165,9 @@ class ComplianceLoops:
         assert self.groups is not None
         rows, pairs = len(self.modes.rows), AXES * len(self.modes.rows)
         arrays = {self.coefficients: pairs, self.turning: pairs, self.halves: pairs, self.weighted: pairs}
-        arrays |= {self.shared: len(self._shared), self.forces: len(self._forces), self.moved: len(self._labelled)}
-        tables = {self._rights: rows, self._loads: len(self._labelled) * len(self._forces)}
+        labels, count = len(self._labelled), len(self._forces)
+        arrays |= {self.shared: len(self._shared), self.forces: len(self._of_modes), self.moved: MOVED * labels}
+        tables = {self._rights: rows, self._loads: labels * count}
         tables |= {
             self._table(group, other): AXES**2 + len(self._fixed(group, other))
             for group in self.groups
@@ -194,32 +201,40 @@ class ComplianceLoops:
         return Element(array, variable(index, AXES, AXES * group.first + k))
 
     def _moved(self, at: Tables) -> ForEach:
-        """The loop over the constants of modes at all markers: the motion that the forces on the modes alone would cause."""
+        """The loop over all constants of modes, for which it adds up the products of those of each mode.
+
+        It computes how the coupled coordinates move the marker through the modes, and how the forces on these move it.
+        """
         count = len(self._forces)
-        parts = [
-            _product(at(self._loads, j, IndexTerm(count, ROW)), Element(self.forces, constant(j))) for j in range(count)
-        ]
-        moved = StoreElement(Element(self.moved, variable(ROW)), _sum(parts))
-        return ForEach(ROW, constant(0), constant(len(self._labelled)), (moved,))
+        body: list[InstanceItem] = []
+        own = [self._named(body, f"w{j + 1}", at(self._loads, j, IndexTerm(count, LABEL))) for j in range(count)]
+        for i in range(MOVED):
+            parts = [_product(own[j], Element(self.forces, constant(count * i + j))) for j in range(count)]
+            body.append(StoreElement(self._moved_at(i, variable(LABEL)), _sum(parts)))
+        return ForEach(LABEL, constant(0), constant(len(self._labelled)), tuple(body))
+
+    def _moved_at(self, by: int, label: ElementIndex) -> Element:
+        """The motion along a constant by a coupled coordinate, or last by the forces."""
+        return Element(self.moved, label.plus(by * len(self._labelled)))
 
     def _rows(self, group: RowGroup, at: Tables, targets: Targets) -> ForEach:
         """The loop over the rows of a group: the factors of the coupled coordinates, and the right-hand side."""
         pairs = [(i, j) for i in range(ROTATIONS) for j in range(i)]
         inverses = len(pairs)
         forces = inverses + ROTATIONS
-        own = forces + ROTATIONS + group.number * ROTATIONS * AXES
+        own = [constant(AXES * group.number + m) for m in LABELS]
         body: list[InstanceItem] = []
         p = [self._named(body, f"p{m + 1}", self._of_row(self.coefficients, group, m)) for m in LABELS]
         x: list[Expr] = []
         for i in range(ROTATIONS):
-            terms = [_product(p[m], self._shared_at(own + AXES * i + m)) for m in LABELS]
+            terms = [_product(p[m], self._moved_at(i, own[m])) for m in LABELS]
             terms += [_product(self._shared_at(pairs.index((i, j))), x[j]) for j in range(i)]
             x.append(self._named(body, f"x{i + 1}", _minus(self._of_row(self.turning, group, i), terms)))
         for i in range(ROTATIONS):
             body.append(StoreElement(self._of_row(self.halves, group, i), x[i]))
             weighted = _product(x[i], self._shared_at(inverses + i))
             body.append(StoreElement(self._of_row(self.weighted, group, i), weighted))
-        loads = [_product(p[m], Element(self.moved, constant(AXES * group.number + m))) for m in LABELS]
+        loads = [_product(p[m], self._moved_at(ROTATIONS, own[m])) for m in LABELS]
         motions = [_product(x[i], self._shared_at(forces + i)) for i in range(ROTATIONS)]
         start = at(self._rights, group.first, IndexTerm(1, ROW))
         body.append(StoreElement(targets.right(group), _minus(start, [*loads, *motions])))

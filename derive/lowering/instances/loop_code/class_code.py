@@ -109,9 +109,14 @@ class LoopCode:
         inner = inner or InnerLoops({}, {}, lambda _: ())
         sections = self.context.sections(symbols, *steps)
         statements = [statement for section in sections for statement in section.body]
-        used = {
-            part.name for s in statements for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)
-        }
+        in_tables = [s for s in statements if isinstance(s, Store) and s.output in inner.tables]
+        tables = {table: {s.index: s.expr for s in in_tables if s.output == table} for table in inner.tables}
+        arrays = {**inner.arrays, **{name: len(of) for name, of in tables.items() if not self._is_known(of.values())}}
+        for name, table in tables.items():
+            if name not in arrays:
+                self._number(tuple(table[k] for k in range(len(table))), 0, ())
+        read = [s for s in statements if s not in in_tables or (isinstance(s, Store) and s.output in arrays)]
+        used = {part.name for s in read for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)}
         checks = attitude_checks(self.context.equations, used)
         used |= {name for check in checks for name in reads(check)}
         loads: list[InstanceItem] = []
@@ -122,11 +127,8 @@ class LoopCode:
             entries += _entries(place) if names else ()
         loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
         body: list[InstanceItem] = [*checks]
-        tables: dict[str, dict[int, Expr]] = {table: {} for table in inner.tables}
-        for statement in statements:
-            if isinstance(statement, Store) and statement.output in tables:
-                tables[statement.output][statement.index] = statement.expr
-            elif isinstance(statement, Store) and statement.output in inner.arrays:
+        for statement in read:
+            if isinstance(statement, Store) and statement.output in arrays:
                 body.append(StoreElement(Element(statement.output, ElementIndex(statement.index)), statement.expr))
             elif isinstance(statement, Store):
                 target = targets[statement.output]
@@ -137,13 +139,6 @@ class LoopCode:
                 assert isinstance(statement, Let | Require)
                 body.append(statement)
         start, stop = ElementIndex(0), ElementIndex(self.count)
-        arrays = {**inner.arrays, **{name: len(of) for name, of in tables.items() if not self._is_known(of.values())}}
-        body += [
-            StoreElement(Element(name, ElementIndex(k)), expr)
-            for name, of in tables.items()
-            if name in arrays
-            for k, expr in of.items()
-        ]
 
         def at(table: str, offset: int, *terms: IndexTerm) -> Element:
             if table in arrays:
@@ -159,6 +154,9 @@ class LoopCode:
 
     def _constant(self, name: str) -> Element:
         """The element of the constant array of the class that holds a constant."""
+        column = next((k for k, expr in enumerate(self._columns) if expr == ScalarRef(name)), None)
+        if column is not None:
+            self._firsts.setdefault((ScalarRef(name),), column)
         return self._number((ScalarRef(name),), 0, ())
 
     def _number(self, table: tuple[Expr, ...], offset: int, terms: Sequence[IndexTerm]) -> Element:
