@@ -21,7 +21,8 @@ SHORT = 16
 def vector_starts(nodes: Iterable[Node], whole: Container[str] = ()) -> dict[str, int]:
     """The elements from which on vectors are stored in local arrays that may be aligned.
 
-    whole: the arrays in which fewer instances than lanes store vectors, see `filled_by_few`. A vector that is aligned does not cross the lines that caches exchange; storing to two of them takes twice the time.
+    whole: the arrays in which fewer instances than lanes store vectors, see `filled_by_few`. A vector that is aligned
+    does not cross the lines that caches exchange; storing to two of them takes twice the time.
     """
     nodes = tuple(every(nodes))
     may = {node.array for node in nodes if isinstance(node, Local) and (node.spacing or node.in_lanes)}

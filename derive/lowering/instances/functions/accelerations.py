@@ -10,7 +10,7 @@ import casadi as ca
 
 from derive.algebra import sp
 from derive.ir.expressions import Element, Operator, ScalarRef
-from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.flat.accelerations import balanced
@@ -91,7 +91,7 @@ def _system(
     targets: dict[str, LoopTarget] = {}
     inner: InnerLoops | None = None
     if context.blocks and of.system_rows:
-        loops = system.in_loops if in_lanes and of.count > 1 and not context.proximal else None
+        loops = system.in_loops if in_lanes and 1 < of.count <= LANES and not context.proximal else None
         places = _loop_targets(context.blocks, of) if loops else None
         if loops and places:
             inner = loops.loops(places)
