@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import groupby
 
 from derive.ir.analysis import names_read, needed
 from derive.ir.expressions import (
@@ -239,11 +240,18 @@ def _rows_first(lines: Sequence[Node]) -> tuple[Node, ...]:
     The straight line behind the loops is so long that its values and loads are not in registers in any given order.
     Loops behind it stay there: they read arrays that it fills.
     """
-    last = max(k for k, node in enumerate(lines) if not isinstance(node, For)) + 1
-    rows = [node for node in lines[:last] if isinstance(node, For)]
-    before = needed(lines, rows)
-    straight = [node for node in lines[:last] if node not in before and node not in rows]
-    return (*before, *rows, *with_few_waiting(straight), *lines[last:])
+    result: list[Node] = []
+    left: list[Node] = []
+    for is_loop, part in groupby(lines, lambda node: isinstance(node, For)):
+        if is_loop:
+            result += part
+            continue
+        nodes = [*left, *part]
+        loads = all(isinstance(node, Let) for node in nodes) and not result
+        placed = needed(nodes, [node for node in lines if isinstance(node, For)]) if loads else with_few_waiting(nodes)
+        left = [node for node in nodes if node not in placed]
+        result += placed
+    return tuple(result)
 
 
 def _is_inner(node: Node) -> bool:

@@ -10,7 +10,7 @@ import casadi as ca
 
 from derive.algebra import sp
 from derive.ir.expressions import Element, Operator, ScalarRef
-from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
+from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.flat.accelerations import balanced
@@ -35,6 +35,7 @@ from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
 from derive.lowering.instances.functions.compliance_loops import Targets
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
+from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.functions.varying_factors import VaryingFactors
 from derive.lowering.instances.loop_code.class_code import (
     INSTANCE,
@@ -85,16 +86,16 @@ def _system(
     loads = [*state(of, *names), *read]
     given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
-    system = local_system(of, symbols, side)
+    system = local_system(of, symbols, side, in_lanes)
     unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
     items: list[StepItem] = [*system.checks]
     targets: dict[str, LoopTarget] = {}
-    inner: InnerLoops | None = None
+    inner: dict[str, InnerLoops] = {}
     if context.blocks and of.system_rows:
-        loops = system.in_loops if in_lanes and 1 < of.count <= LANES and not context.proximal else None
+        loops = system.in_loops if not context.proximal else None
         places = _loop_targets(context.blocks, of) if loops else None
-        if loops and places:
-            inner = loops.loops(places)
+        if loops and loops.groups and places:
+            inner[of.name] = loops.loops(places)
             items += loops.items()
         else:
             more, targets = _block_items(context, of, system)
@@ -104,7 +105,11 @@ def _system(
     if work:
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
-    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], loads, targets, in_lanes, inner)
+    steps = [Step(of.name, "", "", tuple(items))]
+    if system.markers:
+        steps.insert(0, Step(LABEL, "", "", tuple(system.markers.items())))
+        inner[LABEL] = system.markers.loops()
+    before = of.loop(symbols, steps, loads, targets, in_lanes, inner)
     later = symbols.copy()
     inputs = list(loads)
     if work:

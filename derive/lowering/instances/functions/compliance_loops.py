@@ -23,14 +23,13 @@ from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import StepItem
 from derive.lowering.instances.classes.mode_factors import AXES
 from derive.lowering.instances.functions.constant_modes import ROTATIONS, ConstantModes
+from derive.lowering.instances.functions.marker_modes import named, product, total
 from derive.lowering.instances.loop_code.class_code import ClassCode, InnerLoops, Tables
 from derive.mechanics.symbols import Identity
 
-ROW, COLUMN, LABEL = "constraint", "partner", "label"
-"""The variables of the loops over the rows of one group, those of another one, and all constants of modes."""
+ROW, COLUMN = "constraint", "partner"
+"""The variables of the loops over the rows of one group, and of another one."""
 LABELS = range(AXES)
-MOVED = ROTATIONS + 1
-"""What moves markers through the modes: coordinates that are coupled with these, and forces."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +46,6 @@ class RowGroup:
     number: int
 
 
-def _sum(parts: Sequence[Expr]) -> Expr:
-    return reduce(lambda a, b: Operation(Operator.ADD, (a, b)), parts)
-
-
-def _product(a: Expr, b: Expr) -> Expr:
-    return Operation(Operator.MUL, (a, b))
-
-
 def _minus(a: Expr, parts: Sequence[Expr]) -> Expr:
     return reduce(lambda x, y: Operation(Operator.SUB, (x, y)), parts, a)
 
@@ -62,17 +53,16 @@ def _minus(a: Expr, parts: Sequence[Expr]) -> Expr:
 class ComplianceLoops:
     """The loops over the rows of a body, and the values that they read.
 
-    half_force: L^-1 f; bias: gamma of each row.
+    bias: gamma of each row.
     """
 
-    def __init__(
-        self, of: ClassCode, modes: ConstantModes, half_force: Mapping[int, ca.SX], bias: Sequence[ca.SX]
-    ) -> None:
-        self.of, self.modes, self.half_force, self.bias = of, modes, half_force, bias
-        self.coupled = [j for j in modes.factors.order if j in modes.coupled]
-        self.coefficients, self.turning, self.halves, self.weighted, self.shared, self.forces, self.moved = (
-            f"{what}_of_{of.name}"
-            for what in ("coefficients", "turning", "halves", "weighted_halves", "shared", "forces", "moved")
+    def __init__(self, of: ClassCode, modes: ConstantModes, bias: Sequence[ca.SX]) -> None:
+        self.of, self.modes, self.half_force, self.bias = of, modes, modes.half_force, bias
+        assert modes.markers
+        self.markers = modes.markers
+        self.coupled = self.markers.coupled
+        self.coefficients, self.turning, self.halves, self.weighted, self.shared = (
+            f"{what}_of_{of.name}" for what in ("coefficients", "turning", "halves", "weighted_halves", "shared")
         )
 
     @cached_property
@@ -103,9 +93,6 @@ class ComplianceLoops:
         yield from stores(self.coefficients, [c for row in rows for c in row.coefficients.values()])
         yield from stores(self.turning, [row.factors.get(j, ca.SX(0)) for row in rows for j in self.coupled])
         yield from stores(self.shared, self._shared)
-        yield from stores(self.forces, self._of_modes)
-        constants = (modes.constants[label] for label in self._labelled)
-        yield from stores(self._loads, [of.get(j, ca.SX(0)) for of in constants for j in self._forces])
         yield from stores(self._rights, [self.right(row) for row in range(len(rows))])
         for group in self.groups:
             for other in self.groups[group.number :]:
@@ -119,23 +106,6 @@ class ComplianceLoops:
         lower = [dict(modes.factors.lower[j]).get(i, ca.SX(0)) for i in order for j in order[: order.index(i)]]
         inverses = [modes.inverse[j] for j in order]
         return [*lower, *inverses, *(modes.inverse[j] * self.half_force[j] for j in order)]
-
-    @cached_property
-    def _of_modes(self) -> list[ca.SX]:
-        """What the constants of all modes are multiplied by: L between these and coupled coordinates, and D^-1 f."""
-        lower = [dict(self.modes.factors.lower[j]) for j in self._forces]
-        own = [self.modes.inverse[j] * self.half_force[j] for j in self._forces]
-        return [*(of.get(i, ca.SX(0)) for i in self.coupled for of in lower), *own]
-
-    @cached_property
-    def _forces(self) -> list[int]:
-        """The numbers of the coordinates that the constants belong to: the modes."""
-        return sorted({j for label in self._labelled for j in self.modes.constants[label]})
-
-    @cached_property
-    def _labelled(self) -> list[Identity]:
-        """The constants of modes of each group, one after the other."""
-        return [label for group in self.groups or () for label in self._labels(group)]
 
     def _fixed(self, group: RowGroup, other: RowGroup) -> list[ca.SX]:
         """The part of each entry that is due to coordinates without coupling; nothing if there is none."""
@@ -165,9 +135,8 @@ class ComplianceLoops:
         assert self.groups is not None
         rows, pairs = len(self.modes.rows), AXES * len(self.modes.rows)
         arrays = {self.coefficients: pairs, self.turning: pairs, self.halves: pairs, self.weighted: pairs}
-        labels, count = len(self._labelled), len(self._forces)
-        arrays |= {self.shared: len(self._shared), self.forces: len(self._of_modes), self.moved: MOVED * labels}
-        tables = {self._rights: rows, self._loads: labels * count}
+        arrays |= {self.shared: len(self._shared)}
+        tables = {self._rights: rows}
         tables |= {
             self._table(group, other): AXES**2 + len(self._fixed(group, other))
             for group in self.groups
@@ -176,7 +145,6 @@ class ComplianceLoops:
 
         def made(at: Tables) -> Iterator[InstanceItem]:
             assert self.groups is not None
-            yield self._moved(at)
             for group in self.groups:
                 yield self._rows(group, at, targets)
             for group in self.groups:
@@ -189,10 +157,6 @@ class ComplianceLoops:
     def _rights(self) -> str:
         return f"right_of_{self.of.name}"
 
-    @property
-    def _loads(self) -> str:
-        return f"loads_of_{self.of.name}"
-
     def _shared_at(self, index: int) -> Element:
         return Element(self.shared, constant(index))
 
@@ -200,65 +164,44 @@ class ComplianceLoops:
         """One of the three numbers of a row."""
         return Element(array, variable(index, AXES, AXES * group.first + k))
 
-    def _moved(self, at: Tables) -> ForEach:
-        """The loop over all constants of modes, for which it adds up the products of those of each mode.
-
-        It computes how the coupled coordinates move the marker through the modes, and how the forces on these move it.
-        """
-        count = len(self._forces)
-        body: list[InstanceItem] = []
-        own = [self._named(body, f"w{j + 1}", at(self._loads, j, IndexTerm(count, LABEL))) for j in range(count)]
-        for i in range(MOVED):
-            parts = [_product(own[j], Element(self.forces, constant(count * i + j))) for j in range(count)]
-            body.append(StoreElement(self._moved_at(i, variable(LABEL)), _sum(parts)))
-        return ForEach(LABEL, constant(0), constant(len(self._labelled)), tuple(body))
-
-    def _moved_at(self, by: int, label: ElementIndex) -> Element:
-        """The motion along a constant by a coupled coordinate, or last by the forces."""
-        return Element(self.moved, label.plus(by * len(self._labelled)))
-
     def _rows(self, group: RowGroup, at: Tables, targets: Targets) -> ForEach:
         """The loop over the rows of a group: the factors of the coupled coordinates, and the right-hand side."""
         pairs = [(i, j) for i in range(ROTATIONS) for j in range(i)]
         inverses = len(pairs)
         forces = inverses + ROTATIONS
-        own = [constant(AXES * group.number + m) for m in LABELS]
+        markers = self.markers
+        own = [constant(markers.labels.index(label)) for label in self._labels(group)]
         body: list[InstanceItem] = []
-        p = [self._named(body, f"p{m + 1}", self._of_row(self.coefficients, group, m)) for m in LABELS]
+        p = [named(body, f"p{m + 1}", self._of_row(self.coefficients, group, m)) for m in LABELS]
         x: list[Expr] = []
         for i in range(ROTATIONS):
-            terms = [_product(p[m], self._moved_at(i, own[m])) for m in LABELS]
-            terms += [_product(self._shared_at(pairs.index((i, j))), x[j]) for j in range(i)]
-            x.append(self._named(body, f"x{i + 1}", _minus(self._of_row(self.turning, group, i), terms)))
+            terms = [product(p[m], markers.at(i, own[m])) for m in LABELS]
+            terms += [product(self._shared_at(pairs.index((i, j))), x[j]) for j in range(i)]
+            x.append(named(body, f"x{i + 1}", _minus(self._of_row(self.turning, group, i), terms)))
         for i in range(ROTATIONS):
             body.append(StoreElement(self._of_row(self.halves, group, i), x[i]))
-            weighted = _product(x[i], self._shared_at(inverses + i))
+            weighted = product(x[i], self._shared_at(inverses + i))
             body.append(StoreElement(self._of_row(self.weighted, group, i), weighted))
-        loads = [_product(p[m], self._moved_at(ROTATIONS, own[m])) for m in LABELS]
-        motions = [_product(x[i], self._shared_at(forces + i)) for i in range(ROTATIONS)]
+        loads = [product(p[m], markers.at(ROTATIONS, own[m])) for m in LABELS]
+        motions = [product(x[i], self._shared_at(forces + i)) for i in range(ROTATIONS)]
         start = at(self._rights, group.first, IndexTerm(1, ROW))
         body.append(StoreElement(targets.right(group), _minus(start, [*loads, *motions])))
         return ForEach(ROW, constant(0), constant(group.count), tuple(body))
-
-    def _named(self, body: list[InstanceItem], name: str, value: Expr) -> Expr:
-        body.append(Let(f"{name}_of_row", value))
-        return ScalarRef(f"{name}_of_row")
 
     def _block(self, group: RowGroup, other: RowGroup, at: Tables, targets: Targets) -> ForEach:
         """The loops over the entries of the rows of two groups."""
         table = self._table(group, other)
         body: list[InstanceItem] = []
-        p = [self._named(body, f"p{m + 1}", self._of_row(self.coefficients, other, m, COLUMN)) for m in LABELS]
-        y = [self._named(body, f"y{i + 1}", self._of_row(self.weighted, other, i, COLUMN)) for i in range(ROTATIONS)]
+        p = [named(body, f"p{m + 1}", self._of_row(self.coefficients, other, m, COLUMN)) for m in LABELS]
+        y = [named(body, f"y{i + 1}", self._of_row(self.weighted, other, i, COLUMN)) for i in range(ROTATIONS)]
         motion = [
-            self._named(body, f"m{k + 1}", _sum([_product(at(table, AXES * k + m), p[m]) for m in LABELS]))
-            for k in LABELS
+            named(body, f"m{k + 1}", total([product(at(table, AXES * k + m), p[m]) for m in LABELS])) for k in LABELS
         ]
-        parts = [_product(self._of_row(self.coefficients, group, k), motion[k]) for k in LABELS]
-        parts += [_product(self._of_row(self.halves, group, i), y[i]) for i in range(ROTATIONS)]
+        parts = [product(self._of_row(self.coefficients, group, k), motion[k]) for k in LABELS]
+        parts += [product(self._of_row(self.halves, group, i), y[i]) for i in range(ROTATIONS)]
         if self._fixed(group, other):
             parts.insert(0, at(table, AXES**2, IndexTerm(other.count, ROW), IndexTerm(1, COLUMN)))
-        entry = StoreElement(targets.entry(group, other), _sum(parts))
+        entry = StoreElement(targets.entry(group, other), total(parts))
         stop = constant(group.count) if group is not other else variable(COLUMN, 1, 1)  # the other half is the same
         body.append(ForEach(ROW, constant(0), stop, (entry,)))
         return ForEach(COLUMN, constant(0), constant(other.count), tuple(body))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from types import MappingProxyType
 
 import casadi as ca
 
@@ -49,7 +50,7 @@ Tables = Callable[..., Element]
 
 @dataclass(frozen=True)
 class InnerLoops:
-    """Loops at the end of the body of a loop, and what they read of it.
+    """Loops in the body of a loop, behind the statements of a step, and what they read of it.
 
     arrays: the local arrays of an iteration with their sizes, of which outputs of the steps fill some; tables: those of
     outputs that are constants of an instance; made: the loops, with the elements of the tables.
@@ -99,23 +100,24 @@ class LoopCode:
         inputs: Iterable[Loaded],
         targets: Mapping[str, LoopTarget],
         in_lanes: bool = False,
-        inner: InnerLoops | None = None,
+        inner: Mapping[str, InnerLoops] = MappingProxyType({}),
     ) -> ForEach:
         """The loop over the instances of the class.
 
         targets: those of the outputs of the steps, by name. in_lanes: whether instances that do not add to elements are
-        worth the text and the time of compilers that vectors take. inner: loops at the end of the body.
+        worth the text and the time of compilers that vectors take. inner: the loops behind steps, by the names of these.
         """
-        inner = inner or InnerLoops({}, {}, lambda _: ())
         sections = self.context.sections(symbols, *steps)
         statements = [statement for section in sections for statement in section.body]
-        in_tables = [s for s in statements if isinstance(s, Store) and s.output in inner.tables]
-        tables = {table: {s.index: s.expr for s in in_tables if s.output == table} for table in inner.tables}
-        arrays = {**inner.arrays, **{name: len(of) for name, of in tables.items() if not self._is_known(of.values())}}
-        for name, table in tables.items():
-            if name not in arrays:
-                self._number(tuple(table[k] for k in range(len(table))), 0, ())
-        read = [s for s in statements if s not in in_tables or (isinstance(s, Store) and s.output in arrays)]
+        arrays = {name: size for of in inner.values() for name, size in of.arrays.items()}
+        tables: dict[str, dict[int, Expr]] = {table: {} for of in inner.values() for table in of.tables}
+        for store in (s for s in statements if isinstance(s, Store) and s.output in tables):
+            tables[store.output][store.index] = store.expr
+        arrays |= {name: len(of) for name, of in tables.items() if not self._is_known(of.values())}
+        known = {name: tuple(of[k] for k in range(len(of))) for name, of in tables.items() if name not in arrays}
+        for table in known.values():
+            self._number(table, 0, ())
+        read = [s for s in statements if not (isinstance(s, Store) and s.output in known)]
         used = {part.name for s in read for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)}
         checks = attitude_checks(self.context.equations, used)
         used |= {name for check in checks for name in reads(check)}
@@ -126,27 +128,29 @@ class LoopCode:
             loads += [Let(name, Element(array, place.at(k))) for k, name in names]
             entries += _entries(place) if names else ()
         loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
-        body: list[InstanceItem] = [*checks]
-        for statement in read:
-            if isinstance(statement, Store) and statement.output in arrays:
-                body.append(StoreElement(Element(statement.output, ElementIndex(statement.index)), statement.expr))
-            elif isinstance(statement, Store):
-                target = targets[statement.output]
-                element = Element(target.array, target.index(statement.index))
-                body.append(StoreElement(element, statement.expr, target.operator))
-                entries += target.entries
-            else:
-                assert isinstance(statement, Let | Require)
-                body.append(statement)
-        start, stop = ElementIndex(0), ElementIndex(self.count)
 
         def at(table: str, offset: int, *terms: IndexTerm) -> Element:
-            if table in arrays:
-                return Element(table, ElementIndex(offset, terms))
-            return self._number(tuple(tables[table][k] for k in range(len(tables[table]))), offset, terms)
+            if table in known:
+                return self._number(known[table], offset, terms)
+            return Element(table, ElementIndex(offset, terms))
 
+        body: list[InstanceItem] = [*checks]
+        for section in sections:
+            for statement in section.body:
+                if isinstance(statement, Store) and statement.output in arrays:
+                    body.append(StoreElement(Element(statement.output, ElementIndex(statement.index)), statement.expr))
+                elif isinstance(statement, Store) and statement.output in targets:
+                    target = targets[statement.output]
+                    element = Element(target.array, target.index(statement.index))
+                    body.append(StoreElement(element, statement.expr, target.operator))
+                    entries += target.entries
+                elif not isinstance(statement, Store):
+                    assert isinstance(statement, Let | Require)
+                    body.append(statement)
+            body += inner[section.name].made(at) if section.name in inner else ()
         works = [Work(name, size) for name, size in arrays.items()]
-        body = [*dict.fromkeys(entries), *loads, *works, *body, *inner.made(at)]
+        body = [*dict.fromkeys(entries), *loads, *works, *body]
+        start, stop = ElementIndex(0), ElementIndex(self.count)
         in_lanes = in_lanes and all(target.operator is None for target in targets.values())
         return ForEach(INSTANCE, start, stop, tuple(body), independent=in_lanes)
 
@@ -154,16 +158,15 @@ class LoopCode:
 
     def _constant(self, name: str) -> Element:
         """The element of the constant array of the class that holds a constant."""
-        column = next((k for k, expr in enumerate(self._columns) if expr == ScalarRef(name)), None)
-        if column is not None:
-            self._firsts.setdefault((ScalarRef(name),), column)
         return self._number((ScalarRef(name),), 0, ())
 
     def _number(self, table: tuple[Expr, ...], offset: int, terms: Sequence[IndexTerm]) -> Element:
         """The element of the constant array of the class with a number of a table, whose numbers follow each other."""
         if table not in self._firsts:
             self._firsts[table] = len(self._columns)
-            self._columns += table
+            for expr in table:
+                self._firsts.setdefault((expr,), len(self._columns))
+                self._columns.append(expr)
         more = (replace(term, stride=term.stride * self.count) for term in terms)
         index = ElementIndex((self._firsts[table] + offset) * self.count, (*more, IndexTerm(1, INSTANCE)))
         return Element(self._array, index)
