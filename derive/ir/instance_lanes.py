@@ -235,7 +235,7 @@ class _Block:
 
 
 def _rows_first(lines: Sequence[Node]) -> tuple[Node, ...]:
-    """Lines whose first loops over rows come first, with what these need; behind them, few values wait for their readers.
+    """Lines whose first loops over rows come first, with what these need; behind them, few values wait for readers.
 
     The straight line behind the loops is so long that its values and loads are not in registers in any given order.
     Loops behind it stay there: they read arrays that it fills.
@@ -255,7 +255,7 @@ def _rows_first(lines: Sequence[Node]) -> tuple[Node, ...]:
 
 
 def _is_inner(node: Node) -> bool:
-    """Whether a statement is a loop inside that names values and assigns elements, in the same way for all instances."""
+    """Whether a statement is a loop inside that names values and assigns elements, as often for all instances."""
     if not isinstance(node, For):
         return False
     around = {n.variable for n in every([node]) if isinstance(n, For)}

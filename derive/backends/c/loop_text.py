@@ -38,7 +38,7 @@ def vector_starts(nodes: Iterable[Node], whole: Container[str] = ()) -> dict[str
 
 
 def filled_by_few(nodes: Iterable[Node]) -> set[str]:
-    """The local arrays with room for all lanes in which fewer instances than lanes store every element, and nothing else.
+    """The local arrays with room for all lanes that only loops of fewer instances than lanes fill.
 
     A vector of all lanes then takes one store in place of three; lanes that are left repeat the last instance.
     """

@@ -16,9 +16,9 @@ from itertools import groupby
 
 import casadi as ca
 
-from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
+from derive.ir.expressions import Element, Expr, Operation, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
-from derive.ir.statements import ForEach, InstanceItem, Let, StoreElement
+from derive.ir.statements import ForEach, InstanceItem, StoreElement
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import StepItem
 from derive.lowering.instances.classes.mode_factors import AXES

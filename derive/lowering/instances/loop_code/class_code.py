@@ -105,7 +105,7 @@ class LoopCode:
         """The loop over the instances of the class.
 
         targets: those of the outputs of the steps, by name. in_lanes: whether instances that do not add to elements are
-        worth the text and the time of compilers that vectors take. inner: the loops behind steps, by the names of these.
+        worth the text and the time of compilers that vectors take. inner: the loops behind steps, by their names.
         """
         sections = self.context.sections(symbols, *steps)
         statements = [statement for section in sections for statement in section.body]
