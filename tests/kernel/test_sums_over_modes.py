@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import casadi as ca
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -269,8 +270,10 @@ def test_coefficients_take_the_place_of_factors(monkeypatch: pytest.MonkeyPatch)
     """A joint hands a body three coefficients for its rotation and three for its modes, however many modes it has."""
     used: list[ConstantModes | None] = []
 
-    def noted(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
-        used.append(constant_modes(of, symbols, factors))
+    def noted(
+        of: ClassCode, symbols: Symbols, factors: Factorisation, half_force: Mapping[int, ca.SX], in_loop: bool
+    ) -> ConstantModes | None:
+        used.append(constant_modes(of, symbols, factors, half_force, in_loop))
         return used[-1]
 
     monkeypatch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)

@@ -187,7 +187,7 @@ class LoopCode:
         hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
         columns: list[Fraction] = []
         for expr in self._columns:
-            columns += [_evaluated(expr, values, hoisted) for values in self._values]
+            columns += [_evaluated(expr, values, hoisted) for values in self._values or [{}] * self.count]
         self.places.numbers(ConstantArray(self._array, tuple(columns), False, self.count))
 
     def of_members(self, requirement: Require) -> Iterator[Require]:
