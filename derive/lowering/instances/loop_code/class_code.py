@@ -186,8 +186,9 @@ class LoopCode:
             return
         hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
         columns: list[Fraction] = []
+        nothing: dict[str, Fraction] = {}
         for expr in self._columns:
-            columns += [_evaluated(expr, values, hoisted) for values in self._values or [{}] * self.count]
+            columns += [_evaluated(expr, values, hoisted) for values in self._values or [nothing] * self.count]
         self.places.numbers(ConstantArray(self._array, tuple(columns), False, self.count))
 
     def of_members(self, requirement: Require) -> Iterator[Require]:
