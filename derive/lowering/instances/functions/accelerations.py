@@ -106,7 +106,10 @@ def _system(
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
     steps = [Step(of.name, "", "", tuple(items))]
-    if system.markers:
+    if system.markers and inner:
+        steps[0] = Step(of.name, "", "", (*system.markers.items(), *items))
+        inner[of.name] = system.markers.loops().and_then(inner[of.name])
+    elif system.markers:
         steps.insert(0, Step(LABEL, "", "", tuple(system.markers.items())))
         inner[LABEL] = system.markers.loops()
     before = of.loop(symbols, steps, loads, targets, in_lanes, inner)

@@ -60,6 +60,11 @@ class InnerLoops:
     tables: Mapping[str, int]
     made: Callable[[Tables], Iterable[InstanceItem]]
 
+    def and_then(self, other: InnerLoops) -> InnerLoops:
+        """These loops, and other ones behind them."""
+        arrays, tables = {**self.arrays, **other.arrays}, {**self.tables, **other.tables}
+        return InnerLoops(arrays, tables, lambda at: [*self.made(at), *other.made(at)])
+
 
 class LoopCode:
     """The code of a class of bodies or of a group: its context of straight-line code, and places of its instances."""
