@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import groupby
 
 from derive.ir.analysis import names_read, needed
 from derive.ir.expressions import (
@@ -234,18 +235,33 @@ class _Block:
 
 
 def _rows_first(lines: Sequence[Node]) -> tuple[Node, ...]:
-    """Lines whose loops over rows come first, with what these need; behind them, few values wait for their readers.
+    """Lines whose first loops over rows come first, with what these need; behind them, few values wait for readers.
 
     The straight line behind the loops is so long that its values and loads are not in registers in any given order.
+    Loops behind it stay there: they read arrays that it fills.
     """
-    rows = [node for node in lines if isinstance(node, For)]
-    before = needed(lines, rows)
-    return (*before, *rows, *with_few_waiting([node for node in lines if node not in before and node not in rows]))
+    result: list[Node] = []
+    left: list[Node] = []
+    for is_loop, part in groupby(lines, lambda node: isinstance(node, For)):
+        if is_loop:
+            result += part
+            continue
+        nodes = [*left, *part]
+        loads = all(isinstance(node, Let) for node in nodes) and not result
+        placed = needed(nodes, [node for node in lines if isinstance(node, For)]) if loads else with_few_waiting(nodes)
+        left = [node for node in nodes if node not in placed]
+        result += placed
+    return tuple(result)
 
 
 def _is_inner(node: Node) -> bool:
-    """Whether a statement is a loop inside that only assigns elements."""
-    return isinstance(node, For) and node.count is not None and all(isinstance(n, Assign) for n in node.body)
+    """Whether a statement is a loop inside that names values and assigns elements, as often for all instances."""
+    if not isinstance(node, For):
+        return False
+    around = {n.variable for n in every([node]) if isinstance(n, For)}
+    bounds = (n for n in every([node]) if isinstance(n, For))
+    known = all(term.variable in around for n in bounds for of in (n.start, n.stop) for term in of.terms)
+    return known and all(isinstance(n, Assign | Let | For) for n in every(node.body))
 
 
 def _array(name: str, placed: Sequence[Element]) -> str:

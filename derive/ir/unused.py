@@ -23,7 +23,8 @@ def without_unused(bodies: Bodies, arrays: Iterable[str]) -> list[tuple[Statemen
 
     arrays: those that the kernel writes for its caller. Statements that do not run over instances stay.
     """
-    needed = _Needed({item.array for body in bodies for item in body if isinstance(item, Work)} - {*arrays})
+    every = (part for body in bodies for item in body for part in (item, *_inside(item)))
+    needed = _Needed({part.array for part in every if isinstance(part, Work)} - {*arrays})
     while True:
         known, read = len(needed.arrays), set[str]()
         result = [tuple(needed.part(body, read)) for body in reversed(bodies)]
@@ -69,6 +70,10 @@ class _Needed:
                 return bool(item.body)
             case _:
                 return True
+
+
+def _inside(item: Statement) -> Iterator[InstanceItem]:
+    return inside(item) if isinstance(item, ForEach) else iter(())
 
 
 def _read(item: Statement | InstanceItem) -> Iterator[str]:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import count
 
 from derive.ir.expressions import Element, Expr, Leaf, ScalarRef, mapped
+from derive.ir.indices import ElementIndex
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
@@ -34,40 +36,60 @@ def _statement(statement: Statement) -> Statement:
 
 def _lines(body: Iterable[InstanceItem], arrays: set[str]) -> Iterator[InstanceItem]:
     """The lines of a body, in which elements of its arrays are values with names."""
-
-    def leaf(item: Leaf) -> Expr:
-        if isinstance(item, Element) and item.array in arrays:
-            assert item.index
-            return ScalarRef(_name(item.array, item.index.offset))
-        return item
-
-    for item in body:
-        match item:
-            case Work():
-                pass
-            case ForEach(variable, start, stop):
-                for value in range(start.offset, stop.offset):
-                    yield from (_line(line, variable, value) for line in item.body)
-            case Let() | Require() | StoreElement():
-                yield replace(item, expr=mapped(item.expr, leaf))
-            case _:
-                yield item
+    return _Lines(arrays).of(body, {}, {})
 
 
-def _line(line: InstanceItem, variable: str, value: int) -> InstanceItem:
-    """A line of a loop for a value of its variable."""
-    assert isinstance(line, StoreElement)
-    assert isinstance(line.target, Element)
-    assert line.target.index
+class _Lines:
+    """The lines of a body; `arrays` are those of an iteration, whose elements have names."""
 
-    def leaf(item: Leaf) -> Expr:
-        return _at(item, variable, value) if isinstance(item, Element) else item
+    def __init__(self, arrays: set[str]) -> None:
+        self.arrays = arrays
+        self.numbers = count(1)
 
-    return Let(_name(line.target.array, line.target.index.with_value(variable, value).offset), mapped(line.expr, leaf))
+    def of(
+        self, body: Iterable[InstanceItem], variables: dict[str, int], names: dict[str, str]
+    ) -> Iterator[InstanceItem]:
+        """The lines for values of the variables of loops around; names: those of values in these loops."""
+
+        def leaf(item: Leaf) -> Expr:
+            if isinstance(item, ScalarRef):
+                return replace(item, name=names.get(item.name, item.name))
+            if not isinstance(item, Element) or not item.index:
+                return item
+            index = _at(item.index, variables)
+            return (
+                ScalarRef(_name(item.array, index.offset)) if item.array in self.arrays else replace(item, index=index)
+            )
+
+        for item in body:
+            match item:
+                case Work():
+                    pass
+                case ForEach(variable, start, stop):
+                    first, last = _at(start, variables).offset, _at(stop, variables).offset
+                    for value in range(first, last):
+                        yield from self.of(item.body, {**variables, variable: value}, dict(names))
+                case Let():
+                    expr = mapped(item.expr, leaf)
+                    if variables:
+                        names[item.name] = f"{item.name}_{next(self.numbers)}"
+                    yield Let(names.get(item.name, item.name), expr)
+                case StoreElement(Element() as target) if target.index:
+                    expr, index = mapped(item.expr, leaf), _at(target.index, variables)
+                    if target.array in self.arrays:
+                        yield Let(_name(target.array, index.offset), expr)
+                    else:
+                        yield replace(item, target=replace(target, index=index), expr=expr)
+                case StoreElement() | Require():
+                    yield replace(item, expr=mapped(item.expr, leaf))
+                case _:
+                    yield item
 
 
-def _at(element: Element, variable: str, value: int) -> Element:
-    return replace(element, index=element.index.with_value(variable, value)) if element.index else element
+def _at(index: ElementIndex, values: dict[str, int]) -> ElementIndex:
+    for variable, value in values.items():
+        index = index.with_value(variable, value)
+    return index
 
 
 def _name(array: str, index: int) -> str:

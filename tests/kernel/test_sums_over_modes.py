@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,11 +30,8 @@ from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
 from derive.ir.written_out_rows import with_rows_written_out
-from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.instances.functions.constant_modes import ConstantModes, constant_modes
-from derive.lowering.instances.loop_code.class_code import ClassCode
 from derive.lowering.instances.lower import lower_instances
-from derive.lowering.ldlt import Factorisation
 from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
 from derive.lowering.model_functions import FORMS
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
@@ -87,8 +85,8 @@ def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes 
     """A chain in loops, and what `constant_modes` returned for its bodies."""
     returned: list[ConstantModes | None] = []
 
-    def noted(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
-        returned.append(constant_modes(of, symbols, factors))
+    def noted(*of: Any) -> ConstantModes | None:
+        returned.append(constant_modes(*of))
         return returned[-1]
 
     mechanism = derive.derive(chain(count, ("fixed",), alike))

@@ -8,7 +8,7 @@ from derive.backends.c.beginnings import shared_signature, without_last
 from derive.backends.c.forms import form_call, form_signature
 from derive.backends.c.function_parts import DividedFunction, NumberedNodes, divided_function
 from derive.backends.c.linear_sums import KernelSums
-from derive.backends.c.loop_text import vector_starts
+from derive.backends.c.loop_text import filled_by_few, vector_starts
 from derive.backends.c.nests import CNests
 from derive.backends.c.shared_sections import SharedSections
 from derive.backends.c.signatures import parameters, signature
@@ -53,9 +53,13 @@ def function(
     tables = numbers_of_instances(kernel.constants)
     sections = [_in_lanes(body, tables) for body in _numbered_statements(kernel, sums)]
     nodes = [node for section in sections for _, part in section for node in part]
-    starts = vector_starts(nodes)
+    passed = {
+        array for section in kernel.sections if section.body in shared for array, _ in shared[section.body].arrays
+    }
+    whole = filled_by_few(nodes) - passed
+    starts = vector_starts(nodes, whole)
     counter = "ptrdiff_t" if kernel.repeats else "int"
-    filled = tiles_read(tables)
+    filled = tiles_read(tables) | whole
     nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter, filled=filled)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):

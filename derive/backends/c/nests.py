@@ -22,7 +22,6 @@ from derive.backends.expression_text import index_text
 from derive.backends.source_map import defining, plain
 from derive.backends.wrapping import join, statement
 from derive.ir.expressions import Element
-from derive.ir.factor_tables import ROW
 from derive.ir.indices import LANE, LANES
 from derive.ir.loop_nests import (
     Accumulator,
@@ -252,7 +251,7 @@ class CNests(ValuesInLanes):
             case LoopKind.STATES:
                 body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
-                short = self._vectors is None or node.variable == ROW  # rows of vectors written out run no faster
+                short = self._vectors is None or self._lane == LANE  # rows of vectors written out run no faster
                 body, head = self._body(node.body), loop_head(node, self.counter, short)
                 last = last_block(node)
                 if last is not None:

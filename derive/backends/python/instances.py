@@ -24,7 +24,7 @@ def instance_lines(item: InstanceItem | Work, require: Callable[[Require], list[
         case Require():
             return _indented(plain(*require(item)), depth)
         case Work():
-            return plain(f"    {item.array} = [0.0] * {item.count}")
+            return _indented(plain(f"    {item.array} = [0.0] * {item.count}"), depth)
         case Entry():
             return _indented(plain(f"    {item.name} = {item.array}[{index_text(item.index)}]"), depth)
         case StoreElement():

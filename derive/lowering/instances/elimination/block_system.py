@@ -26,6 +26,8 @@ FLOOR = ("first_floor", "second_floor")
 """The local arrays of what they contribute to the least weights of a proximal term."""
 COUPLING, KNOWN, FORCE = "coupling", "known_right", "reaction"
 """The local arrays of the blocks beside the diagonal, of what is known of the right-hand side, and of the solution."""
+LARGEST_PACKED = 3
+"""The largest symmetric blocks of which one half is stored without gaps."""
 FEW = 24
 """Elements that no body writes and that are stored one by one; where there are more, an array begins as zeros."""
 FEW_NEIGHBOURS = 4
@@ -67,8 +69,8 @@ class Blocks:
 
     @property
     def packed(self) -> int:
-        """The elements of a symmetric block."""
-        return self.size * (self.size + 1) // 2
+        """The elements of a symmetric block, see `packed`."""
+        return 1 + packed(self.size, self.size - 1, self.size - 1)
 
     @property
     def couplings(self) -> int:
@@ -217,9 +219,12 @@ def spaced(count: int) -> int:
 
 
 def packed(size: int, i: int, j: int) -> int:
-    """The index of entry (i, j) of a symmetric block, rows i <= j."""
+    """The index of entry (i, j) of a symmetric block, rows i <= j.
+
+    Large blocks have room for all entries, so that loops over their rows find them at equal distances.
+    """
     i, j = min(i, j), max(i, j)
-    return i * size - i * (i - 1) // 2 + j - i
+    return i * size - i * (i - 1) // 2 + j - i if size <= LARGEST_PACKED else i * size + j
 
 
 def declared(

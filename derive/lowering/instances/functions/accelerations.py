@@ -33,9 +33,17 @@ from derive.lowering.instances.elimination.graph_elimination import in_graph
 from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
+from derive.lowering.instances.functions.compliance_loops import Targets
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
+from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.functions.varying_factors import VaryingFactors
-from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
+from derive.lowering.instances.loop_code.class_code import (
+    INSTANCE,
+    ClassCode,
+    InnerLoops,
+    LoopTarget,
+    kept_values,
+)
 from derive.lowering.instances.loop_code.context import (
     InstanceContext,
     Part,
@@ -78,19 +86,33 @@ def _system(
     loads = [*state(of, *names), *read]
     given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
-    system = local_system(of, symbols, side)
+    system = local_system(of, symbols, side, in_lanes)
     unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
     items: list[StepItem] = [*system.checks]
     targets: dict[str, LoopTarget] = {}
+    inner: dict[str, InnerLoops] = {}
     if context.blocks and of.system_rows:
-        more, targets = _block_items(context, of, system)
-        items += more
+        loops = system.in_loops if not context.proximal else None
+        places = _loop_targets(context.blocks, of) if loops else None
+        if loops and loops.groups and places:
+            inner[of.name] = loops.loops(places)
+            items += loops.items()
+        else:
+            more, targets = _block_items(context, of, system)
+            items += more
     work = Work(f"kept_{of.name}", len(kept) * spaced(of.count), spacing=spaced(of.count)) if kept else None
     place = of.place("kept", range(of.count), spaced(of.count))
     if work:
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
-    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], loads, targets, in_lanes)
+    steps = [Step(of.name, "", "", tuple(items))]
+    if system.markers and inner:
+        steps[0] = Step(of.name, "", "", (*system.markers.items(), *items))
+        inner[of.name] = system.markers.loops().and_then(inner[of.name])
+    elif system.markers:
+        steps.insert(0, Step(LABEL, "", "", tuple(system.markers.items())))
+        inner[LABEL] = system.markers.loops()
+    before = of.loop(symbols, steps, loads, targets, in_lanes, inner)
     later = symbols.copy()
     inputs = list(loads)
     if work:
@@ -149,6 +171,29 @@ def _block_items(
     return items, targets
 
 
+def _loop_targets(system: Blocks, of: ClassCode) -> Targets | None:
+    """Where the entries of the rows of a class go in loops over these; None if they are not at equal distances."""
+    entries: dict[tuple[int, int], tuple[str, ElementIndex, int, int]] = {}
+    rights: dict[int, tuple[str, ElementIndex, int]] = {}
+    size, spacing = system.size, system.spacing
+    if system.adds or packed(size, 1, 1) != packed(size, 0, 0) + size + 1:
+        return None
+    for h in range(len(of.system_rows)):
+        place, side = _joint_place(system, of, h), 0 if of.of.first.handles[h].is_first else 1
+        entries[h, h] = DIAGONAL[side], place.at(0), size * spacing, spacing
+        rights[h] = RIGHT[side], place.at(0), spacing
+        if place.entry:
+            return None
+    for a, b in combinations(range(len(of.system_rows)), 2):
+        place, turned = _coupling_place(system, of, (a, b))
+        if place.entry or len(set(turned)) > 1:
+            return None
+        distances = (1, size) if turned[0] else (size, 1)
+        row, column = (n * system.coupling_spacing for n in distances)
+        entries[a, b] = COUPLING, place.at(0), row, column
+    return Targets(entries, rights)
+
+
 def _joint_place(system: Blocks, of: ClassCode, handle: int) -> Place:
     """The place of the joint at a handle of each body, in arrays of one component after the other."""
     return of.place(f"joint_{handle}", [system.place(m.handles[handle].joint) for m in of.of.members], system.spacing)
@@ -160,12 +205,8 @@ def _coupling(
     """The items that write a block beside the diagonal: two joints of one body."""
     a, b = handles
     first, second = of.system_rows[a], of.system_rows[b]
-    size = system.size
-    at = [(system.place(m.handles[a].joint), system.place(m.handles[b].joint)) for m in of.of.members]
-    is_turned = at[of.of.leading][0] > at[of.of.leading][1]
-    turned = [is_turned if system.joints in pair else pair[0] > pair[1] for pair in at]
-    name = f"coupling_{a}_{b}"
-    place = of.place(name, [system.block(*pair) for pair in at], system.coupling_spacing)
+    size, name = system.size, f"coupling_{a}_{b}"
+    place, turned = _coupling_place(system, of, handles)
     values = [local_of.compliance(i, j) for i in first for j in second]
     cells = [(i, j) for i in range(len(first)) for j in range(len(second))]
     operator = Operator.ADD if system.adds else None
@@ -187,6 +228,15 @@ def _coupling(
 
         target = LoopTarget(COUPLING, at_cell, operator, entries)
     return [*stores(name, values)], {name: target}
+
+
+def _coupling_place(system: Blocks, of: ClassCode, handles: tuple[int, int]) -> tuple[Place, list[bool]]:
+    """The place of the block of two joints of each body, and whether the second of these comes first."""
+    a, b = handles
+    at = [(system.place(m.handles[a].joint), system.place(m.handles[b].joint)) for m in of.of.members]
+    is_turned = at[of.of.leading][0] > at[of.of.leading][1]
+    turned = [is_turned if system.joints in pair else pair[0] > pair[1] for pair in at]
+    return of.place(f"coupling_{a}_{b}", [system.block(*pair) for pair in at], system.coupling_spacing), turned
 
 
 def _chosen(place: Place, numbers: list[int]) -> Callable[[int], ElementIndex]:

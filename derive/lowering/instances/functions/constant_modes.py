@@ -8,13 +8,14 @@ correction of rank three through B C with C = M between modes and rotation.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes, mode_coefficients
+from derive.lowering.instances.functions.marker_modes import MarkerModes
 from derive.lowering.instances.loop_code.class_code import ClassCode
 from derive.lowering.ldlt import Factorisation
 from derive.mechanics.symbols import Identity, identity
@@ -45,7 +46,15 @@ def elimination_order(of: ClassCode) -> tuple[int, ...] | None:
 class ConstantModes:
     """The products of the rows of G of a body with the inverse of its mass matrix, whose factors are given."""
 
-    def __init__(self, of: ClassCode, symbols: Symbols, factors: Factorisation, rows: Sequence[_Row]) -> None:
+    def __init__(
+        self,
+        of: ClassCode,
+        symbols: Symbols,
+        factors: Factorisation,
+        rows: Sequence[_Row],
+        half_force: Mapping[int, ca.SX],
+        in_loop: bool,
+    ) -> None:
         context = of.system
         self.factors, self.rows = factors, rows
         self.inverse = dict(zip(factors.order, factors.inverses, strict=True))
@@ -69,13 +78,20 @@ class ConstantModes:
         self.weighted = weighted
         last = factors.order[-ROTATIONS:]
         self.coupled = [j for j in last if any(j == i for of_j in factors.lower.values() for i, _ in of_j)]
-        self.couplings = {
-            label: {
-                i: _dot(of_modes, {j: dict(factors.lower[j])[i] for j in of_modes if i in dict(factors.lower[j])})
-                for i in self.coupled
+        self.half_force = half_force
+        self.markers: MarkerModes | None = None
+        if in_loop:
+            self.markers = MarkerModes(of.name, self.constants, factors, self.coupled, half_force)
+            self.couplings, self.of_labels = self.markers.inputs(symbols)
+        else:
+            self.couplings = {
+                label: {
+                    i: _dot(of_modes, {j: dict(factors.lower[j])[i] for j in of_modes if i in dict(factors.lower[j])})
+                    for i in self.coupled
+                }
+                for label, of_modes in self.constants.items()
             }
-            for label, of_modes in self.constants.items()
-        }
+            self.of_labels = {label: _dot(weights, half_force) for label, weights in weighted.items()}
         self.halves = [self._half(row) for row in rows]
 
     def _half(self, row: _Row) -> dict[int, ca.SX]:
@@ -105,7 +121,7 @@ class ConstantModes:
                 total = total + factor * _dot(self.weighted[label], self.rows[two].factors)
         return total + self.product(self.halves[a], self.halves[b])
 
-    def product(self, a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
+    def product(self, a: Mapping[int, ca.SX], b: Mapping[int, ca.SX]) -> ca.SX:
         """The product of two vectors with the inverse of D."""
         total = ca.SX(0)
         for j, value in a.items():
@@ -120,14 +136,13 @@ class ConstantModes:
             present |= {*self.constants[label]}
         return sum((self.inverse[j] for j in self.factors.order if j in present), start=ca.SX(0))
 
-    def motions(self, half_force: dict[int, ca.SX]) -> list[ca.SX]:
-        """G M^-1 f of each constraint, from L^-1 f."""
-        of_labels = {label: _dot(weighted, half_force) for label, weighted in self.weighted.items()}
+    def motions(self) -> list[ca.SX]:
+        """G M^-1 f of each constraint."""
         result = []
         for row, half in zip(self.rows, self.halves, strict=True):
-            total = self.product(half, half_force)
+            total = self.product(half, self.half_force)
             for label, factor in row.coefficients.items():
-                total = total + factor * of_labels[label]
+                total = total + factor * self.of_labels[label]
             result.append(total)
         return result
 
@@ -147,7 +162,7 @@ class ConstantModes:
         return total
 
 
-def _dot(a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
+def _dot(a: Mapping[int, ca.SX], b: Mapping[int, ca.SX]) -> ca.SX:
     total: ca.SX | None = None
     for j, value in a.items():
         if j in b:
@@ -155,8 +170,13 @@ def _dot(a: dict[int, ca.SX], b: dict[int, ca.SX]) -> ca.SX:
     return ca.SX(0) if total is None else total
 
 
-def constant_modes(of: ClassCode, symbols: Symbols, factors: Factorisation) -> ConstantModes | None:
-    """The products of a body, or None if the factors of its modes are no sums of constants."""
+def constant_modes(
+    of: ClassCode, symbols: Symbols, factors: Factorisation, half_force: Mapping[int, ca.SX], in_loop: bool
+) -> ConstantModes | None:
+    """The products of a body, or None if the factors of its modes are no sums of constants.
+
+    half_force: L^-1 f; in_loop: whether a loop over the constants of modes adds up their products.
+    """
     context = of.system
     constants = constants_of_modes(c.symbol for c in context.equations.coefficients)
     number = {name: j for j, name in enumerate(context.rows)}
@@ -169,4 +189,5 @@ def constant_modes(of: ClassCode, symbols: Symbols, factors: Factorisation) -> C
             return None
         others = {j: symbols(factor) for j, factor in factors_of.items() if j not in of_modes}
         rows.append(_Row(others, {label: symbols(c) for label, c in (coefficients or {}).items()}))
-    return ConstantModes(of, symbols, factors, rows) if any(row.coefficients for row in rows) else None
+    some = any(row.coefficients for row in rows)
+    return ConstantModes(of, symbols, factors, rows, half_force, in_loop) if some else None

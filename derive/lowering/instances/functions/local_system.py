@@ -14,11 +14,14 @@ import casadi as ca
 
 from derive.algebra import sp
 from derive.ir.expressions import ScalarRef
+from derive.ir.indices import LANES
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
+from derive.lowering.instances.functions.compliance_loops import ComplianceLoops
 from derive.lowering.instances.functions.constant_modes import constant_modes, elimination_order
+from derive.lowering.instances.functions.marker_modes import MarkerModes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import local
@@ -41,7 +44,8 @@ class LocalSystem:
     compliance: the entry of G M^-1 G^T of two constraints; floor: the diagonal entry of a constraint if all factors
     that it has were 1 and its coordinates independent, with which a proximal term compares it; right: gamma - G M^-1 f;
     unknowns: x in terms of lambda; checks: what is named or required before; inverses: what stands for the inverses of
-    divisors in `unknowns`, with their values, so that each is computed once.
+    divisors in `unknowns`, with their values, so that each is computed once; markers: the loop
+    that precedes all else; in_loops: compliance and right in loops over the rows of joints.
     """
 
     compliance: Callable[[int, int], ca.SX]
@@ -50,14 +54,20 @@ class LocalSystem:
     unknowns: list[ca.SX]
     checks: tuple[StepItem, ...]
     inverses: tuple[tuple[ca.SX, ca.SX], ...] = ()
+    markers: MarkerModes | None = None
+    in_loops: ComplianceLoops | None = None
 
 
-def local_system(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
-    """The system of a class; `symbols` get the names of what it computes first."""
+def local_system(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -> LocalSystem:
+    """The system of a class; `symbols` get the names of what it computes first.
+
+    in_lanes: whether bodies are computed in vectors. If one vector holds all of them, a call executes their text once,
+    and loops over constants of modes and over rows of joints spare most of it; several vectors share it.
+    """
     mass = of.system.equations.mass
     if all(mass[i, j] == 0 for i in range(mass.rows) for j in range(i)):
         return _diagonal(of, symbols, right)
-    return _factorised(of, symbols, right)
+    return _factorised(of, symbols, right, in_lanes)
 
 
 def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
@@ -146,7 +156,7 @@ def _with_reactions(symbols: Symbols, free: sp.Expr, inverse: sp.Expr, reactions
     return min(symbols(whole), sum(grouped, start=symbols(rest)), key=ca.n_nodes)
 
 
-def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
+def _factorised(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -> LocalSystem:
     """The system of a body whose mass matrix is factorised."""
     context = of.system
     eq = context.equations
@@ -155,17 +165,18 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries}, order)
     forces = [symbols(f) for f in right.forces]
     checks = pivot_checks(symbols, factors, context.rows)
-    modes = constant_modes(of, symbols, factors) if order else None
+    half_force = _forward(factors, dict(enumerate(forces)))
+    modes = constant_modes(of, symbols, factors, half_force, in_lanes and 1 < of.count <= LANES) if order else None
     if modes:
-        half_force = _forward(factors, dict(enumerate(forces)))
-        rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(half_force), strict=True)]
+        rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(), strict=True)]
         unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
-        return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks)
+        markers = modes.markers
+        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if markers else None
+        return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks, (), markers, loops)
     entries = jacobian_entries(context, symbols)
     G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]
     inverse = dict(zip(factors.order, factors.inverses, strict=True))
     halves = [_forward(factors, row) for row in G]
-    half_force = _forward(factors, dict(enumerate(forces)))
 
     def product(a: Mapping[int, ca.SX], b: Mapping[int, ca.SX]) -> ca.SX:
         total = ca.SX(0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from types import MappingProxyType
 
 import casadi as ca
 
@@ -13,7 +14,7 @@ from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operat
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.kernel import ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
-from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement, Work
 from derive.lowering.attitude import attitude_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
@@ -43,6 +44,28 @@ Loaded = tuple[str, Place, Input]
 """An array, the place of the elements of an instance in it, and their names."""
 
 
+Tables = Callable[..., Element]
+"""The element of a table of constants, by its name, an offset, and the terms of loops around."""
+
+
+@dataclass(frozen=True)
+class InnerLoops:
+    """Loops in the body of a loop, behind the statements of a step, and what they read of it.
+
+    arrays: the local arrays of an iteration with their sizes, of which outputs of the steps fill some; tables: those of
+    outputs that are constants of an instance; made: the loops, with the elements of the tables.
+    """
+
+    arrays: Mapping[str, int]
+    tables: Mapping[str, int]
+    made: Callable[[Tables], Iterable[InstanceItem]]
+
+    def and_then(self, other: InnerLoops) -> InnerLoops:
+        """These loops, and other ones behind them."""
+        arrays, tables = {**self.arrays, **other.arrays}, {**self.tables, **other.tables}
+        return InnerLoops(arrays, tables, lambda at: [*self.made(at), *other.made(at)])
+
+
 class LoopCode:
     """The code of a class of bodies or of a group: its context of straight-line code, and places of its instances."""
 
@@ -64,7 +87,8 @@ class LoopCode:
             if self.differing
         ]
         self._members = [_name(m) for m in of.members]
-        self._columns: dict[str, int] = {}
+        self._columns: list[Expr] = []
+        self._firsts: dict[tuple[Expr, ...], int] = {}
 
     def place(self, what: str, firsts: Sequence[int], spacing: int = 1) -> Place:
         """The place of the first of some elements of each instance, and the distance of these."""
@@ -81,17 +105,25 @@ class LoopCode:
         inputs: Iterable[Loaded],
         targets: Mapping[str, LoopTarget],
         in_lanes: bool = False,
+        inner: Mapping[str, InnerLoops] = MappingProxyType({}),
     ) -> ForEach:
         """The loop over the instances of the class.
 
         targets: those of the outputs of the steps, by name. in_lanes: whether instances that do not add to elements are
-        worth the text and the time of compilers that vectors take.
+        worth the text and the time of compilers that vectors take. inner: the loops behind steps, by their names.
         """
         sections = self.context.sections(symbols, *steps)
         statements = [statement for section in sections for statement in section.body]
-        used = {
-            part.name for s in statements for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)
-        }
+        arrays = {name: size for of in inner.values() for name, size in of.arrays.items()}
+        tables: dict[str, dict[int, Expr]] = {table: {} for of in inner.values() for table in of.tables}
+        for store in (s for s in statements if isinstance(s, Store) and s.output in tables):
+            tables[store.output][store.index] = store.expr
+        arrays |= {name: len(of) for name, of in tables.items() if not self._is_known(of.values())}
+        known = {name: tuple(of[k] for k in range(len(of))) for name, of in tables.items() if name not in arrays}
+        for table in known.values():
+            self._number(table, 0, ())
+        read = [s for s in statements if not (isinstance(s, Store) and s.output in known)]
+        used = {part.name for s in read for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)}
         checks = attitude_checks(self.context.equations, used)
         used |= {name for check in checks for name in reads(check)}
         loads: list[InstanceItem] = []
@@ -101,18 +133,29 @@ class LoopCode:
             loads += [Let(name, Element(array, place.at(k))) for k, name in names]
             entries += _entries(place) if names else ()
         loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
+
+        def at(table: str, offset: int, *terms: IndexTerm) -> Element:
+            if table in known:
+                return self._number(known[table], offset, terms)
+            return Element(table, ElementIndex(offset, terms))
+
         body: list[InstanceItem] = [*checks]
-        for statement in statements:
-            if isinstance(statement, Store):
-                target = targets[statement.output]
-                element = Element(target.array, target.index(statement.index))
-                body.append(StoreElement(element, statement.expr, target.operator))
-                entries += target.entries
-            else:
-                assert isinstance(statement, Let | Require)
-                body.append(statement)
+        for section in sections:
+            for statement in section.body:
+                if isinstance(statement, Store) and statement.output in arrays:
+                    body.append(StoreElement(Element(statement.output, ElementIndex(statement.index)), statement.expr))
+                elif isinstance(statement, Store) and statement.output in targets:
+                    target = targets[statement.output]
+                    element = Element(target.array, target.index(statement.index))
+                    body.append(StoreElement(element, statement.expr, target.operator))
+                    entries += target.entries
+                elif not isinstance(statement, Store):
+                    assert isinstance(statement, Let | Require)
+                    body.append(statement)
+            body += inner[section.name].made(at) if section.name in inner else ()
+        works = [Work(name, size) for name, size in arrays.items()]
+        body = [*dict.fromkeys(entries), *loads, *works, *body]
         start, stop = ElementIndex(0), ElementIndex(self.count)
-        body = [*dict.fromkeys(entries), *loads, *body]
         in_lanes = in_lanes and all(target.operator is None for target in targets.values())
         return ForEach(INSTANCE, start, stop, tuple(body), independent=in_lanes)
 
@@ -120,8 +163,23 @@ class LoopCode:
 
     def _constant(self, name: str) -> Element:
         """The element of the constant array of the class that holds a constant."""
-        column = self._columns.setdefault(name, len(self._columns))
-        return Element(self._array, ElementIndex(column * self.count, (IndexTerm(1, INSTANCE),)))
+        return self._number((ScalarRef(name),), 0, ())
+
+    def _number(self, table: tuple[Expr, ...], offset: int, terms: Sequence[IndexTerm]) -> Element:
+        """The element of the constant array of the class with a number of a table, whose numbers follow each other."""
+        if table not in self._firsts:
+            self._firsts[table] = len(self._columns)
+            for expr in table:
+                self._firsts.setdefault((expr,), len(self._columns))
+                self._columns.append(expr)
+        more = (replace(term, stride=term.stride * self.count) for term in terms)
+        index = ElementIndex((self._firsts[table] + offset) * self.count, (*more, IndexTerm(1, INSTANCE)))
+        return Element(self._array, index)
+
+    def _is_known(self, values: Iterable[Expr]) -> bool:
+        """Whether values are numbers of the instances that differ, so that the constant array of the class has them."""
+        names = {part.name for value in values for part in walk(value) if isinstance(part, ScalarRef)}
+        return names <= self.context.constants.of_instances
 
     @property
     def _array(self) -> str:
@@ -133,8 +191,9 @@ class LoopCode:
             return
         hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
         columns: list[Fraction] = []
-        for name in self._columns:
-            columns += [_evaluated(ScalarRef(name), values, hoisted) for values in self._values]
+        nothing: dict[str, Fraction] = {}
+        for expr in self._columns:
+            columns += [_evaluated(expr, values, hoisted) for values in self._values or [nothing] * self.count]
         self.places.numbers(ConstantArray(self._array, tuple(columns), False, self.count))
 
     def of_members(self, requirement: Require) -> Iterator[Require]:
