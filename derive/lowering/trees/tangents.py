@@ -114,8 +114,9 @@ class Tangents:
                 result += own_statements
                 active |= dict.fromkeys(own)
             first += of.count
-        works = {name: self._works.get(name, Work(name, self.sizes.get(name, 0))) for name in active}
-        return [*(replace(work, array=tangent_of(name), cleared=False) for name, work in works.items()), *result]
+        works = [self._works.get(name, Work(name, self.sizes.get(name, 0))) for name in active]
+        tangents = [replace(work, array=tangent_of(work.array), cleared=False) for work in works]
+        return [Work(SLOPES, max(len(of.scalars) for of in self.directions)), *tangents, *result]
 
     def _along(self, of: Directions, copies: Sequence[InstanceItem]) -> tuple[list[Statement], list[str]]:
         """The statements of each direction, and the arrays of which there are derivatives."""
@@ -157,8 +158,7 @@ class Tangents:
         place = self._places.place(f"scalar_of_{name}_{self.function}", ENTRY, [place for _, place in every])
         store = StoreElement(Element(SLOPES, place.at(0)), Element(name, variable(ENTRY)))
         own = [place.entry] if place.entry else []
-        column = [Work(SLOPES, len(scalars)), _cleared(SLOPES, len(scalars)), *span((*own, store))]
-        return [Work(name, len(every)), *kept], column
+        return [Work(name, len(every)), *kept], [_cleared(SLOPES, len(scalars)), *span((*own, store))]
 
     def _span(
         self, of: str, name: str, numbers: Sequence[Sequence[int]]
