@@ -207,5 +207,5 @@ def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
     scenes = [_mechanism(_chain(count, "auto")) for count in (14, 5)]
     scenes.append(_mechanism(_chain(14, "auto") + SPRING))
     assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
-    assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since iteration matrices")
+    assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since derivatives in loops")
     assert lower(scenes[0], explicit=True).lowering == "instances"
