@@ -13,7 +13,7 @@ from derive.ir.model import Model, Variable, Zero
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
-from derive.lowering.flat.lower import OF_BODIES, OF_MECHANISMS
+from derive.lowering.flat.lower import FORMED, OF_BODIES, OF_MECHANISMS
 from derive.lowering.flat.motion_quantities import with_mass_reciprocal
 from derive.lowering.flat.sensitivities import with_derivatives
 from derive.lowering.flat.setup import setup_kernel
@@ -32,7 +32,7 @@ from derive.mechanics.multibody.gathering import refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
-WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives by parameters and inputs"
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no angular velocities of markers"
 
 
 def _equations(
@@ -105,13 +105,14 @@ def lower_trees(
     if explicit and not requested:  # as in straight-line code
         equations = replace(equations, markers=())
     kernels: list[Kernel] = []
-    if others is None:
-        choice = f"{choice}; {WITHOUT}"
-        if not {*requested} <= LOOPED:
-            raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
+    if others is None and not {*requested} <= LOOPED:
+        raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
     every = functions_of(equations, sensitivities, explicit, balanced and others is None)
+    forms: dict[FunctionKind, Kernel] = {}
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
-        if others is None and function.kind in OF_MARKERS:
+        if function.kind in forms:
+            kernels.append(replace(forms[function.kind], name=function.name, doc=function.doc))
+        elif others is None and function.kind in OF_MARKERS:
             kernels.append(OF_MARKERS[function.kind](context, function))
         elif _is_looped(context, function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
@@ -119,6 +120,8 @@ def lower_trees(
             kernels.append(
                 with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations)
             )
+        if function.kind in FORMED and not context.multipliers:
+            forms[function.kind] = kernels[-1]
     setup, constants = setup_kernel(_with_parameters(context, others or context.known.context), kernels)
     scene = mechanism.scene
     inputs = context.known.context.equations.inputs
