@@ -268,7 +268,7 @@ pivot = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
 count = COUNT
 mass = { symbol = "m", default = 1.5, unit = "kg" }
 centre = [0.1, 0, 0.02]
-inertia = [0.04, 0.05, 0.03, 0.001, 0.002, -0.0015]
+inertia = [0.4, 0.5, 0.3, 0.01, 0.02, -0.015]
 
 [bodies.link.markers]
 near = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
