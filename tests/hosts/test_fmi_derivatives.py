@@ -64,7 +64,9 @@ class Exchange:
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", ["crank_slider_3", "pushed", "steered", "free_beam_mean", "block", "links_3", "links_100"])
+@pytest.mark.parametrize(
+    "name", ["crank_slider_3", "pushed", "steered", "free_beam_mean", "block", "links_3", "links_100"]
+)
 def test_derivatives_are_those_of_differences(name: str, version: int, tmp_path: Path) -> None:
     exchange = Exchange(name, version, tmp_path)
     count = len(exchange.knowns)
