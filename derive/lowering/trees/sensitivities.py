@@ -60,7 +60,9 @@ def by_parameters_and_inputs(context: TreeContext, parts: Iterable[Part]) -> Ite
     """Yield the columns of parameters and those of inputs, for what sections read."""
     read = {name for *_, body in parts for statement in body for name in reads(statement)}
     parameters, known = context.mechanism.parameters, context.known.derivatives.columns
-    scalars = {str(s): {j: ScalarRef(str(x)) for j, x in by.items()} for s, by in known.items() if str(s) in read}
+    scalars: dict[str, dict[int, Expr]] = {
+        str(s): {j: ScalarRef(str(x)) for j, x in by.items()} for s, by in known.items() if str(s) in read
+    }
     constants = [(name, expr) for expr, name in context.motion.arrays.parametric.items() if name in read]
     for name, expr in constants:
         slopes = {j: _slope(expr, str(p.symbol)) for j, p in enumerate(parameters)}
