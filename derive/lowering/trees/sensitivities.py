@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from derive.algebra import sp
 from derive.ir.analysis import reads
-from derive.ir.expressions import ScalarRef
+from derive.ir.expressions import Expr, ScalarRef
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Statement, Work
 from derive.lowering.instances.loop_code.context import Part, Result, kernel
