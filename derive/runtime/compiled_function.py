@@ -56,6 +56,11 @@ class CompiledFunction:
         self._known: Known = tuple(object() for _ in inputs), (0,) * len(inputs), ()
         self._known_out = NO_OUTPUT
 
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """The lengths of the results."""
+        return self._sizes
+
     def __call__(self, arrays: tuple[ArrayLike, ...], *numbers: float, out: Vector | None = None) -> Vector:
         """The first result, written into `out` where it is given.
 

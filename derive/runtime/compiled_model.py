@@ -553,6 +553,7 @@ class Native(RequestedFunctions):
         k: ArrayLike,
         sizes: list[int],
         check: bool,
+        holder: Any = None,
     ) -> list[Matrix]:
         name = f"{kernel}_batch"
         rows = [checked_rows(columns, given, name) for columns, given in states]
@@ -562,7 +563,7 @@ class Native(RequestedFunctions):
         columns_first = [np.ascontiguousarray(given.T) for given in rows]
         results = [np.empty((size, count)) for size in sizes]
         arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), *results]
-        function: Callable[..., int] | None = getattr(self._model, name)  # a null pointer is false
+        function: Callable[..., int] | None = getattr(holder or self._model, name)  # a null pointer is false
         if not function:
             macro = OptionalPart.BATCHES.value
             raise CompilerError(f"{self.name}_{name} is not in this library, whose C was compiled with {macro}")

@@ -151,7 +151,7 @@ def _template_values(
             for kernel in model.kernels
         ],
         "batch_helpers": batch_helpers(model, blocks),
-        "batched": enumeration(BATCHED),
+        "batched": enumeration([*blocks]),
         "batch_names": [f"{name}_batch" for name in BATCHED],
         "batches": [batch_function(block) for block in blocks.values()],
         "batch_width": " or ".join(str(w) for w in sorted({block.width for block in blocks.values()})),
