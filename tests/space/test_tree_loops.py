@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from derive.backends.c.source import CBackend
+from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import SpecError
 from derive.ir.interpreter import interpret
@@ -209,3 +210,12 @@ def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
     assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
     assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since derivatives in loops")
     assert lower(scenes[0], explicit=True).lowering == "instances"
+
+
+def test_forms_without_constraints_have_one_text_in_c_and_in_python() -> None:
+    """The functions of the reduced forms call those of index 3."""
+    scene = parse(_chain(2))
+    texts = {file.path.rsplit(".")[-1]: file.text for file in model_files(lower(derive(scene)), scene)}
+    assert texts["c"].count("return tree_jacobian(t, y, ydot, cj, k, jac);") == 2
+    assert texts["py"].count("return jacobian(t, y, ydot, cj, k)\n") == 2
+    assert texts["py"].count("return residual(t, y, ydot, k)\n") == 2
