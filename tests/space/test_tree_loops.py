@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from derive.backends.c.source import CBackend
-from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import SpecError
 from derive.ir.interpreter import interpret
@@ -19,6 +18,7 @@ from derive.lowering.trees.choice import chosen
 from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.pipeline import model_files
 from derive.runtime.loading import load
 from derive.spec.toml.read import parse
 
