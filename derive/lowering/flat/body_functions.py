@@ -41,15 +41,15 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
     entries, forces = context.mass_pattern().entries, force_values(context, symbols)
-    values = mass_values(context, symbols)
+    values, has_trees = mass_values(context, symbols), bool(context.equations.trees)
     steps = []
     # From the last row to the first: the last rows are cheap, and compilers keep their values in registers.
     for row in reversed(range(len(context.rows))):
         h = OutputValue("h", row, forces[row])
-        numbered = [(index, entry) for index, entry in enumerate(entries) if entry[1] == row]
-        column = (OutputValue("M", index, values[index]) for index, _ in numbered)
-        text = f"force and column of M of {context.rows[row]}"
-        steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
+        own = [index for index, entry in enumerate(entries) if entry[0 if has_trees else 1] == row]
+        part = (OutputValue("M", index, values[index]) for index in (reversed(own) if has_trees else own))
+        text = f"force and {'row' if has_trees else 'column'} of M of {context.rows[row]}"
+        steps.append(Step(context.rows[row], "(15)", text, (h, *part)))
     return context.kernel(function, outputs, symbols, *steps)
 
 
@@ -215,7 +215,10 @@ def _force_elements(context: Context) -> OutputElements:
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:
     """The step that computes M."""
-    return Step("M", "(15)", "factors of the accelerations", stores("M", mass_values(context, symbols)))
+    entries, items = context.mass_pattern().entries, stores("M", mass_values(context, symbols))
+    if context.equations.trees:  # row by row from the leaves on, as momenta pass to the root
+        items = [items[index] for index in sorted(range(len(items)), key=entries.__getitem__, reverse=True)]
+    return Step("M", "(15)", "factors of the accelerations", items)
 
 
 def _force_step(context: Context, symbols: Symbols) -> Step:
