@@ -25,9 +25,10 @@ def parameter(symbol: str, default: float, unit: str) -> dict[str, Any]:
 
 
 def with_parameters(tables: dict[str, Any], hinge: str) -> dict[str, Any]:
-    """A tree whose mass, length, gravity and stiffness are parameters, with inputs that load joints and bodies."""
+    """A tree whose mass, inertia, length, gravity and stiffness are parameters, with inputs that load joints and bodies."""
     tables["scene"]["gravity"] = [0, 0.5, parameter("g", -9.81, "m/s^2")]
     tables["bodies"]["body2"]["mass"] = parameter("m", 1.5, "kg")
+    tables["bodies"]["body3"]["inertia"][0] = parameter("J", 0.8, "kg m^2")
     tables["bodies"]["body3"]["markers"]["o"]["at"] = [parameter("l", 0.4, "m"), 0.1, 0]
     tables["inputs"] = {"turn": {"value": 0}}
     tables["torques"] = {
