@@ -217,7 +217,7 @@ def _mass_step(context: Context, symbols: Symbols) -> Step:
     """The step that computes M."""
     entries, items = context.mass_pattern().entries, stores("M", mass_values(context, symbols))
     if context.equations.trees:  # row by row from the leaves on, as momenta pass to the root
-        items = [items[index] for index in sorted(range(len(items)), key=entries.__getitem__, reverse=True)]
+        items = tuple(items[k] for k in sorted(range(len(items)), key=entries.__getitem__, reverse=True))
     return Step("M", "(15)", "factors of the accelerations", items)
 
 
