@@ -139,10 +139,10 @@ def _lower_spatial(
     looped = requested == "instances"
     choice = "looped over instances, as the specification asks" if looped else ""
     in_trees = any(of.coordinates.is_carried for of in mechanism.instances)
-    if requested == "auto" and in_trees and not sensitivities and not balanced:
+    if requested == "auto" and in_trees and not balanced:
         from derive.lowering.trees.choice import chosen
 
-        looped, choice = chosen(mechanism, explicit, functions)
+        looped, choice = chosen(mechanism, explicit and not sensitivities, functions)
     elif not in_trees and ((requested == "auto" and is_predicted(mechanism)) or (looped and functions)):
         costs = estimate_mechanism_costs(mechanism)
         unrolled = _unrolled_for(functions, requested, costs)

@@ -104,8 +104,13 @@ class BatchedFunctions:
         (qdot,) = self._batch("rates", (q, v), k, check)
         return qdot
 
-    def _batch(self, kernel: str, states: Sequence[ArrayLike], k: ArrayLike, check: bool, *t: float) -> list[Matrix]:
-        """The results of a function: matrices with a row for each state, whose vectors are those of a single call."""
+    def _batch(
+        self, kernel: str, states: Sequence[ArrayLike], k: ArrayLike, check: bool, *t: float, holder: Any = None
+    ) -> list[Matrix]:
+        """The results of a function: matrices with a row for each state, whose vectors are those of a single call.
+
+        holder: the structure of the descriptor that has the function, if it is not the descriptor itself.
+        """
         name, single = f"{kernel}_batch", self._compiled[kernel]
         rows = [checked_rows(columns, given, name) for columns, given in zip(single.inputs, states, strict=False)]
         count = len(rows[0])
@@ -114,7 +119,7 @@ class BatchedFunctions:
         columns_first = [np.ascontiguousarray(given.T) for given in rows]
         results = [np.empty((size, count)) for size in single.sizes]
         arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), *results]
-        function: Callable[..., int] | None = getattr(self._model, name)  # a null pointer is false
+        function: Callable[..., int] | None = getattr(holder or self._model, name)  # a null pointer is false
         if not function:
             macro = OptionalPart.BATCHES.value
             raise CompilerError(f"{self.name}_{name} is not in this library, whose C was compiled with {macro}")

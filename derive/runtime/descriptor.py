@@ -137,6 +137,10 @@ class RequestedStruct(ctypes.Structure):
         ("gravity_compensation_jacobian", _function(_T, *[Doubles] * 3)),
         ("centre_of_mass_jacobian", _function(*[Doubles] * 4)),
         ("centroidal_momentum_jacobian", _function(*[Doubles] * 4)),
+        ("inverse_dynamics_batch", _function(ctypes.c_int, _T, *[Doubles] * 5)),
+        ("gravity_compensation_batch", _function(ctypes.c_int, _T, *[Doubles] * 3)),
+        ("centre_of_mass_batch", _function(ctypes.c_int, *[Doubles] * 7)),
+        ("centroidal_momentum_batch", _function(ctypes.c_int, *[Doubles] * 5)),
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -11,7 +12,7 @@ from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
 from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import pattern_of
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Matrix, Vector
 
 if TYPE_CHECKING:
     from derive.runtime.compiled_function import CompiledFunction
@@ -55,6 +56,8 @@ class RequestedFunctions:
     _compiled: dict[str, CompiledFunction]
     _marker_of: dict[str, NativeMarker]
     _add: Any
+    _batch: Any
+    _model: Any
     own_at: Any
 
     def _add_requested(self, model: Any) -> None:
@@ -96,6 +99,13 @@ class RequestedFunctions:
             needed = "functions and sensitivities" if "_jacobian" in name else "functions"
             raise CompilerError(f"{self.name} has no {name}; generate it with {needed}")
         return self._compiled[name]
+
+    def _requested_batch(
+        self, name: str, states: Sequence[ArrayLike], k: ArrayLike, check: bool, *t: float
+    ) -> list[Matrix]:
+        """The results of a function for many states, each with a row for each state."""
+        self._requested(name)
+        return list(self._batch(name, states, k, check, *t, holder=self._model.requested.contents))
 
     def inverse_dynamics(self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, k: ArrayLike) -> Vector:
         """The generalised forces f = M vdot + h (nv,) that a motion needs, N and N m.
@@ -145,6 +155,58 @@ class RequestedFunctions:
             array([2., 2., 1.])
         """
         momentum, A = self._requested("centroidal_momentum").results((q, v, k))
+        return momentum, A
+
+    def inverse_dynamics_batch(
+        self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, k: ArrayLike, check: bool = True
+    ) -> Matrix:
+        """`inverse_dynamics` (n, nv) of n states, as `accel_batch` takes them.
+
+        Examples:
+            >>> native.inverse_dynamics_batch(0.0, [q, q], [v, v], [[0, 0, 1], [1, 0, 0]], k)
+            array([[ 0., 20.,  1.],
+                   [ 2., 20.,  0.]])
+        """
+        (f,) = self._requested_batch("inverse_dynamics", (q, v, vdot), self.own_at(t, k), check, t)
+        return f
+
+    def gravity_compensation_batch(self, t: float, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """`gravity_compensation` (n, nv) of n states.
+
+        Examples:
+            >>> native.gravity_compensation_batch(0.0, [q, q], k)
+            array([[ 0., 20.,  0.],
+                   [ 0., 20.,  0.]])
+        """
+        (f,) = self._requested_batch("gravity_compensation", (q,), self.own_at(t, k), check, t)
+        return f
+
+    def centre_of_mass_batch(
+        self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True
+    ) -> tuple[Matrix, Matrix, Matrix, Vector]:
+        """`centre_of_mass` of n states, with a row for each: position, velocity, and values of the Jacobian; masses.
+
+        Examples:
+            >>> x, xdot, jacobian, mass = native.centre_of_mass_batch([q, q], [v, v], k)
+            >>> x, mass
+            (array([[3., 4.],
+                   [3., 4.]]), array([2., 2.]))
+        """
+        x, xdot, jacobian, mass = self._requested_batch("centre_of_mass", (q, v), k, check)
+        return x, xdot, jacobian, mass[:, 0]
+
+    def centroidal_momentum_batch(
+        self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True
+    ) -> tuple[Matrix, Matrix]:
+        """`centroidal_momentum` of n states, with a row for each: momenta, and values of A.
+
+        Examples:
+            >>> momentum, A = native.centroidal_momentum_batch([q, q], [v, v], k)
+            >>> momentum
+            array([[2., 0., 2.],
+                   [2., 0., 2.]])
+        """
+        momentum, A = self._requested_batch("centroidal_momentum", (q, v), k, check)
         return momentum, A
 
     def rotation(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:

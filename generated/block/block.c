@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_5bf4e11f87228a96
+#ifndef BLOCK_HASH_8e929a026c8b678d
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -5180,7 +5180,7 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    9,
+    10,
     "block",
     BLOCK_HASH,
     BLOCK_NQ,

@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "5bf4e11f87228a96"
+HASH = "8e929a026c8b678d"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

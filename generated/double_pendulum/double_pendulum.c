@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_4fe9b53cd28ea280
+#ifndef DOUBLE_PENDULUM_HASH_7a31ef5e3b3597b6
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -4708,7 +4708,7 @@ static const tisserand_scene double_pendulum_scene = {
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    9,
+    10,
     "double_pendulum",
     DOUBLE_PENDULUM_HASH,
     DOUBLE_PENDULUM_NQ,

@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "4fe9b53cd28ea280"
+HASH = "7a31ef5e3b3597b6"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_615d579671158ed9
+#ifndef FREE_BEAM_MEAN_HASH_9c97b93f31795361
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -1830,7 +1830,7 @@ static const tisserand_marker free_beam_mean_table_markers[] = {
 };
 
 static const tisserand_model free_beam_mean_descriptor = {
-    9,
+    10,
     "free_beam_mean",
     FREE_BEAM_MEAN_HASH,
     FREE_BEAM_MEAN_NQ,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host_models import EVERYWHERE, LINKAGE, PUSHED, STEERED
+from host_models import EVERYWHERE, LINKAGE, LINKS, PUSHED, STEERED
 from numpy.typing import NDArray
 
 import derive
@@ -46,7 +46,7 @@ def prepared(text: str) -> HostModel:
 @cache
 def model_of(name: str) -> HostModel:
     """The model of a specification in the folder `scenes`, or of a pendulum, an arm or a linkage with inputs."""
-    given = {"pushed": PUSHED, "steered": STEERED, "linkage": LINKAGE, **EVERYWHERE}
+    given = {"pushed": PUSHED, "steered": STEERED, "linkage": LINKAGE, **EVERYWHERE, **LINKS}
     if name in given:
         return prepared(given[name])
     return host_model(derive.read(ROOT / f"scenes/{name}.toml"), sensitivities=True)

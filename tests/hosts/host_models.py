@@ -253,6 +253,67 @@ output = 0.01
 EVERYWHERE = CHAINS | {"turning": SPATIAL}
 """The scenes that all interfaces take."""
 
+LINK = """
+name = "links_COUNT"
+
+[scene]
+coordinates = "relative"
+lowering = "instances"
+gravity = [0, 0.5, { symbol = "g", default = -9.81, unit = "m/s^2" }]
+
+[ground.markers]
+pivot = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
+
+[bodies.link]
+count = COUNT
+mass = { symbol = "m", default = 1.5, unit = "kg" }
+centre = [0.1, 0, 0.02]
+inertia = [0.4, 0.5, 0.3, 0.01, 0.02, -0.015]
+
+[bodies.link.markers]
+near = { at = [0, 0, 0], rotation = { z = [0, 1, 0], x = [1, 0, 0] } }
+far = { at = [0.2, 0, 0], rotation = { z = [0, 0.8, 0.6], x = [1, 0, 0] } }
+
+[joints.hinge]
+kind = "revolute"
+between = ["ground.pivot", "link[0].near"]
+start = { angle = 0.3, speed = 1 }
+
+[joints.elbow]
+count = LAST
+kind = "revolute"
+between = ["link[i].far", "link[i+1].near"]
+
+[inputs.push]
+value = 0.3
+unit = "N m"
+
+[torques.motor]
+joint = "hinge"
+value = { input = "push" }
+
+[springs.coil]
+count = LAST
+kind = "rotational"
+between = ["link[i].far", "link[i+1].near"]
+stiffness = 40
+damping = 2
+
+[outputs.angle]
+kind = "joint"
+joint = "hinge"
+
+[outputs.speed]
+kind = "joint_speed"
+joint = "elbow[0]"
+
+[simulation]
+duration = 0.05
+output = 0.005
+"""
+LINKS = {f"links_{count}": LINK.replace("COUNT", str(count)).replace("LAST", str(count - 1)) for count in (3, 100)}
+"""Chains of rigid bodies in relative coordinates, in loops over their links, with parameters, an input and outputs."""
+
 HINGED = """
 name = "NAME"
 scene.gravity = [0, 0, -9.81]

@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from host_models import EVERYWHERE, FLEXIBLE_IN_SPACE, PUSHED, STEERED, looked_up
+from host_models import EVERYWHERE, FLEXIBLE_IN_SPACE, LINKS, PUSHED, STEERED, looked_up
 from programs import program, run
 
 import derive
@@ -34,7 +34,7 @@ MODELS = {
     "four_bar": lambda: derive.read(ROOT / "scenes/four_bar.toml"),
     "spinning_beam": lambda: derive.read(ROOT / "scenes/spinning_beam.toml"),
     "block": lambda: replace(derive.read(ROOT / "scenes/block.toml"), lowering="flat"),
-    **{name: partial(parse, text) for name, text in (EVERYWHERE | FLEXIBLE_IN_SPACE).items()},
+    **{name: partial(parse, text) for name, text in (EVERYWHERE | FLEXIBLE_IN_SPACE | LINKS).items()},
 }
 """A force, a prescribed motion, a function of the time, a table, a scene without ports, bodies in plane and space."""
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fmus import VERSIONS, fmpy, model_of, unit
+from host_models import LINKS
 from numpy.typing import NDArray
 
 from derive.export.fmi.variables import Causality, FmiVariable, fmi_variables
@@ -64,7 +65,7 @@ class Exchange:
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", ["crank_slider_3", "pushed", "steered", "free_beam_mean", "block"])
+@pytest.mark.parametrize("name", ["crank_slider_3", "pushed", "steered", "free_beam_mean", "block", *LINKS])
 def test_derivatives_are_those_of_differences(name: str, version: int, tmp_path: Path) -> None:
     exchange = Exchange(name, version, tmp_path)
     count = len(exchange.knowns)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host_models import EVERYWHERE, LINKAGE, PUSHED, STEERED
+from host_models import EVERYWHERE, LINKAGE, LINKS, PUSHED, STEERED
 from programs import run
 from test_cmake import configured, ctest
 
@@ -30,7 +30,7 @@ SPECS = {
     "steered": lambda: parse(STEERED),
     "spinning_beam": lambda: derive.read(ROOT / "scenes/spinning_beam.toml"),
     "crank_slider_3": lambda: derive.read(ROOT / "scenes/crank_slider_3.toml"),
-    **{name: partial(parse, text) for name, text in EVERYWHERE.items()},
+    **{name: partial(parse, text) for name, text in (EVERYWHERE | LINKS).items()},
 }
 
 

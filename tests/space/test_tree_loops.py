@@ -19,6 +19,7 @@ from derive.lowering.trees.functions import FUNCTIONS
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.model_lowering import lower
+from derive.pipeline import model_files
 from derive.runtime.loading import load
 from derive.spec.toml.read import parse
 
@@ -248,5 +249,14 @@ def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
     scenes = [_mechanism(_chain(count, "auto")) for count in (14, 5)]
     scenes.append(_mechanism(_chain(14, "auto").replace(*THREAD) + THRUST))
     assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
-    assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since iteration matrices")
+    assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since derivatives in loops")
     assert lower(scenes[0], explicit=True).lowering == "instances"
+
+
+def test_forms_without_constraints_have_one_text_in_c_and_in_python() -> None:
+    """The functions of the reduced forms call those of index 3."""
+    scene = parse(_chain(2))
+    texts = {file.path.rsplit(".")[-1]: file.text for file in model_files(lower(derive(scene)), scene)}
+    assert texts["c"].count("return tree_jacobian(t, y, ydot, cj, k, jac);") == 2
+    assert texts["py"].count("return jacobian(t, y, ydot, cj, k)\n") == 2
+    assert texts["py"].count("return residual(t, y, ydot, k)\n") == 2

@@ -13,6 +13,7 @@ from derive.backends.c.batch_block import TOGETHER, StateBlock
 from derive.backends.c.linear_sums import NO_SUMS, KernelSums, LinearSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.signatures import names, parameters, signature
+from derive.function_names import OF_MODELS
 from derive.ir.batches import state_arguments
 from derive.ir.indices import LANES
 from derive.ir.kernel import Kernel
@@ -21,7 +22,7 @@ from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
 KERNELS = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
-"""The kernels that have a function for batches."""
+"""The kernels that have a function for batches; functions of models on request, `OF_MODELS`, have one as well."""
 
 STRAIGHT = 8
 """States of a block of a kernel without loops over the modes: one vector, or a few."""
@@ -53,7 +54,8 @@ SPACINGS = (64, 128, 256, 512)
 
 def batch_blocks(model: Model, sums: LinearSums = NO_SUMS) -> dict[str, StateBlock]:
     """The function of a block of states of each kernel that has batches, by the name of the kernel."""
-    return {name: _block(model, model.kernel(name), sums.kernels.get(name)) for name in KERNELS}
+    requested = [name for name in OF_MODELS if any(kernel.name == name for kernel in model.kernels)]
+    return {name: _block(model, model.kernel(name), sums.kernels.get(name)) for name in (*KERNELS, *requested)}
 
 
 def _block(model: Model, kernel: Kernel, sums: KernelSums | None) -> StateBlock:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from derive.backends.c.optional_parts import optional_part
 from derive.backends.c.signatures import names, parameters, signature
+from derive.backends.repeated import repeated
 from derive.backends.source_map import SourceLine, plain
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model
@@ -33,26 +34,13 @@ def by_solution(model: Model) -> dict[str, Kernel]:
     return {"accel": model.kernel("solve")}
 
 
-def repeated(model: Model) -> dict[str, Kernel]:
-    """The kernels with the text of an earlier one, by name, with that one.
+def repeated_functions(model: Model) -> dict[str, Kernel]:
+    """The kernels with the text of an earlier one that is part of every library that they are part of, by name."""
 
-    Without constraints the forms for implicit integrators are one form, and the multipliers of a solution are none.
-    """
-    if model.lowering != "flat":
-        return {}
-    result: dict[str, Kernel] = {}
-    for n, kernel in enumerate(model.kernels):
-        for other in model.kernels[:n]:
-            if _repeats(kernel, other) and optional_part(other.name) in (None, optional_part(kernel.name)):
-                result.setdefault(kernel.name, other)
-    return result
+    def together(kernel: Kernel, other: Kernel) -> bool:
+        return optional_part(other.name) in (None, optional_part(kernel.name))
 
-
-def _repeats(kernel: Kernel, other: Kernel) -> bool:
-    """Whether a kernel does what another one does, to outputs of which it may have further ones without elements."""
-    same = kernel.sections and kernel.sections == other.sections and kernel.arguments == other.arguments
-    filled = [(o.name, o.size) for o in kernel.outputs if o.size]
-    return bool(same) and filled == [(o.name, o.size) for o in other.outputs]
+    return repeated(model, together)
 
 
 def calling_repeated(model: Model, kernel: Kernel, other: Kernel) -> list[SourceLine]:

@@ -9,7 +9,7 @@ from derive.artifacts import File
 if TYPE_CHECKING:
     from derive.ir.model import Model
 
-ABI = 9
+ABI = 10
 
 
 class CBackend:

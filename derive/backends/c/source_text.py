@@ -11,7 +11,14 @@ from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.batch_block import StateBlock
-from derive.backends.c.beginnings import beginnings, by_solution, calling, calling_repeated, calling_solution, repeated
+from derive.backends.c.beginnings import (
+    beginnings,
+    by_solution,
+    calling,
+    calling_repeated,
+    calling_solution,
+    repeated_functions,
+)
 from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.forms import shared_forms
 from derive.backends.c.functions_of_kernels import (
@@ -74,7 +81,8 @@ def header_and_source(
     builder = SourceBuilder(model)
     builder.text(render("c/prologue.c.jinja", values))
     shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
-    solved, again = by_solution(model), repeated(model)
+    solved = by_solution(model)
+    again = {name: other for name, other in repeated_functions(model).items() if name not in {**forms, **shared}}
     written = [kernel for kernel in model.kernels if kernel.name not in (*shared, *solved, *again)]
     sections = shared_sections(model, written)
     for section in sections.values():
@@ -151,7 +159,7 @@ def _template_values(
             for kernel in model.kernels
         ],
         "batch_helpers": batch_helpers(model, blocks),
-        "batched": enumeration(BATCHED),
+        "batched": enumeration([*blocks]),
         "batch_names": [f"{name}_batch" for name in BATCHED],
         "batches": [batch_function(block) for block in blocks.values()],
         "batch_width": " or ".join(str(w) for w in sorted({block.width for block in blocks.values()})),

@@ -19,6 +19,7 @@ from derive.backends.expression_text import PYTHON, text
 from derive.backends.python.constants import constant_array, defaults, marker_class, splines, tables, tuple_text
 from derive.backends.python.instances import instance_lines
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
+from derive.backends.repeated import repeated
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, broken, join, prefixed
 from derive.ir.analysis import expressions
@@ -69,14 +70,32 @@ def module(model: Model, fingerprint: str, path: str) -> File:
     }
     builder = SourceBuilder(model)
     builder.text(render("python/prologue.py.jinja", values))
+    again = repeated(model, lambda kernel, other: len(kernel.outputs) == len(other.outputs))
     for kernel in model.kernels:
         numbers = model.lowering != "loops" and kernel.name != "setup"
         builder.text("\n")
-        builder.function(kernel, python_function(kernel, model.lowering != "loops", numbers))
+        if other := again.get(kernel.name):
+            builder.function(kernel, _calling(kernel, other, numbers))
+        else:
+            builder.function(kernel, python_function(kernel, model.lowering != "loops", numbers))
         builder.text("\n")
     values["of_numbers"] = [kernel.name for kernel in model.kernels if kernel.name != "setup"]
     builder.text(render("python/epilogue.py.jinja", values))
     return builder.file("python", path)
+
+
+def _calling(kernel: Kernel, other: Kernel, numbers: bool) -> list[SourceLine]:
+    """The function of a kernel that calls another one with the same text."""
+    names = ", ".join(a.name for a in kernel.arguments)
+    own = ["", "", f"_{kernel.name} = _{other.name}"] if numbers else []
+    return plain(*_head(kernel, names), f"    return {other.name}({names})", *own)
+
+
+def _head(kernel: Kernel, names: str) -> list[str]:
+    """The first lines of a function."""
+    first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
+    described = (f"    {line}" if line else "" for line in doc)
+    return [f"def {kernel.name}({names}):", f'    """{first}', *described, '    """']
 
 
 def python_function(
@@ -92,12 +111,8 @@ def python_function(
     given = tuple(a for a in kernel.arguments if not a.integer)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in given)
     own = tuple_text([a.name for a in given])
-    first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
     lines = [
-        f"def {kernel.name}({names}):",
-        f'    """{first}',
-        *(f"    {line}" if line else "" for line in doc),
-        '    """',
+        *_head(kernel, names),
         *(_single_state(kernel, given) if numbers else []),
         f"    xp, batch, {own} = _arrays(dict({sizes}), {', '.join(a.name for a in given)})",
         *([f"    return _{kernel.name}({names}, xp, batch)", "", ""] if numbers else []),

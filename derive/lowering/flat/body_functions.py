@@ -14,7 +14,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.quadratic_inertia import quadratic_inertias
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
-from derive.lowering.flat.trees.tree_dynamics import force_values
+from derive.lowering.flat.trees.tree_dynamics import force_values, mass_values
 from derive.lowering.ldlt import VANISHING, Factorisation
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
@@ -23,7 +23,8 @@ from derive.mechanics.symbols import state_rate
 
 def mass(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of the mass matrix M(q)."""
-    symbols = context.symbols(context.q)
+    has_trees = bool(context.equations.trees)  # whose links have motions, from which M reads nothing
+    symbols = context.symbols(context.t, context.q, context.v) if has_trees else context.symbols(context.q)
     symbols.fixed.update(quadratic_inertias(context, symbols))
     symbols.values.update(symbols.fixed)
     return context.kernel(function, {"M": _mass_elements(context)}, symbols, _mass_step(context, symbols))
@@ -40,14 +41,15 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
     entries, forces = context.mass_pattern().entries, force_values(context, symbols)
+    values, has_trees = mass_values(context, symbols), bool(context.equations.trees)
     steps = []
     # From the last row to the first: the last rows are cheap, and compilers keep their values in registers.
     for row in reversed(range(len(context.rows))):
         h = OutputValue("h", row, forces[row])
-        numbered = [(index, entry) for index, entry in enumerate(entries) if entry[1] == row]
-        column = (OutputValue("M", index, symbols(context.equations.mass[entry])) for index, entry in numbered)
-        text = f"force and column of M of {context.rows[row]}"
-        steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
+        own = [index for index, entry in enumerate(entries) if entry[0 if has_trees else 1] == row]
+        part = (OutputValue("M", index, values[index]) for index in (reversed(own) if has_trees else own))
+        text = f"force and {'row' if has_trees else 'column'} of M of {context.rows[row]}"
+        steps.append(Step(context.rows[row], "(15)", text, (h, *part)))
     return context.kernel(function, outputs, symbols, *steps)
 
 
@@ -213,9 +215,10 @@ def _force_elements(context: Context) -> OutputElements:
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:
     """The step that computes M."""
-    entries = context.mass_pattern().entries
-    values = [symbols(context.equations.mass[i, j]) for i, j in entries]
-    return Step("M", "(15)", "factors of the accelerations", stores("M", values))
+    entries, items = context.mass_pattern().entries, stores("M", mass_values(context, symbols))
+    if context.equations.trees:  # row by row from the leaves on, as momenta pass to the root
+        items = tuple(items[k] for k in sorted(range(len(items)), key=entries.__getitem__, reverse=True))
+    return Step("M", "(15)", "factors of the accelerations", items)
 
 
 def _force_step(context: Context, symbols: Symbols) -> Step:

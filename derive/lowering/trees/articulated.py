@@ -21,7 +21,6 @@ from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
 from derive.lowering.instances.loop_code.context import ZERO, Part
 from derive.lowering.instances.places import Place
 from derive.lowering.trees.link_loop import LinkLoop, opposite
-from derive.lowering.trees.loads import APPLIED
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.vectors import (
     Matrix,
@@ -47,12 +46,15 @@ M, H, J, P = 0, 6, 15, 21
 COUNT = 27
 
 
-def articulated(motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool, target: str = "vdot") -> list[Part]:
+def articulated(
+    motion: TreeMotion, gravity: Sequence[Expr], forces: str, target: str = "vdot", on_free: str = ""
+) -> list[Part]:
     """The sections of the accelerations in an array, after those of the motion and of the inertias.
 
-    Without an array the articulated bodies alone.
+    Without an array the articulated bodies alone. forces: the array of those of rows, "" without any; on_free: that of
+    those on free bodies, which no joint pushes.
     """
-    backward = _backward(motion, has_forces)
+    backward = _backward(motion, forces)
     chain = motion.tree.is_chain
     declared = [*motion.work((BEHIND, COUNT), cleared=not chain), *motion.work((SHARE, 8))]
     declared += motion.at_link(BEHIND, len(motion.tree.links) - 1, [ZERO] * COUNT) if chain else []
@@ -67,12 +69,12 @@ def articulated(motion: TreeMotion, gravity: Sequence[Expr], has_forces: bool, t
             "accelerations",
             Source.FACTORISATION,
             "accelerations, from the ground on",
-            [*ground, *_forward(motion, gravity, target)],
+            [*ground, *_forward(motion, gravity, target, on_free)],
         ),
     ]
 
 
-def _backward(motion: TreeMotion, has_forces: bool) -> ForEach:
+def _backward(motion: TreeMotion, forces: str) -> ForEach:
     """The loop from the leaves on: the share of each joint, and what the link before it has to carry."""
     loop = motion.loop("articulated", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
@@ -84,8 +86,8 @@ def _backward(motion: TreeMotion, has_forces: bool) -> ForEach:
     pivot = advances * dot(e, linear) + turns * dot(e, angular)
     loop.require(Requirement.POSITIVE, pivot, ReturnCode.PIVOT, "the motion of a joint meets no inertia")
     force = -(advances * dot(e, p) + turns * dot(e, g))
-    if has_forces:
-        force = loop.element(APPLIED, motion.row(loop)) + force
+    if forces:
+        force = loop.element(forces, motion.row(loop)) + force
     inverse = 1 / pivot
     known = force * inverse
     loop.store_vector(SHARE, here, [*linear, *angular, inverse, known])
@@ -125,12 +127,12 @@ def axis(loop: LinkLoop, here: Place) -> Vector:
     return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
 
 
-def _forward(motion: TreeMotion, gravity: Sequence[Expr], target: str) -> list[Statement]:
+def _forward(motion: TreeMotion, gravity: Sequence[Expr], target: str, on_free: str) -> list[Statement]:
     """The accelerations of all links, with a ground that accelerates upward, and those of the coordinates."""
     upward = [*map(opposite, gravity)]
     result: list[Statement] = [*motion.at_ground(FOUND, [*upward, ZERO, ZERO, ZERO])]
     if motion.free:
-        result.append(_of_free(motion, gravity, target))
+        result.append(_of_free(motion, gravity, target, on_free))
     if motion.joints:
         result.append(_of_joints(motion, target))
     return result
@@ -153,17 +155,20 @@ def _of_joints(motion: TreeMotion, target: str) -> ForEach:
     return loop.made()
 
 
-def _of_free(motion: TreeMotion, gravity: Sequence[Expr], target: str) -> ForEach:
+def _of_free(motion: TreeMotion, gravity: Sequence[Expr], target: str, forces: str) -> ForEach:
     """The accelerations of free bodies, of all that hangs on them."""
     loop = motion.loop("free", motion.free)
     here = loop.of_links()
     m, s, j, p, g = carried(motion, loop, here)
     whole = [[*m[i], *s[i]] for i in range(3)] + [[*transposed(s)[i], *j[i]] for i in range(3)]
-    found = solved(loop, whole, [-x for x in (*p, *g)])
+    Q, wanted = matrix(loop.vector(FRAME, here, 9)), [-x for x in (*p, *g)]
+    if forces:
+        given = [loop.element(forces, motion.row(loop, k)) for k in range(6)]
+        wanted = plus(wanted, [*given[:3], *applied(Q, given[3:])])
+    found = solved(loop, whole, wanted)
     a, alpha = found[:3], found[3:]
     loop.store_vector(FOUND, here, found)
     linear = [x + loop.leaf(g) for x, g in zip(a, gravity, strict=True)]
-    Q = matrix(loop.vector(FRAME, here, 9))
     for k, value in enumerate([*linear, *applied(transposed(Q), alpha)]):
         loop.store(target, motion.row(loop, k), value)
     return loop.made()

@@ -5,8 +5,9 @@ of robots, whose axes are along each other or normal, 23 ns for each of 6 links,
 with some others. Loops took 44, 45, 45 and 46 ns for chains of 8, 10, 30 and 100, 38 to 45 for robots (gcc 12, -O3
 -march=x86-64-v3, AMD EPYC, family 26). The compiler took 28 s for the straight-line code of 35 links without
 derivatives, and 2 s for loops.
-In loops iteration matrices are dense, a column after the other, so that models that need these stay in straight-line
-code up to many more links.
+
+In loops iteration matrices and sensitivities come column by column, each of which runs over all links, so that models
+that need these stay in straight-line code up to many more links.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ MOST_SECONDS = 300.0
 def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[str] = ()) -> tuple[bool, str]:
     """Whether a mechanism in relative coordinates is looped over its links, and a line that says why.
 
-    explicit: whether derivatives are not needed; functions: those on request.
+    explicit: whether no derivatives are needed; functions: those on request.
     """
     has_others = len(mechanism.rows) > MOST_UNROLLED and joint_outputs(mechanism) is None
     if any(refusals(mechanism)) or has_others:
@@ -47,7 +48,7 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
             f"looped over links, since straight-line code would take the compiler some {seconds:.0f} s; {times}",
         )
     if not explicit:
-        return False, f"unrolled, since iteration matrices in loops over links are dense; {times}"
+        return False, f"unrolled, since derivatives in loops over links come column by column; {times}"
     if has_constraints(mechanism):
         return False, f"unrolled, since the scene has constraints; without them the {times}"
     return looped < flat, f"{'looped over links' if looped < flat else 'unrolled'}, the faster form; {times}"

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from derive.ir.expressions import Number, Operator
+from derive.ir.kernel import Argument
 from derive.ir.statements import ForEach, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO, Part
+from derive.lowering.instances.loop_code.context import ZERO, Part, whole
 from derive.lowering.trees import invariants
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.condition_loops import ConditionLoops
@@ -34,13 +35,31 @@ class TreeForm:
         return self._multipliers + sets * self.context.multipliers
 
     @property
+    def arguments(self) -> dict[str, Argument]:
+        """The state, and its time derivative."""
+        doc = "state [q; v; multipliers]"
+        return {"y": whole("y", self.size, doc), "ydot": whole("ydot", self.size, "time derivative of y")}
+
+    @property
     def _multipliers(self) -> int:
         return self.context.coordinates + len(self.context.rows)
+
+    @property
+    def _motion(self) -> TreeMotion:
+        return replace(self.context.motion, q=("y", 0), v=("y", self.context.coordinates))
+
+    def conditions(self, g: str, gdot: str) -> list[Statement]:
+        """The statements that write the constraints and their rates to two arrays."""
+        if not self.context.multipliers:
+            return []
+        of = self.context.constrained(self._motion)
+        position = of.values(g, lambda c: c.position, moving=False)
+        return [position, of.values(gdot, lambda c: c.rate, moving=True)]
 
     def parts(self) -> list[Part]:
         """The sections of F."""
         context, count = self.context, self.context.coordinates
-        motion = replace(context.motion, q=("y", 0), v=("y", count))
+        motion = self._motion
         of, held = context.constrained(motion), bool(context.multipliers)
         multipliers, target = ("y", self._multipliers), ("F", count)
         corrected: list[Part] = []

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from derive.ir.expressions import Element
+from derive.ir.expressions import Element, ScalarRef
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, Work
-from derive.lowering.instances.loop_code.context import Part, Result, kernel, whole
+from derive.lowering.instances.loop_code.context import ZERO, Part, Result, kernel, whole
 from derive.lowering.model_functions import FunctionKind, ModelFunction
-from derive.lowering.trees import invariants, iteration_matrix, joint_outputs, loads, requested
+from derive.lowering.trees import invariants, joint_outputs, loads, requested
 from derive.lowering.trees.articulated import articulated
 from derive.lowering.trees.composite import composite
 from derive.lowering.trees.condition_loops import ConditionLoops
@@ -20,6 +20,8 @@ from derive.lowering.trees.links import BodyPlace, marker_in_body
 from derive.lowering.trees.motion import STILL
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.reactions import G, Reactions
+from derive.lowering.trees.sensitivities import derivatives, parameter_jacobian
+from derive.lowering.trees.tangents import ONE, Directions
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.roles import Source
@@ -78,7 +80,7 @@ def accel(context: TreeContext, function: ModelFunction) -> Kernel:
             motion.frames(moving=True, placed=bool(context.springs)),
             motion.inertias(moving=True),
             *context.applied,
-            *articulated(motion, context.gravity, bool(context.applied_array)),
+            *articulated(motion, context.gravity, context.applied_array),
         ]
         return kernel(context, function, results, *parts)
     of, reactions = context.constrained(motion), Reactions(motion, count, len(context.rows))
@@ -90,7 +92,7 @@ def accel(context: TreeContext, function: ModelFunction) -> Kernel:
         motion.inertias(moving=True),
         *context.applied,
         ("freely", "", "accelerations without multipliers", [Work(FREELY, len(context.rows))]),
-        *articulated(motion, context.gravity, bool(context.applied_array), FREELY),
+        *articulated(motion, context.gravity, context.applied_array, FREELY),
         *_answers(of, reactions),
         ("gamma", "(5)", "accelerations that the constraints need", wanted),
         ("multipliers", Source.FACTORISATION, "what holds the constraints, and its accelerations", [*solved, *stores]),
@@ -205,36 +207,50 @@ def project_velocity(context: TreeContext, function: ModelFunction) -> Kernel:
         ("still", "", "no velocities", still),
         motion.frames(moving=True, placed=True),
         motion.inertias(moving=True),
-        *articulated(motion, context.gravity, False, ""),
+        *articulated(motion, context.gravity, "", ""),
         *_answers(of, reactions),
         ("multipliers", Source.FACTORISATION, "impulses of the constraints", [*solved, *reactions.results("dv")]),
     ]
     return kernel(context, function, context.counted("dv"), *parts, inputs=inputs)
 
 
+def solve_kkt(context: TreeContext, function: ModelFunction) -> Kernel:
+    """The kernel that solves M x - G^T lambda = a, G x = b."""
+    count, rows = context.multipliers, len(context.rows)
+    inputs = {
+        "a": whole("a", rows, "right-hand side of the equations of motion"),
+        "b": whole("b", count, "right-hand side of the constraints"),
+    }
+    results = {"x": Result(("row by row",), count=rows), "lam": _each_constraint(context)}
+    motion, target = replace(context.motion, v=(STILL, 0)), FREELY if count else "x"
+    still: list[Statement] = [Work(STILL, rows, cleared=True), *([Work(FREELY, rows)] if count else [])]
+    parts: list[Part] = [
+        ("still", "", "no velocities", still),
+        motion.frames(moving=True, placed=bool(count)),
+        motion.inertias(moving=True),
+        *articulated(motion, [ZERO] * 3, "a", target, "a"),
+    ]
+    if count:
+        of, reactions = context.constrained(motion), Reactions(motion, count, rows)
+        solved = reactions.multipliers(lambda index: Element("b", index), FREELY)
+        stores = [*solved, *reactions.results("x", FREELY), *reactions.given("lam")]
+        parts += [*_answers(of, reactions), ("multipliers", Source.FACTORISATION, "multipliers and rates", stores)]
+    return kernel(context, function, results, *parts, inputs=inputs)
+
+
 def residual(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of a form F(t, y, ydot)."""
     form = TreeForm(context, function.variant)
     results = {"F": Result(("coordinates, rows, and constraints",), count=form.size)}
-    return kernel(context, function, results, *form.parts(), inputs=_of_form(form.size))
+    return kernel(context, function, results, *form.parts(), inputs=form.arguments)
 
 
 def jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
-    form, made = TreeForm(context, function.variant), context.motion.arrays.made
-    first = len(made)
-    parts: list[Part] = [(name, equation, text, [*body]) for name, equation, text, body in form.parts()]
-    columns = iteration_matrix.columns(made[first:], parts, form.size)
-    inputs = {**_of_form(form.size), "cj": Argument("cj", (), "factor of dF/dydot", scalar=True)}
-    local: list[Statement] = [Work("F", form.size)]
-    parts = [("residual", "", "the residual, whose loops have the derivatives", local), *parts]
-    parts.append(("jac", "", "derivatives of F, column by column", columns))
-    return kernel(context, function, {"jac": Result(pattern=iteration_matrix.dense(form.size))}, *parts, inputs=inputs)
-
-
-def _of_form(size: int) -> dict[str, Argument]:
-    doc = "state [q; v; multipliers]"
-    return {"y": whole("y", size, doc), "ydot": whole("ydot", size, "time derivative of y")}
+    form = TreeForm(context, function.variant)
+    inputs = {**form.arguments, "cj": Argument("cj", (), "factor of dF/dydot", scalar=True)}
+    along = [Directions("y", form.size, (("y", 0, ONE), ("ydot", 0, ScalarRef("cj"))))]
+    return derivatives(context, function, form.parts(), {"F": form.size}, along, inputs=inputs, by_parameters=False)
 
 
 def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -248,7 +264,7 @@ def outputs(context: TreeContext, function: ModelFunction) -> Kernel:
 def outputs_jacobian(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
     rows = len(context.rows)
-    sizes = (context.coordinates, rows, rows, context.multipliers, len(context.known.context.u.symbols))
+    sizes = (context.coordinates, rows, rows, context.multipliers, len(context.inputs))
     shape = joint_outputs.jacobian_pattern(context.outputs or (), sizes)
     body = joint_outputs.derivatives(context.motion, context.outputs or (), shape)
     section = "jacobian", "", "derivatives of the outputs", body
@@ -274,9 +290,12 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[TreeContext, ModelFunction], Kernel]]
     FunctionKind.OUTPUTS_JACOBIAN: outputs_jacobian,
     FunctionKind.RESIDUAL: residual,
     FunctionKind.JACOBIAN: jacobian,
+    FunctionKind.PARAMETER_JACOBIAN: parameter_jacobian,
+    FunctionKind.SOLVE_KKT: solve_kkt,
     FunctionKind.INVERSE_DYNAMICS: requested.inverse_dynamics,
     FunctionKind.GRAVITY_COMPENSATION: requested.gravity_compensation,
     FunctionKind.CENTRE_OF_MASS: requested.centre_of_mass,
     FunctionKind.CENTROIDAL_MOMENTUM: requested.centroidal_momentum,
+    **dict.fromkeys(requested.DERIVED, requested.requested_jacobian),
 }
 """The functions of a tree, by their kinds."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -47,14 +47,14 @@ class LinkArrays:
     """The arrays of a model with a slot for each link and one for the ground, and the constant arrays.
 
     links: those of all trees. parametric: the names of the constants of setup that are expressions of parameters.
-    made: all loops so far, and whether they run backward.
+    made: all statements of loops so far, and the loops, by the identities of the statements.
     """
 
     links: tuple[TreeLink, ...]
     places: Places
     constants: Constants
     parametric: dict[sp.Expr, str] = field(default_factory=dict)
-    made: list[tuple[LinkLoop, bool]] = field(default_factory=list)
+    made: dict[int, tuple[ForEach, LinkLoop]] = field(default_factory=dict)
 
     @property
     def spacing(self) -> int:
@@ -74,6 +74,7 @@ class LinkLoop:
         self.symbols = Symbols(frozenset(), frozenset())
         self._read: dict[Element, ca.SX] = {}
         self._names: dict[str, Element] = {}
+        self._scalars: dict[str, ca.SX] = {}
         self.entries: list[Entry] = []
         self._targets: list[tuple[Element, Operator | None]] = []
         self._items: list[StepItem] = []
@@ -118,6 +119,7 @@ class LinkLoop:
         symbol = local(name)
         if symbol not in self.symbols.values:
             self.symbols.input(symbol, ScalarRef(name))
+            self._scalars[name] = self.symbols.values[symbol]
         return self.symbols.values[symbol]
 
     def value(self, number: Exact) -> ca.SX:
@@ -194,37 +196,36 @@ class LinkLoop:
 
     def made(self, backward: bool = False, independent: bool = False) -> ForEach:
         """The loop."""
-        self.arrays.made.append((self, backward))
-        return self._statement(backward, independent)
+        statement = self._statement(backward, independent)
+        self.arrays.made[id(statement)] = statement, self
+        return statement
 
-    def tangent(self, backward: bool, active: set[str]) -> ForEach | None:
-        """The loop of the derivatives of what it writes by those of what it reads, if any of these is `active`.
+    def tangent(self, backward: bool, active: set[str], scalars: Mapping[str, int]) -> ForEach | None:
+        """The loop of the derivatives of what it writes by what it reads of `active` arrays, and by scalars.
 
-        Derivatives are in arrays with names of their own, which hold zeros before; what has some becomes active. All
-        that the loop reads has to be what it was.
+        Derivatives are in arrays with names of their own, which hold zeros before; what has some becomes active. Those
+        of scalars have these places in `SLOPES`. All that the loop reads has to be what it was.
         """
-        values = {self._targets[item.index]: item.value for item in self._items if isinstance(item, OutputValue)}
+        values = [(*self._targets[item.index], item.value) for item in self._items if isinstance(item, OutputValue)]
+        given = [(Element(SLOPES, constant(scalars[s])), x) for s, x in self._scalars.items() if s in scalars]
         while True:  # a link may read what the loop has written for another one
-            read = [(element, x) for element, x in self._read.items() if element.array in active and element.index]
+            read = [(Element(tangent_of(e.array), e.index), x) for e, x in self._read.items() if e.array in active]
+            read += given
             if not read:
                 return None
-            known = ca.vertcat(*(x for _, x in read))
-            found = {target.array for (target, _), value in values.items() if ca.depends_on(value, known)}
+            by = ca.vertcat(*(x for _, x in read))
+            found = {target.array for target, _, value in values if ca.depends_on(value, by)}
             if found <= active:
                 break
             active |= found
         result = copy(self)
         result._read, result._names, result.symbols = dict(self._read), dict(self._names), self.symbols.copy()
         result._items, result._targets = [], []
-        by = ca.vertcat(*(x for _, x in read))
-        places = [(element.array, element.index) for element, _ in read if element.index]
-        along = ca.vertcat(*(result.element(tangent_of(array), index) for array, index in places))
-        for item in self._items:
-            if isinstance(item, OutputValue):
-                target, operator = self._targets[item.index]
-                value = ca.jtimes(item.value, by, along)
-                if not value.is_zero() and target.index:
-                    result.store(tangent_of(target.array), target.index, value, operator)
+        along = ca.vertcat(*(result.element(of.array, of.index) for of, _ in read if of.index))
+        for target, operator, value in values:
+            derivative = ca.jtimes(value, by, along)
+            if not derivative.is_zero() and target.index:
+                result.store(tangent_of(target.array), target.index, derivative, operator)
         return result._statement(backward, independent=False) if result._items else None
 
     def _statement(self, backward: bool, independent: bool) -> ForEach:
@@ -249,6 +250,10 @@ class LinkLoop:
 def tangent_of(array: str) -> str:
     """The name of the array of the derivatives of another one."""
     return f"tangent_of_{array}"
+
+
+SLOPES = tangent_of("scalars")
+"""The array of the derivatives of scalars."""
 
 
 def opposite(leaf: Expr) -> Expr:

@@ -13,8 +13,9 @@ from derive.ir.model import Model, Variable, Zero
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
-from derive.lowering.flat.lower import OF_BODIES, OF_MECHANISMS
+from derive.lowering.flat.lower import FORMED, OF_BODIES, OF_MECHANISMS
 from derive.lowering.flat.motion_quantities import with_mass_reciprocal
+from derive.lowering.flat.sensitivities import with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.instances.lower import rows_for_people, with_constants
 from derive.lowering.model_functions import FunctionKind, functions_of
@@ -31,10 +32,12 @@ from derive.mechanics.multibody.gathering import refuse_idle
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import SpatialPose
 
-WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no derivatives by parameters and inputs"
+WITHOUT = f"trees of more than {MOST_UNROLLED} velocities in loops have no angular velocities of markers"
 
 
-def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equations, Context | None]:
+def _equations(
+    context: TreeContext, requested: Collection[str], sensitivities: bool
+) -> tuple[Equations, Context | None]:
     """The functions that the table asks for, and the context of straight-line code for functions without loops.
 
     Raises SpecError for outputs that neither has.
@@ -42,7 +45,8 @@ def _equations(context: TreeContext, requested: Collection[str]) -> tuple[Equati
     mechanism = context.mechanism
     if len(context.rows) <= MOST_UNROLLED:
         equations = mechanism.expanded()
-        return equations, Context(with_mass_reciprocal(equations) if requested else equations)
+        complete = with_mass_reciprocal(equations) if requested else equations
+        return equations, Context(with_derivatives(complete) if sensitivities else complete)
     if context.outputs is None:
         text = f"loops in relative coordinates of more than {MOST_UNROLLED} velocities have motions of joints alone"
         others = [output.name for output in mechanism.scene.outputs if output.kind not in joint_outputs.KINDS]
@@ -79,7 +83,7 @@ def _with_parameters(context: TreeContext, of: Context) -> Context:
 
 
 def _is_looped(context: TreeContext, kind: FunctionKind) -> bool:
-    is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN)
+    is_output = kind in (FunctionKind.OUTPUTS, FunctionKind.OUTPUTS_JACOBIAN, FunctionKind.PARAMETER_JACOBIAN)
     has_form = len(context.rows) > MOST_UNROLLED or kind not in (FunctionKind.RESIDUAL, FunctionKind.JACOBIAN)
     return kind in FUNCTIONS and has_form and (context.outputs is not None or not is_output)
 
@@ -94,18 +98,21 @@ def lower_trees(
 ) -> Model:
     """The model of trees of rigid bodies in loops over links. Raises SpecError with all that these do not have."""
     context = TreeContext(mechanism)
+    if sensitivities:
+        context.known.differentiate(by_parameters=True)
     _check(context)
-    equations, others = _equations(context, requested)
+    equations, others = _equations(context, requested, sensitivities)
     if explicit and not requested:  # as in straight-line code
         equations = replace(equations, markers=())
     kernels: list[Kernel] = []
-    if others is None:
-        choice = f"{choice}; {WITHOUT}"
-        if sensitivities or not {*requested} <= LOOPED:
-            raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
+    if others is None and not {*requested} <= LOOPED:
+        raise SpecError((Problem("scene.lowering", f'{WITHOUT}, which are needed here: write lowering = "flat"'),))
     every = functions_of(equations, sensitivities, explicit, balanced and others is None)
+    forms: dict[FunctionKind, Kernel] = {}
     for function in (*every, *requested_functions(equations, requested, sensitivities)):
-        if others is None and function.kind in OF_MARKERS:
+        if function.kind in forms:
+            kernels.append(replace(forms[function.kind], name=function.name, doc=function.doc))
+        elif others is None and function.kind in OF_MARKERS:
             kernels.append(OF_MARKERS[function.kind](context, function))
         elif _is_looped(context, function.kind):
             kernels.append(FUNCTIONS[function.kind](context, function))
@@ -113,6 +120,8 @@ def lower_trees(
             kernels.append(
                 with_attitude_check({**OF_BODIES, **OF_MECHANISMS}[function.kind](others, function), equations)
             )
+        if function.kind in FORMED and not context.multipliers:
+            forms[function.kind] = kernels[-1]
     setup, constants = setup_kernel(_with_parameters(context, others or context.known.context), kernels)
     scene = mechanism.scene
     inputs = context.known.context.equations.inputs

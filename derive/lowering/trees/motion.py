@@ -212,7 +212,7 @@ class TreeMotion:
         arrays = [(MOMENT, 3), (INERTIA, 6), *([(NEEDED, 6), (BIAS, 6)] * moving)]
         together = self.joints == self.massive
         loops: list[Statement] = []
-        loop = self.loop("links", self.massive)
+        loop = self.loop("moving_links" if together and moving else "links", self.massive)  # with numbers of joints
         self._inertia(loop, moving)
         if together and moving:
             self._bias(loop)

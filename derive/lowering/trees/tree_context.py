@@ -42,7 +42,7 @@ class TreeContext:
         self.known, self.loads = KnownMotion(mechanism), row_loads(mechanism)
         self.at_markers = marker_loads.marker_loads(mechanism, self.tree)
         self.springs = spring_groups(mechanism, self.tree)
-        inputs = tuple(given.symbol for given in input_symbols(mechanism.scene))
+        self.inputs = inputs = tuple(given.symbol for given in input_symbols(mechanism.scene))
         self.conditions = conditions_of(mechanism, self.tree)
         given = (
             *loads.definitions(self.loads, inputs),
@@ -60,7 +60,7 @@ class TreeContext:
         self.outputs = joint_outputs.joint_outputs(mechanism)
         gravity, _ = quantity.gravity(mechanism.scene.gravity)
         self.has_gravity = bool(mechanism.scene.gravity)
-        self.gravity = [*map(self._leaf, (g.value for g in gravity))] or [Number(Fraction(0))] * 3
+        self.gravity = [*map(self.leaf, (g.value for g in gravity))] or [Number(Fraction(0))] * 3
 
     def constrained(self, motion: TreeMotion) -> ConditionLoops:
         """The code of the constraints for a state in these arrays."""
@@ -73,7 +73,7 @@ class TreeContext:
             frozenset(p.symbol for p in mechanism.parameters),
         )
 
-    def _leaf(self, value: sp.Expr) -> Expr:
+    def leaf(self, value: sp.Expr) -> Expr:
         """A number, or the constant of setup that is an expression of parameters."""
         number, known = exact(value), self.motion.arrays.parametric
         if isinstance(number, Fraction):
@@ -106,7 +106,7 @@ class TreeContext:
 
     def applied_at(self, motion: TreeMotion, in_tree: bool = False) -> list[Part]:
         """The section of the loads for a state in other arrays; in_tree: see `TreeMotion.frames`."""
-        body = loads.applied(motion, self.loads, self.known.context.u.symbols, len(self.rows))
+        body = loads.applied(motion, self.loads, self.inputs, len(self.rows))
         acting = marker_loads.acting(motion, self.at_markers)
         springs = [group.acting(motion, in_tree) for group in self.springs]
         return [("loads", "(10)", "generalised forces of loads and springs", [*body, *acting, *springs])]

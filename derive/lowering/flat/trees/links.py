@@ -15,7 +15,7 @@ from fractions import Fraction
 import casadi as ca
 
 from derive.algebra import sp
-from derive.lowering.flat.casadi_symbols import Symbols, added, divided, multiplied
+from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied
 from derive.lowering.flat.trees.spatial_vectors import (
     NEXT,
     ZERO,
@@ -49,7 +49,7 @@ class TreeFrame:
     """A body of a tree: its inertia about the origin, in its frame, and the steps to it from its parent.
 
     parent: its place among the links, -1 at the root. base: the motion from which the steps of a root start. place: the
-    part of the shift from the parent that is constant.
+    part of the shift from the parent that is constant. half: the number 1/2.
     """
 
     name: str
@@ -60,12 +60,13 @@ class TreeFrame:
     mass: ca.SX
     moment: Vector
     tensor: Matrix
+    half: ca.SX
 
     @property
     def half_trace(self) -> ca.SX:
         """Half of the sum of its moments of inertia, which none of them exceeds."""
         trace = added(added(self.tensor[0][0], self.tensor[1][1]), self.tensor[2][2])
-        return divided(trace, ca.SX(2))
+        return multiplied(self.half, trace)  # CasADi would round the derivative of a quotient
 
     @property
     def inertia(self) -> SpatialInertia:
@@ -130,7 +131,8 @@ class TreeFrames:
         if self.axes[body.name] != sp.eye(3):
             tensor = FullRotation(transposed(own_axes)).symmetric_back(tensor)
         moment = times(transposed(own_axes), [of(x) for x in body.moment])
-        return TreeFrame(body.name, parent, steps, base, place, of(body.mass), moment, tensor)
+        half = of.number(Fraction(1, 2))
+        return TreeFrame(body.name, parent, steps, base, place, of(body.mass), moment, tensor, half)
 
     def _matrix(self, matrix: sp.Matrix) -> Matrix:
         return [[self.symbols(matrix[i, j]) for j in range(3)] for i in range(3)]

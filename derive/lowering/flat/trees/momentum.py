@@ -15,6 +15,7 @@ import casadi as ca
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied
 from derive.lowering.flat.trees.spatial_vectors import (
     Matrix,
+    Rotation,
     Vector,
     cross,
     multiply,
@@ -22,6 +23,7 @@ from derive.lowering.flat.trees.spatial_vectors import (
     plus,
     plus_matrix,
     symmetric,
+    tensor_back,
     times,
     transposed,
 )
@@ -54,6 +56,13 @@ class Composite:
     def unturned(self) -> Composite:
         """The same bodies where they do not turn."""
         return Composite(self.mass, null(), self.first, [null() for _ in range(3)])
+
+    def turned_back(self, rotation: Rotation) -> Composite:
+        """The same along axes from which a rotation leads to these."""
+        moment = rotation.back(self.moment)
+        first = moment if self.turns else rotation.back(self.first)
+        tensor = rotation.symmetric_back(self.tensor) if self.turns else tensor_back(rotation, self.tensor)
+        return Composite(self.mass, moment, first, tensor)
 
     def from_point(self, r: Vector) -> Composite:
         """The same about another point, from which this one is at r."""

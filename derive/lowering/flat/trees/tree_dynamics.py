@@ -13,6 +13,7 @@ from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
+from derive.lowering.flat.trees.composite_bodies import mass_entries
 from derive.lowering.flat.trees.links import TreeFrame, TreeFrames
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, forces, motions, needed
 from derive.lowering.flat.trees.spatial_vectors import Vector, dot, plus, times
@@ -127,3 +128,10 @@ def force_values(context: Context, symbols: Symbols) -> list[ca.SX]:
     tree = tree_dynamics(context, symbols)
     known = tree.forces() if tree else {}
     return [known[n] if n in known else symbols(context.force_rows[n]) for n in range(len(context.rows))]
+
+
+def mass_values(context: Context, symbols: Symbols) -> list[ca.SX]:
+    """The entries of M in its pattern, by composite bodies where they are those of trees."""
+    tree, mass = tree_dynamics(context, symbols), context.equations.mass
+    known = mass_entries(tree.links) if tree else {}
+    return [known[at] if at in known else symbols(mass[at]) for at in context.mass_pattern().entries]
