@@ -45,7 +45,7 @@ def read_standard_input(path: Path) -> FiniteElementModel:
     if body.second_order:
         second = [point.second for point in body.points for _ in range(1 + len(AROUND))]
         stiffening["K0F"] = np.array([-np.moveaxis(psi, -1, 0) for psi in second if psi is not None])
-        stiffening["K0F_nodes"] = np.arange(len(positions), dtype=float)
+        stiffening["K0F_nodes"] = np.arange(len(positions))
     return FiniteElementModel(
         name=body.name if body.name != "body" else path.stem,
         node_numbers=np.arange(1, len(positions) + 1),

@@ -31,6 +31,7 @@ class RequestedFunctions:
         v: the generalised velocities (nv,).
         vdot: the accelerations (nv,).
         k: the constants (nk,) of `setup`.
+        check: whether a batch, whose states are rows, raises ModelError if a state fails.
 
     Raises:
         CompilerError: if the model was generated without the function.

@@ -300,8 +300,8 @@ WITH_MESH = ", ".join((*node_files.ARRAYS, *node_files.MESH))
             ".mass: this is no array; save it with numpy.savez",
         ),
         (
-            archive(**{f"m{n}": b"" for n in range(33)}),
-            f': "b.npz" holds 33 arrays; those that are known are {KNOWN}',
+            archive(**{f"m{n}": b"" for n in range(35)}),
+            f': "b.npz" holds 35 arrays; those that are known are {KNOWN}',
         ),
     ],
 )
