@@ -6,9 +6,9 @@ with some others. Loops took 44, 45, 45 and 46 ns for chains of 8, 10, 30 and 10
 -march=x86-64-v3, AMD EPYC, family 26). The compiler took 28 s for the straight-line code of 35 links without
 derivatives, and 2 s for loops.
 
-In loops iteration matrices and sensitivities come column by column, each of which runs over all links: those of a chain
-of 24 took 125 us in place of 60, of 13 28 us in place of 8. But the code of 24 links with these was derived, written and
-compiled in 6 s in place of 111, and had 0.4 MB in place of 13.
+In loops iteration matrices and sensitivities come column by column, each of which runs over all links: those of a
+chain of 24 took 125 us in place of 60, of 13 28 us in place of 8. But the code of 24 links with these was derived,
+written and compiled in 6 s in place of 111, and had 0.4 MB in place of 13.
 """
 
 from __future__ import annotations
