@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from derive.backends.c.optional_parts import OptionalPart
 from derive.errors import TisserandError
@@ -145,11 +146,26 @@ def _cannot_run(command: str, error: OSError) -> CompilerError:
     return CompilerError(message)
 
 
+FAST = frozenset({"-ffast-math", "-Ofast", "-funsafe-math-optimizations"})
+"""Options for which gcc before 13 and clang link code that makes a thread that loads the library round denormals to 0."""
+
+
 def compile_shared(
     sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()
 ) -> Path:
-    """Compile C files into a shared library. Raises CompilerError with the output of the compiler."""
-    compile_c(sources, library, [*flags, "-shared", "-fPIC", *OWN_SYMBOLS], link)
+    """Compile C files into a shared library. Raises CompilerError with the output of the compiler.
+
+    Loading it leaves the arithmetic of the process alone, whatever the flags: options among `FAST` are not for linkers.
+    """
+    of_linker = [flag for flag in flags if flag not in FAST] + ["-shared", *OWN_SYMBOLS]
+    if FAST.isdisjoint(flags):
+        compile_c(sources, library, [*of_linker, "-fPIC"], link)
+        return library
+    with TemporaryDirectory() as folder:
+        objects = [Path(folder) / f"{number}.o" for number in range(len(sources))]
+        for source, target in zip(sources, objects, strict=True):
+            compile_c([source], target, [*flags, "-c", "-fPIC"])
+        compile_c(objects, library, of_linker, link)
     return library
 
 
