@@ -147,7 +147,7 @@ def _cannot_run(command: str, error: OSError) -> CompilerError:
 
 
 FAST = frozenset({"-ffast-math", "-Ofast", "-funsafe-math-optimizations"})
-"""Options for which gcc before 13 and clang link code that makes a thread that loads the library round denormals to 0."""
+"""Options for which gcc before 13 and clang link code that makes threads that load a library round denormals to 0."""
 
 
 def compile_shared(

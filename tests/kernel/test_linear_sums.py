@@ -13,7 +13,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.backends.c import function_parts
-from derive.backends.c.beginnings import repeated
+from derive.backends.c.beginnings import repeated_functions
 from derive.backends.c.linear_sums import NO_SUMS, TOGETHER, KernelSums, LinearSums, linear_sums
 from derive.backends.c.source import CBackend
 from derive.ir.analysis import expressions
@@ -125,7 +125,7 @@ def test_the_static_function_is_written_once(alike: Summed) -> None:
     text = next(file.text for file in CBackend().files(alike.model, "a test") if file.path.endswith(".c"))
     assert text.count(f"TISSERAND_SHARED void clouds_sums_of_{MODES}(") == 1
     assert text.count("static const double clouds_sums") == 1
-    again = repeated(alike.model)  # whose functions call others
+    again = repeated_functions(alike.model)  # whose functions call others
     calls = sum(len(of.calls) for name, of in alike.sums.kernels.items() if name not in again)
     assert text.count(f"    clouds_sums_of_{MODES}(") == calls
 

@@ -63,7 +63,7 @@ def test_a_set_that_turns_as_a_rigid_body_turns_its_marker_alike() -> None:
     fields = np.cross(theta[:, None], motion.levers) + np.array([1.0, 2.0, 3.0])
     turned = np.cross(theta[:, None, None], np.cross(theta[:, None], motion.levers)[None])
     assert motion.rotation(fields) == pytest.approx(theta, abs=1e-12)
-    second = motion.second_rotation(fields, (turned + np.swapaxes(turned, 0, 1)) / 2)
+    second = motion.second_rotation(fields, np.moveaxis((turned + np.swapaxes(turned, 0, 1)) / 2, 2, 0))
     assert np.abs(second).max() < 1e-12
 
 
