@@ -8,6 +8,7 @@ from pathlib import Path
 from derive.ir.model import Model
 from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.notes.body_notes import body_notes, notes_on_flexible_bodies
 from derive.notes.model_notes import limits
 from derive.notes.requested_notes import requested_notes
@@ -27,6 +28,7 @@ def build_notes(built: Built, path: Path) -> tuple[str, ...]:
         *(notes_on_flexible_bodies(spec) if isinstance(spec, SpatialScene) else ()),
         *_elimination(model),
         *requested_notes(model),
+        *_functions_of_controllers(built),
         *limits(spec),
         *(f"warning: {text}" for text in (*((built.unstarted,) if built.unstarted else ()), *warnings(path))),
     )
@@ -54,3 +56,10 @@ def _elimination(model: Model) -> Iterator[str]:
         f"KKT matrix: {size} x {size}, {entries} non-zeros, fill-in of {model.kkt.fill}; accelerations and multipliers "
         f"take {model.kernel('solve').operations} operations"
     )
+
+
+def _functions_of_controllers(built: Built) -> Iterator[str]:
+    """Yield how trees in relative coordinates, such as robots, get inverse dynamics, if they have no such functions."""
+    bodies = built.derived.instances if isinstance(built.derived, SpatialMechanism) else ()
+    if any(of.coordinates.is_carried for of in bodies) and not built.model.requested:
+        yield "without inverse dynamics, which controllers need: --functions inverse_dynamics or all adds them"

@@ -171,6 +171,16 @@ ROUNDED = """<robot name="r"><link name="a"/>
 <axis xyz="0 0 1"/></joint></robot>"""
 
 
+def test_builds_say_how_inverse_dynamics_are_added(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "r.urdf").write_text(ROUNDED)
+    assert main(["import", str(tmp_path / "r.urdf"), "--out", str(tmp_path / "r.toml")]) == 0
+    notes = []
+    for options in ([], ["--functions", "inverse_dynamics"]):
+        assert main(["build", str(tmp_path / "r.toml"), "--out", str(tmp_path), *options]) == 0
+        notes.append("without inverse dynamics" in capsys.readouterr().out)
+    assert notes == [True, False]
+
+
 def test_angles_that_round_right_angles_are_right_angles() -> None:
     """The scene is that of a description with all digits of pi; angles that are given as others remain."""
     element = parse_xml(ROUNDED.encode())
