@@ -172,7 +172,7 @@ ROUNDED = """<robot name="r"><link name="a"/>
 
 
 def test_builds_say_how_inverse_dynamics_are_added(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "r.urdf").write_text(ROUNDED)
+    (tmp_path / "r.urdf").write_text(TWO_LINKS)
     assert main(["import", str(tmp_path / "r.urdf"), "--out", str(tmp_path / "r.toml")]) == 0
     notes = []
     for options in ([], ["--functions", "inverse_dynamics"]):
