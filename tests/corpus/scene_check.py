@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ def quick_compiler(folder: Path) -> str:
 @contextmanager
 def derived_once() -> Iterator[None]:
     """Let the commands of a scene share equations and kernels of the same specification: a third of their time."""
-    equations, kernels = sys.modules["derive.derivation"].derive, sys.modules["derive.model_lowering"].lower
+    equations, kernels = import_module("derive.derivation").derive, import_module("derive.model_lowering").lower
     derived: dict[str, Any] = {}
     lowered: dict[tuple[int, bool, bool], Any] = {}
 
