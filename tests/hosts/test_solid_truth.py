@@ -186,13 +186,13 @@ def near(found: np.ndarray, expected: np.ndarray, part: float) -> bool:
     return bool(np.abs(np.asarray(found) / expected - 1).max() < part)
 
 
-def test_two_clamps_of_a_cantilever_enclose_theory(tmp_path: Path) -> None:
+def test_a_clamp_that_is_the_mean_over_a_face_is_that_of_theory(tmp_path: Path) -> None:
     """Bending in both planes, torsion, extension, and deflections under gravity and under a force at the tip.
 
-    Theory lets the section at the clamp warp and contract, and holds it by smooth stresses. A rigid set of nodes, which
-    does not let it, is stiffer: by 0.2 % in extension and 0.4 % to 1.1 % in the other frequencies, and by 0.7 % and
-    1.1 % in deflections. The mean of nodes with equal weights, which is held by forces at nodes, is softer: by up to
-    1.1 % in frequencies, 1.6 % and 2.2 % in deflections. Ten modes account for 0.1 % of these.
+    Theory lets the section at the clamp warp and contract, and holds it by smooth stresses, as the mean over the area of
+    the face does: the first frequencies agree to 6e-5, that of the seventh bending mode to 0.5 %, deflections to 0.08 %.
+    A rigid set of nodes is stiffer: by 0.2 % in extension and 0.4 % to 1.1 % in the other frequencies, and by 0.7 % and
+    1.1 % in deflections.
     """
     line, second = DENSITY * AREA * 9.81, (HEIGHT * WIDTH**3 / 12, WIDTH * HEIGHT**3 / 12)
     shear = SHEAR_FACTOR * SHEAR * AREA
@@ -209,9 +209,9 @@ def test_two_clamps_of_a_cantilever_enclose_theory(tmp_path: Path) -> None:
         found = [*np.delete(own, [5, 8]) / bending, own[5] / torsion, own[8] / extension]
         gaps[motion] = np.array(found) - 1, np.array([run["tip_2"][0] / by_force, -run["tip_3"][0] / by_gravity]) - 1
     frequencies, deflections = zip(*gaps.values(), strict=True)
-    assert np.all(frequencies[0] < 0) and np.all(frequencies[0] > -0.013), gaps
-    assert np.all(frequencies[1] > 0) and np.all(frequencies[1] < 0.013), gaps
-    assert np.all(deflections[0] > 0) and np.all(deflections[0] < 0.025), gaps
+    assert np.all(np.abs(frequencies[0][:2]) < 2e-4) and np.all(np.abs(frequencies[0]) < 0.006), gaps
+    assert np.all(frequencies[1] > np.abs(frequencies[0])) and np.all(frequencies[1] < 0.013), gaps
+    assert np.all(np.abs(deflections[0]) < 0.0015), gaps
     assert np.all(deflections[1] < 0) and np.all(deflections[1] > -0.013), gaps
 
 
