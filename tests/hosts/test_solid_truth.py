@@ -189,10 +189,10 @@ def near(found: np.ndarray, expected: np.ndarray, part: float) -> bool:
 def test_a_clamp_that_is_the_mean_over_a_face_is_that_of_theory(tmp_path: Path) -> None:
     """Bending in both planes, torsion, extension, and deflections under gravity and under a force at the tip.
 
-    Theory lets the section at the clamp warp and contract, and holds it by smooth stresses, as the mean over the area of
-    the face does: the first frequencies agree to 6e-5, that of the seventh bending mode to 0.5 %, deflections to 0.08 %.
-    A rigid set of nodes is stiffer: by 0.2 % in extension and 0.4 % to 1.1 % in the other frequencies, and by 0.7 % and
-    1.1 % in deflections.
+    Theory lets the section at the clamp warp and contract, and holds it by smooth stresses, as the mean over the area
+    of the face does: the first frequencies agree to 6e-5, that of the seventh bending mode to 0.5 %, deflections to
+    0.08 %. A rigid set of nodes is stiffer: by 0.2 % in extension and 0.4 % to 1.1 % in the other frequencies, and by
+    0.7 % and 1.1 % in deflections.
     """
     line, second = DENSITY * AREA * 9.81, (HEIGHT * WIDTH**3 / 12, WIDTH * HEIGHT**3 / 12)
     shear = SHEAR_FACTOR * SHEAR * AREA
