@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 BATCH = 8
 """The states of a batch."""
 PEERS_PER_VELOCITY = 1e-13
-"""What each velocity adds to the rounding errors of others: MuJoCo errs by 2e-12 in a chain of 100 bodies."""
+"""The rounding errors of others for each velocity: MuJoCo errs by 2e-12 in a chain of 100 bodies."""
 FUNCTIONS = ("accel", "inverse_dynamics", "mass")
 
 

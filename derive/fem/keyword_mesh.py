@@ -46,7 +46,7 @@ LARGEST_NUMBER = 2**53
 
 
 @dataclass(frozen=True)
-class RigidBody:
+class RigidNodes:
     """A set of nodes that moves as a rigid body: its name, the numbers of its reference node and of the node of its
     rotations, 0 if the program chooses it, and the line of the card."""
 
@@ -75,7 +75,7 @@ class KeywordMesh:
     other_elements: Counter[str] = field(default_factory=Counter)
     cards: dict[str, tuple[int, int]] = field(default_factory=dict)
     unknown: int = 0
-    rigid_bodies: list[RigidBody] = field(default_factory=list)
+    rigid_bodies: list[RigidNodes] = field(default_factory=list)
 
 
 def read_mesh(path: Path) -> KeywordMesh:
@@ -296,7 +296,7 @@ class _Reader:
         nodes = [card.parameters.get(parameter, "0") for parameter in ("REF NODE", "ROT NODE")]
         if "NSET" in card.parameters and all(node.isdecimal() for node in nodes) and int(nodes[0]):
             name = self.named(card, "NSET")
-            self.mesh.rigid_bodies.append(RigidBody(name, int(nodes[0]), int(nodes[1]), card.line))
+            self.mesh.rigid_bodies.append(RigidNodes(name, int(nodes[0]), int(nodes[1]), card.line))
         else:
             self.mesh.cards["RIGID BODY"] = (card.line, 1)
 

@@ -157,15 +157,15 @@ def compile_shared(
 
     Loading it leaves the arithmetic of the process alone, whatever the flags: options among `FAST` are not for linkers.
     """
-    of_linker = [flag for flag in flags if flag not in FAST] + ["-shared", *OWN_SYMBOLS]
+    of_library = ["-shared", "-fPIC", *OWN_SYMBOLS]
     if FAST.isdisjoint(flags):
-        compile_c(sources, library, [*of_linker, "-fPIC"], link)
+        compile_c(sources, library, [*flags, *of_library], link)
         return library
     with TemporaryDirectory() as folder:
         objects = [Path(folder) / f"{number}.o" for number in range(len(sources))]
         for source, target in zip(sources, objects, strict=True):
             compile_c([source], target, [*flags, "-c", "-fPIC"])
-        compile_c(objects, library, of_linker, link)
+        compile_c(objects, library, [*(flag for flag in flags if flag not in FAST), *of_library], link)
     return library
 
 

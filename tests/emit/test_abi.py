@@ -9,7 +9,7 @@ from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
 
-LAYOUT = (9, "1a84cbcf2e2b4b6262c974dc8763d5dad437a1c4c415b0f027f78f10b008e18b")
+LAYOUT = (10, "37e8c59cefe3dfd3e728e64df2f603c17a3e6c8c9e71a3958b4f86d05c3ac967")
 """The number of the interface, and the SHA-256 of the descriptor's declarations without comments."""
 
 

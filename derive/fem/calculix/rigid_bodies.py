@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import block_diag, coo_array, csr_array, identity, kron
 
 from derive.errors import Problem
-from derive.fem.keyword_mesh import KeywordMesh, RigidBody
+from derive.fem.keyword_mesh import KeywordMesh, RigidNodes
 from derive.fem.model import Array, Indices
 from derive.fem.with_nodes import MatricesOfNodes
 
@@ -46,7 +46,7 @@ def without_rotations(
 
 
 def _four_nodes(
-    mesh: KeywordMesh, matrices: MatricesOfNodes, body: RigidBody, members: Indices, rows: list[Indices]
+    mesh: KeywordMesh, matrices: MatricesOfNodes, body: RigidNodes, members: Indices, rows: list[Indices]
 ) -> tuple[KeywordMesh, MatricesOfNodes]:
     """The mesh and the matrices with four nodes in place of the rows of a reference node and its rotations."""
     at = mesh.positions[mesh.numbers == body.reference][0]

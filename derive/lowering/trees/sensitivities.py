@@ -16,7 +16,7 @@ from derive.ir.statements import Statement, Work
 from derive.lowering.instances.loop_code.context import Part, Result, kernel
 from derive.lowering.model_functions import ModelFunction
 from derive.lowering.trees.forms import TreeForm
-from derive.lowering.trees.tangents import ONE, Directions, Rows, Tangents
+from derive.lowering.trees.tangents import ONE, Directions, LoopTangents, Rows
 from derive.lowering.trees.tree_context import TreeContext
 
 
@@ -45,7 +45,7 @@ def derivatives(
     statements = [statement for *_, body in made for statement in body]
     whole_arrays = [(name, 0, size) for name, size in results.items()]
     arrays, name = context.motion.arrays, function.name
-    of = Tangents(arrays, name, statements, sizes, rows or whole_arrays, every, not by_parameters)
+    of = LoopTangents(arrays, name, statements, sizes, rows or whole_arrays, every, not by_parameters)
     section = "jac", "", "derivatives, column by column", of.columns("jac")
     return kernel(context, function, {"jac": Result(pattern=of.pattern)}, *made, section, inputs=inputs)
 

@@ -45,7 +45,7 @@ class Directions:
 
 
 @dataclass(frozen=True)
-class Tangents:
+class LoopTangents:
     """The derivatives of the rows that statements write, along directions.
 
     sizes: of the arrays that are arguments. is_square: whether the pattern has the whole diagonal.

@@ -33,7 +33,7 @@ from derive.lowering.instances.elimination.graph_elimination import in_graph
 from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
-from derive.lowering.instances.functions.compliance_loops import Targets
+from derive.lowering.instances.functions.compliance_loops import RowTargets
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
 from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.functions.varying_factors import VaryingFactors
@@ -171,7 +171,7 @@ def _block_items(
     return items, targets
 
 
-def _loop_targets(system: Blocks, of: ClassCode) -> Targets | None:
+def _loop_targets(system: Blocks, of: ClassCode) -> RowTargets | None:
     """Where the entries of the rows of a class go in loops over these; None if they are not at equal distances."""
     entries: dict[tuple[int, int], tuple[str, ElementIndex, int, int]] = {}
     rights: dict[int, tuple[str, ElementIndex, int]] = {}
@@ -191,7 +191,7 @@ def _loop_targets(system: Blocks, of: ClassCode) -> Targets | None:
         distances = (1, size) if turned[0] else (size, 1)
         row, column = (n * system.coupling_spacing for n in distances)
         entries[a, b] = COUPLING, place.at(0), row, column
-    return Targets(entries, rights)
+    return RowTargets(entries, rights)
 
 
 def _joint_place(system: Blocks, of: ClassCode, handle: int) -> Place:

@@ -101,7 +101,7 @@ class ComplianceLoops:
 
     @cached_property
     def _shared(self) -> list[ca.SX]:
-        """What all rows read: L between coupled coordinates, D^-1, and D^-1 L^-1 f."""
+        """The numbers that all rows read: L between coupled coordinates, D^-1, and D^-1 L^-1 f."""
         modes, order = self.modes, self.coupled
         lower = [dict(modes.factors.lower[j]).get(i, ca.SX(0)) for i in order for j in order[: order.index(i)]]
         inverses = [modes.inverse[j] for j in order]
@@ -130,7 +130,7 @@ class ComplianceLoops:
 
     # ---- loops ----
 
-    def loops(self, targets: Targets) -> InnerLoops:
+    def loops(self, targets: RowTargets) -> InnerLoops:
         """All loops. targets: where entries and right-hand sides go."""
         assert self.groups is not None
         rows, pairs = len(self.modes.rows), AXES * len(self.modes.rows)
@@ -164,7 +164,7 @@ class ComplianceLoops:
         """One of the three numbers of a row."""
         return Element(array, variable(index, AXES, AXES * group.first + k))
 
-    def _rows(self, group: RowGroup, at: Tables, targets: Targets) -> ForEach:
+    def _rows(self, group: RowGroup, at: Tables, targets: RowTargets) -> ForEach:
         """The loop over the rows of a group: the factors of the coupled coordinates, and the right-hand side."""
         pairs = [(i, j) for i in range(ROTATIONS) for j in range(i)]
         inverses = len(pairs)
@@ -188,7 +188,7 @@ class ComplianceLoops:
         body.append(StoreElement(targets.right(group), _minus(start, [*loads, *motions])))
         return ForEach(ROW, constant(0), constant(group.count), tuple(body))
 
-    def _block(self, group: RowGroup, other: RowGroup, at: Tables, targets: Targets) -> ForEach:
+    def _block(self, group: RowGroup, other: RowGroup, at: Tables, targets: RowTargets) -> ForEach:
         """The loops over the entries of the rows of two groups."""
         table = self._table(group, other)
         body: list[InstanceItem] = []
@@ -207,7 +207,7 @@ class ComplianceLoops:
         return ForEach(COLUMN, constant(0), constant(other.count), tuple(body))
 
 
-class Targets:
+class RowTargets:
     """Where the entries and the right-hand sides of rows go.
 
     entries: the index of the entry of two rows of joints at two handles, by rows and columns; rights: that of the

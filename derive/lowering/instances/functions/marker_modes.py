@@ -64,7 +64,7 @@ class MarkerModes:
 
     @cached_property
     def _acting(self) -> list[ca.SX]:
-        """What the constants of all modes are multiplied by: L between these and coupled coordinates, and D^-1 f."""
+        """The factors of the constants of all modes: L between these and coupled coordinates, and D^-1 f."""
         lower = [dict(self.factors.lower[j]) for j in self.modes]
         inverse = dict(zip(self.factors.order, self.factors.inverses, strict=True))
         forces = (inverse[j] * self.half_force[j] for j in self.modes)
