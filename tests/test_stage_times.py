@@ -71,7 +71,7 @@ def test_a_pipe_sees_nothing(terminal: Terminal) -> None:
 
 def test_a_stage_states_what_is_left_by_the_time_of_last_time(terminal: Terminal) -> None:
     durations.keep("deriving ...", 75.0)
-    run("deriving ...", "lowering ...")
+    run("deriving ...", "lowering ...", seconds=0.5)
     texts = lines(terminal)
     assert texts[0] == "deriving, about 1 min 15 s left (1 min 15 s last time) ..."
     assert "lowering, 1 s so far ..." in texts
