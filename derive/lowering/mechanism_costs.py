@@ -39,7 +39,8 @@ from dataclasses import dataclass
 
 from derive.algebra import sp
 from derive.ir.indices import LANES
-from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, plain_joint
+from derive.lowering.instances.classes.body_classes import BodyClass, body_classes
+from derive.lowering.instances.classes.dimension import plain_joint
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes

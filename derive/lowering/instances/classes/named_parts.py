@@ -13,6 +13,7 @@ from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
+from derive.mechanics.multibody.space.gears import gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, joint_motion
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism, joint_loads
 from derive.mechanics.multibody.space.output_parts import SpatialParts
@@ -49,7 +50,7 @@ class NamedParts:
         """The parts of the mechanism, with some bodies, actions, dampings and the drives of a scene in sums."""
         mechanism, known = self.mechanism, self.of.known
         every = [i.name for i in mechanism.instances] if bodies is None else bodies
-        multipliers = {j.joint.name: c for j, c in zip(mechanism.joints, known.constraints, strict=True)}
+        multipliers = {j.joint.name: c for j, c in zip(mechanism.joints, known.constraints, strict=False)}
         drives = {
             c.shown: (name, c.multiplier) for name, of in multipliers.items() for c in of if c.shown in self._drives
         }
@@ -64,7 +65,7 @@ class NamedParts:
             joints=mechanism.joints_by_name,
             drive_multipliers=_Lazy(drives, lambda name: self._multiplier(*drives[name])),
             motion=self.motion,
-            gear_loads=(),
+            gear_loads=_GearLoads(self),
             dissipations=map(self.dissipation, mechanism.dampings if dampings is None else dampings),
         )
 
@@ -120,6 +121,13 @@ class NamedParts:
         rows = tuple(row for name in names for row in self.mechanism.instance(name).coordinates.rows)
         return joint_motion(of, self.at, self.mechanism.instances_by_name, rows)
 
+    def of_gears(self) -> Iterator[MarkerLoad]:
+        """Yield the loads of all gears on the bodies of their joints."""
+        first = len(self.mechanism.joints)
+        for gear, (condition,) in zip(self.mechanism.gears, self.of.known.constraints[first:], strict=True):
+            self._asked_for_all()
+            yield from gear_loads(gear, condition.multiplier, self.motion)
+
     def _multiplier(self, joint: str, multiplier: sp.Symbol) -> sp.Symbol:
         """The multiplier of a drive, whose joint its bodies have."""
         self.joints.append(joint)
@@ -153,6 +161,16 @@ class _Lazy(Mapping[str, T], Generic[T]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+
+class _GearLoads:
+    """The loads of gears, which are computed when somebody asks for them."""
+
+    def __init__(self, of: NamedParts) -> None:
+        self._of = of
+
+    def __iter__(self) -> Iterator[MarkerLoad]:
+        return self._of.of_gears()
 
 
 class _Action:

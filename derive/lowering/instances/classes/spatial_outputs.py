@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from derive.errors import Problem
-from derive.lowering.instances.classes.body_classes import plain_joint
+from derive.lowering.instances.classes.dimension import plain_joint
 from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
 from derive.lowering.instances.classes.named_parts import NamedParts
 from derive.lowering.instances.classes.spatial_actions import action_key
@@ -75,9 +75,7 @@ def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
 
 
 def missing_in_space(bodies: Bodies) -> Iterator[Problem]:
-    """Yield a problem for each gear, which couples bodies of two joints, and each output with its own constants."""
-    for gear in bodies.mechanism.gears:
-        yield Problem(f"gears.{gear.gear.name}", f"loops over bodies in space have no gears{INSTEAD}")
+    """Yield a problem for each output with its own constants."""
     for output in bodies.mechanism.scene.outputs:
         own = spatial_output_equations((output,), NamedParts(bodies).of_scene())[1]
         if own or SPATIAL_OUTPUTS[output.kind].of_numbers:

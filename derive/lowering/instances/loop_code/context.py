@@ -24,6 +24,7 @@ from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
+from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
@@ -64,10 +65,12 @@ class InstanceContext:
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
         self.classes = [self._class(of) for of in body_classes(mechanism)]
-        rows = [joint.multipliers for joint in mechanism.joints]
+        rows = [of.multipliers for of in constraining(mechanism)]
         self.first_rows = [0, *accumulate(rows)]
-        handles = [[(h.joint, h.is_first) for h in m.handles] for c in self.classes for m in c.of.members]
-        self.blocks: Blocks | None = blocks(rows, handles) if rows else None
+        members = [m for c in self.classes for m in c.of.members]
+        handles = [[(h.joint, h.is_first) for h in m.handles if not h.is_gear] for m in members]
+        gears = [[h.joint for h in m.handles if h.is_gear] for m in members]
+        self.blocks: Blocks | None = blocks(rows, handles, gears) if rows else None
         self.classes_in_lanes = self._joined()
         self.marker_classes = {
             name: self._class(of, f"markers_{name}") for name, of in marker_classes(mechanism).items()
@@ -113,7 +116,7 @@ class InstanceContext:
         for member in group.first.bodies:
             (of,) = (code for code in self.classes if member in code.of.members)
             (h,) = (h for h, handle in enumerate(member.handles) if handle.joint == group.first.number)
-            side, count = 0 if member.handles[h].is_first else 1, len(member.instance.coordinates.rows)
+            side, count = member.handles[h].side, len(member.instance.coordinates.rows)
             factors[side], bodies[side] = (*of.varying[h].factors,), range(first, first + count)
             first += count
         return JointCode(self._code(group, equations), group.members, factors, bodies)
@@ -122,7 +125,8 @@ class InstanceContext:
         """The codes of varying joints after one at the ground has joined those between bodies that are like it."""
         if self.blocks is None:
             return joints
-        for ground, others in permutations(joints, 2):
+        between = [of for of in joints if not of.are_gears]
+        for ground, others in permutations(between, 2):
             if found := joined_element(self.bodies, ground, others, self.blocks):
                 side, element = found
                 elements = tuple(sorted([element, *others.elements], key=lambda e: e.number))

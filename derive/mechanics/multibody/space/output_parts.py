@@ -43,7 +43,7 @@ class SpatialParts:
     joints: Mapping[str, SpatialJointInstance | SpatialEliminatedJoint]
     drive_multipliers: Mapping[str, sp.Expr]
     motion: Callable[[str], JointMotion]
-    gear_loads: tuple[MarkerLoad, ...]
+    gear_loads: Iterable[MarkerLoad]
     dissipations: Iterable[sp.Expr]
     sections: dict[tuple[MarkerRef, bool], Any] = field(default_factory=dict)
 
