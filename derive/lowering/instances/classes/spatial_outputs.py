@@ -17,7 +17,7 @@ from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.multibody.space.output_parts import SpatialParts
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS, spatial_output_equations
-from derive.mechanics.terms import OutputEquation
+from derive.mechanics.terms import ModelConstant, OutputEquation
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.spatial_scene import SpatialScene
@@ -30,7 +30,8 @@ INSTEAD = '; use lowering = "flat" or "auto"'
 class _Part:
     """An output, or a term of one that is a sum: the number of its first component, and what its code depends on.
 
-    key: besides the bodies, the joints and the actions that it asks for.
+    key: besides the bodies, the joints and the actions that it asks for. body: the one that it asks for, if that is
+    known to be all.
     """
 
     output: SceneOutput
@@ -38,6 +39,7 @@ class _Part:
     key: Hashable
     make: Callable[[NamedParts], tuple[OutputEquation, ...]]
     adds: bool = False
+    body: str = ""
 
 
 def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
@@ -46,8 +48,8 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
     made: dict[Hashable, Equations] = {}
     for number, part in enumerate(_parts(bodies)):
         named = NamedParts(bodies)
-        components = part.make(named)
-        names = named.bodies
+        components = () if part.body else part.make(named)
+        names = (part.body,) if part.body in bodies.members else named.bodies
         members = tuple(bodies.members[name] for name in names)
         element = GroupElement(number, members, part.first, part.adds, named.idle_joints)
         key: Hashable = (
@@ -55,6 +57,7 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
         )
         groups.setdefault(key, []).append(element)
         if key not in made:
+            components = components or part.make(named)
             own = {name: bodies.equations(name) for name in names}
             conditions = tuple(c for k in element.joints for c in bodies.known.constraints[k])
             loads = GeneralisedForce((), tuple(named.definitions.values()))
@@ -65,8 +68,7 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
 
 def output_components(bodies: Bodies) -> tuple[OutputEquation, ...]:
     """The components of all outputs, of which the groups have the values."""
-    outputs = bodies.mechanism.scene.outputs
-    return tuple(c for output in outputs for c in _components(output, NamedParts(bodies)))
+    return tuple(c for output in bodies.mechanism.scene.outputs for c in _described(output, bodies)[0])
 
 
 def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
@@ -77,8 +79,7 @@ def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
 def missing_in_space(bodies: Bodies) -> Iterator[Problem]:
     """Yield a problem for each output with its own constants."""
     for output in bodies.mechanism.scene.outputs:
-        own = spatial_output_equations((output,), NamedParts(bodies).of_scene())[1]
-        if own or SPATIAL_OUTPUTS[output.kind].of_numbers:
+        if _described(output, bodies)[1] or SPATIAL_OUTPUTS[output.kind].of_numbers:
             text = f"loops over bodies in space have no outputs of the kind {output.kind}{INSTEAD}"
             yield Problem(f"outputs.{output.name}", text)
 
@@ -92,13 +93,22 @@ def _parts(bodies: Bodies) -> Iterator[_Part]:
 def _outputs(bodies: Bodies) -> Iterator[_Part]:
     first = 0
     for output in bodies.mechanism.scene.outputs:
-        make = partial(_components, output)
-        yield _Part(output, first, (output.kind, _plain(output, bodies)), make, SPATIAL_OUTPUTS[output.kind].adds)
-        first += len(make(NamedParts(bodies)))
+        make, adds = partial(_components, output), SPATIAL_OUTPUTS[output.kind].adds
+        yield _Part(output, first, (output.kind, _plain(output, bodies)), make, adds)
+        first += len(_described(output, bodies)[0])
 
 
 def _components(output: SceneOutput, named: NamedParts) -> tuple[OutputEquation, ...]:
     return spatial_output_equations((output,), named.of_scene())[0]
+
+
+def _described(output: SceneOutput, bodies: Bodies) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
+    """The components of an output, of a sum without its terms, and the constants in them alone."""
+    named, scene = NamedParts(bodies), bodies.mechanism.scene
+    adds = SPATIAL_OUTPUTS[output.kind].adds
+    return spatial_output_equations(
+        (output,), named.of_scene(replace(scene, drives=()), (), (), ()) if adds else named.of_scene()
+    )
 
 
 def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
@@ -106,13 +116,14 @@ def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
     mechanism: SpatialMechanism = bodies.mechanism
     still = replace(mechanism.scene, drives=())
 
-    def term(key: Hashable, parts: Callable[[NamedParts], SpatialParts]) -> _Part:
-        return replace(
-            of, key=(of.key, key), make=lambda named: spatial_output_equations((of.output,), parts(named))[0]
-        )
+    def term(key: Hashable, parts: Callable[[NamedParts], SpatialParts], body: str = "") -> _Part:
+        def make(named: NamedParts) -> tuple[OutputEquation, ...]:
+            return spatial_output_equations((of.output,), parts(named))[0]
+
+        return replace(of, key=(of.key, key), make=make, body=body)
 
     for name in (instance.name for instance in mechanism.instances):
-        yield term(bodies.key(name), lambda named, name=name: named.of_scene(still, (name,), (), ()))  # type: ignore[misc]
+        yield term(bodies.key(name), lambda named, name=name: named.of_scene(still, (name,), (), ()), name)  # type: ignore[misc]
     for action in mechanism.forces:
         yield term("action", lambda named, action=action: named.of_scene(still, (), (action,), ()))  # type: ignore[misc]
     for damping in mechanism.dampings:

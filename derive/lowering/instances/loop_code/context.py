@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import accumulate, permutations
 from typing import Protocol
 
@@ -154,7 +155,7 @@ class InstanceContext:
         joined = (of for of in self.classes_in_lanes if of.of.is_joined)
         return (*self.classes, *joined, *self.marker_classes.values(), *groups)
 
-    @property
+    @cached_property
     def output_components(self) -> tuple[OutputEquation, ...]:
         """The components of all outputs in the order of the specification, without their values."""
         if isinstance(self.mechanism, SpatialMechanism):
