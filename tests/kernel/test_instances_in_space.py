@@ -120,18 +120,6 @@ spring = "rope"
 kind = "joint_load"
 load = "brake"
 """
-GEARED = """
-[joints.axle]
-kind = "revolute"
-between = ["ground.pivot", "wheel.hub"]
-[bodies.wheel]
-mass = 1
-inertia = [0.1, 0.1, 0.1, 0, 0, 0]
-markers = { hub = [0, 0, 0] }
-[gears.teeth]
-joints = ["shaft", "axle"]
-ratio = "-1/2"
-"""
 TWICE = """
 [joints.again]
 kind = "{kind}"
@@ -337,9 +325,6 @@ def test_loops_are_chosen_where_they_are_faster() -> None:
     }
     assert [chosen(star) for star in stars.values()] == ["flat"] * 2  # 1.03, 3.25
     assert chosen(CLOSED.replace("universal", "spherical")) == "flat"  # 1.32
-    geared = derive.derive(parse(MIXED.replace('"instances"', '"auto"') + GEARED))
-    assert isinstance(geared, SpatialMechanism)
-    assert not is_predicted(geared)
 
 
 def test_default_plots_name_the_columns_of_instances() -> None:
@@ -347,15 +332,6 @@ def test_default_plots_name_the_columns_of_instances() -> None:
     model = both(parse(MIXED), explicit=True).instances
     curves = [plot.quantity for plot in default_plots(replace(parse(MIXED), outputs=()), model)]
     assert any("ball[1]_omega2" in getattr(curve, "y", ()) for curve in curves)
-
-
-def test_what_loops_in_space_do_not_have_is_refused() -> None:
-    """Gears, which couple the bodies of two joints."""
-    with pytest.raises(SpecError) as error:
-        derive.lower(derive.derive(parse(MIXED + GEARED)), explicit=True)
-    assert [(p.path, p.message) for p in error.value.problems] == [
-        ("gears.teeth", 'loops over bodies in space have no gears; use lowering = "flat" or "auto"')
-    ]
 
 
 @pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=LATER)])

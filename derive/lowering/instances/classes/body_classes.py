@@ -154,6 +154,13 @@ def force_keys(member: Member) -> tuple[Hashable, ...]:
     return tuple(force.key for force in member.forces)
 
 
+def handles_of(members: Iterable[Member]) -> tuple[list[list[tuple[int, bool]]], list[list[int]]]:
+    """For each body the numbers of its joints, with whether it is their first body, and of its gears."""
+    own = [member.handles for member in members]
+    joints = [[(h.joint, h.is_first) for h in handles if not h.is_gear] for handles in own]
+    return joints, [[h.joint for h in handles if h.is_gear] for handles in own]
+
+
 def marker_classes(mechanism: AnyMechanism) -> dict[str, BodyClass]:
     """The classes of the bodies with markers, whose joints and forces do not matter, by their names.
 

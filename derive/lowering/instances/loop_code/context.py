@@ -23,7 +23,7 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
+from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, handles_of, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
 from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
@@ -68,9 +68,7 @@ class InstanceContext:
         self.classes = [self._class(of) for of in body_classes(mechanism)]
         rows = [of.multipliers for of in constraining(mechanism)]
         self.first_rows = [0, *accumulate(rows)]
-        members = [m for c in self.classes for m in c.of.members]
-        handles = [[(h.joint, h.is_first) for h in m.handles if not h.is_gear] for m in members]
-        gears = [[h.joint for h in m.handles if h.is_gear] for m in members]
+        handles, gears = handles_of(m for c in self.classes for m in c.of.members)
         self.blocks: Blocks | None = blocks(rows, handles, gears) if rows else None
         self.classes_in_lanes = self._joined()
         self.marker_classes = {
