@@ -215,4 +215,4 @@ def _without_values(section: CrossSection) -> CrossSection:
         return tuple(replace(c, value=sp.S.Zero) for c in constants)
 
     point = replace(section.point, coefficients=plain(section.point.coefficients))
-    return replace(section, point=point, rotations=plain(section.rotations))
+    return replace(section, point=point, rotations=plain(section.rotations), stresses=())

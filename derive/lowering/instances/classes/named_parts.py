@@ -27,7 +27,7 @@ T = TypeVar("T")
 class NamedParts:
     """The markers, actions and joints that an output asks for, in their order, and the definitions in their loads.
 
-    constants: those of the dampings that it asks for.
+    constants: those of the dampings that it asks for, and its own.
     names_all: whether it asks for all loads of joints, so that nothing else is like it.
     """
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-from derive.errors import Problem
 from derive.lowering.instances.classes.dimension import plain_joint
 from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
 from derive.lowering.instances.classes.named_parts import NamedParts
@@ -17,13 +16,10 @@ from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.multibody.space.output_parts import SpatialParts
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS, spatial_output_equations
-from derive.mechanics.terms import ModelConstant, OutputEquation
+from derive.mechanics.terms import OutputEquation
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.spatial_scene import SpatialScene
-
-INSTEAD = '; use lowering = "flat" or "auto"'
-"""The advice at the end of messages on functions that loops do not have."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +48,9 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
         names = (part.body,) if part.body in bodies.members else named.bodies
         members = tuple(bodies.members[name] for name in names)
         element = GroupElement(number, members, part.first, part.adds, named.idle_joints)
-        key: Hashable = (
-            number if named.names_all else (part.key, _asked_for(named), element.sharing, fixed_of(bodies, names))
-        )
+        is_like_others = not (named.names_all or named.constants)
+        like = part.key, _asked_for(named), _numbers(named, part.output), element.sharing, fixed_of(bodies, names)
+        key: Hashable = like if is_like_others else number
         groups.setdefault(key, []).append(element)
         if key not in made:
             components = components or part.make(named)
@@ -68,20 +64,12 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
 
 def output_components(bodies: Bodies) -> tuple[OutputEquation, ...]:
     """The components of all outputs, of which the groups have the values."""
-    return tuple(c for output in bodies.mechanism.scene.outputs for c in _described(output, bodies)[0])
+    return tuple(c for output in bodies.mechanism.scene.outputs for c in _described(output, bodies))
 
 
 def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
     """The numbers of the first component of each output that is a sum, and of its components."""
     return [(part.first, len(SPATIAL_OUTPUTS[part.output.kind].labels)) for part in _outputs(bodies) if part.adds]
-
-
-def missing_in_space(bodies: Bodies) -> Iterator[Problem]:
-    """Yield a problem for each output with its own constants."""
-    for output in bodies.mechanism.scene.outputs:
-        if _described(output, bodies)[1] or SPATIAL_OUTPUTS[output.kind].of_numbers:
-            text = f"loops over bodies in space have no outputs of the kind {output.kind}{INSTEAD}"
-            yield Problem(f"outputs.{output.name}", text)
 
 
 def _parts(bodies: Bodies) -> Iterator[_Part]:
@@ -95,20 +83,21 @@ def _outputs(bodies: Bodies) -> Iterator[_Part]:
     for output in bodies.mechanism.scene.outputs:
         make, adds = partial(_components, output), SPATIAL_OUTPUTS[output.kind].adds
         yield _Part(output, first, (output.kind, _plain(output, bodies)), make, adds)
-        first += len(_described(output, bodies)[0])
+        first += len(_described(output, bodies))
 
 
 def _components(output: SceneOutput, named: NamedParts) -> tuple[OutputEquation, ...]:
-    return spatial_output_equations((output,), named.of_scene())[0]
+    components, constants = spatial_output_equations((output,), named.of_scene())
+    named.constants += constants
+    return components
 
 
-def _described(output: SceneOutput, bodies: Bodies) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
-    """The components of an output, of a sum without its terms, and the constants in them alone."""
+def _described(output: SceneOutput, bodies: Bodies) -> tuple[OutputEquation, ...]:
+    """The components of an output, of a sum without its terms."""
     named, scene = NamedParts(bodies), bodies.mechanism.scene
-    adds = SPATIAL_OUTPUTS[output.kind].adds
-    return spatial_output_equations(
-        (output,), named.of_scene(replace(scene, drives=()), (), (), ()) if adds else named.of_scene()
-    )
+    if SPATIAL_OUTPUTS[output.kind].adds:
+        return spatial_output_equations((output,), named.of_scene(replace(scene, drives=()), (), (), ()))[0]
+    return _components(output, named)
 
 
 def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
@@ -151,6 +140,14 @@ def _asked_for(named: NamedParts) -> Hashable:
     order = tuple(names.index(m.body) if m.body in names else -1 for m in named.markers)
     actions = tuple(action_key(of, action, names) for action in named.actions)
     return order, tuple(map(of.key, names)), tuple(map(of.end, named.markers)), actions
+
+
+def _numbers(named: NamedParts, output: SceneOutput) -> Hashable:
+    """The stresses by unit amplitudes at the markers of an output that contains them."""
+    if not SPATIAL_OUTPUTS[output.kind].of_numbers:
+        return None
+    members = ((named.of.members.get(m.body), m.marker) for m in named.markers)
+    return tuple(member and member.instance.component.sections[marker].stresses for member, marker in members)
 
 
 def _plain(output: SceneOutput, bodies: Bodies) -> Hashable:

@@ -10,7 +10,6 @@ from itertools import accumulate, permutations
 from typing import Protocol
 
 from derive.algebra import sp
-from derive.errors import SpecError
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
@@ -32,7 +31,6 @@ from derive.lowering.instances.classes.known_motion import KnownMotion, known_sy
 from derive.lowering.instances.classes.output_groups import output_groups
 from derive.lowering.instances.classes.spatial_actions import action_groups
 from derive.lowering.instances.classes.spatial_outputs import (
-    missing_in_space,
     output_components,
     spatial_output_groups,
     spatial_sums,
@@ -77,8 +75,6 @@ class InstanceContext:
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         in_space = isinstance(mechanism, SpatialMechanism)
         self.bodies = bodies
-        if in_space and (missing := (*missing_in_space(bodies),)):
-            raise SpecError(missing)
         forces = action_groups(bodies) if in_space else force_groups(bodies)
         self.forces = [self._group(group, equations) for group, equations in forces]
         outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)

@@ -142,8 +142,8 @@ class SpatialOutputType:
 
     of_motion: whether it shows the motion of a joint, which not all joints have. counts_inertia: whether it depends on
     the inertia of bodies whose motion is prescribed. adds: whether each component is a sum over the bodies, the actions
-    and the drives, of terms that depend on one of them. of_numbers: whether components contain the numbers of a body,
-    for which loops over bodies have no code.
+    and the drives, of terms that depend on one of them. of_numbers: whether components contain the stresses of a body,
+    which are numbers without symbols.
     """
 
     doc: str
