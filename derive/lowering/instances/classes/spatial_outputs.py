@@ -15,11 +15,13 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.multibody.space.output_parts import SpatialParts
-from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS, spatial_output_equations
+from derive.mechanics.multibody.space.outputs import spatial_output_equations, spatial_output_type
 from derive.mechanics.terms import OutputEquation
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_start import NOT_GIVEN_IN_SPACE
 
 
 @dataclass(frozen=True)
@@ -48,9 +50,8 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
         names = (part.body,) if part.body in bodies.members else named.bodies
         members = tuple(bodies.members[name] for name in names)
         element = GroupElement(number, members, part.first, part.adds, named.idle_joints)
-        is_like_others = not (named.names_all or named.constants)
         like = part.key, _asked_for(named), _numbers(named, part.output), element.sharing, fixed_of(bodies, names)
-        key: Hashable = like if is_like_others else number
+        key: Hashable = number if named.constants else like
         groups.setdefault(key, []).append(element)
         if key not in made:
             components = components or part.make(named)
@@ -69,7 +70,7 @@ def output_components(bodies: Bodies) -> tuple[OutputEquation, ...]:
 
 def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
     """The numbers of the first component of each output that is a sum, and of its components."""
-    return [(part.first, len(SPATIAL_OUTPUTS[part.output.kind].labels)) for part in _outputs(bodies) if part.adds]
+    return [(part.first, len(spatial_output_type(part.output.kind).labels)) for part in _outputs(bodies) if part.adds]
 
 
 def _parts(bodies: Bodies) -> Iterator[_Part]:
@@ -81,7 +82,7 @@ def _parts(bodies: Bodies) -> Iterator[_Part]:
 def _outputs(bodies: Bodies) -> Iterator[_Part]:
     first = 0
     for output in bodies.mechanism.scene.outputs:
-        make, adds = partial(_components, output), SPATIAL_OUTPUTS[output.kind].adds
+        make, adds = partial(_components, output), spatial_output_type(output.kind).adds
         yield _Part(output, first, (output.kind, _plain(output, bodies)), make, adds)
         first += len(_described(output, bodies))
 
@@ -95,7 +96,7 @@ def _components(output: SceneOutput, named: NamedParts) -> tuple[OutputEquation,
 def _described(output: SceneOutput, bodies: Bodies) -> tuple[OutputEquation, ...]:
     """The components of an output, of a sum without its terms."""
     named, scene = NamedParts(bodies), bodies.mechanism.scene
-    if SPATIAL_OUTPUTS[output.kind].adds:
+    if spatial_output_type(output.kind).adds:
         return spatial_output_equations((output,), named.of_scene(replace(scene, drives=()), (), (), ()))[0]
     return _components(output, named)
 
@@ -143,11 +144,14 @@ def _asked_for(named: NamedParts) -> Hashable:
 
 
 def _numbers(named: NamedParts, output: SceneOutput) -> Hashable:
-    """The stresses by unit amplitudes at the markers of an output that contains them."""
-    if not SPATIAL_OUTPUTS[output.kind].of_numbers:
+    """The numbers of bodies that an output contains: stresses by unit amplitudes at markers, and all of its beams."""
+    if not spatial_output_type(output.kind).of_numbers:
         return None
     members = ((named.of.members.get(m.body), m.marker) for m in named.markers)
-    return tuple(member and member.instance.component.sections[marker].stresses for member, marker in members)
+    sections = (m.instance.component.sections[marker] for m, marker in members if m)
+    beams = (body for body in named.mechanism.scene.bodies if isinstance(body, SpatialBeam) and body.name in named.own)
+    plain = (replace(beam, name="", start=NOT_GIVEN_IN_SPACE) for beam in beams)
+    return tuple(section.stresses for section in sections), tuple(plain)
 
 
 def _plain(output: SceneOutput, bodies: Bodies) -> Hashable:
