@@ -69,7 +69,7 @@ class CoupledJoints:
 
 
 Constraining: TypeAlias = "AnyJoint | CoupledJoints"
-"""What has constraints: a joint, or a gear."""
+"""A joint with its constraints, or a gear."""
 
 
 def constraining(mechanism: AnyMechanism) -> tuple[Constraining, ...]:
