@@ -251,7 +251,7 @@ class CNests(ValuesInLanes):
             case LoopKind.STATES:
                 body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
-                short = self._vectors is None or self._lane == LANE  # rows of vectors written out run no faster
+                short = self._vectors is None or self._lane == LANE or node.count is None  # steps may be unrolled
                 body, head = self._body(node.body), loop_head(node, self.counter, short)
                 last = last_block(node)
                 if last is not None:

@@ -60,7 +60,6 @@ class _Path:
         self.pairs = (of.joints - 1) // 2
         self.middle = of.joints // 2
         self.has_factor = has_adjugate(of.size, of.closes_loops)
-        self.is_half = of.size > LARGEST_SOLVED
         self.in_place = of.size <= LARGEST_SOLVED
         self.kept_in_step = 2 * (self.size * (self.size + 1) + of.packed)
 
@@ -68,7 +67,8 @@ class _Path:
         """The statements of the elimination along the path: arrays, loops from both ends, and the way back."""
         carried = {UPDATE: self.of.packed, RIGHT_UPDATE: self.size}
         carried |= {SCALE: 1} if self.has_factor else {}
-        works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]
+        clears = self.in_place or self.pairs > 1
+        works = [Work(name, 2 * count, cleared=clears) for name, count in carried.items()]
         works += [Work(LAST, 2 * self.size)]
         works += [Work(KEPT, self.middle * self.kept_in_step)] if self.middle and not self.in_place else []
         both, single = _BothEnds(self), _FirstEnd(self)
@@ -108,14 +108,16 @@ class _Path:
         """The elimination of a joint: what the next one needs, and what back substitution needs."""
         body = BlockBody(self.size)
         whole, r = self.pivot(body, ends.own)
-        update, right_update = self.carried(body, "", ends.carried)
-        d, r = minus(whole, update), minus(r, right_update)
+        d = whole
+        if self.in_place or not ends.has_first_alone:
+            update, right_update = self.carried(body, "", ends.carried)
+            d, r = minus(d, update), minus(r, right_update)
         inverse = body.inverse(d, diagonal(whole), self.of.closes_loops)
         if isinstance(inverse, Factors) and not self.in_place:
-            body.store_rows(ends.right, inverse.forward(r))
             for i, row in enumerate(inverse.block):
                 for j in range(i + 1):
                     body.store(ends.factor(i, j), row[j])
+            body.store_rows(ends.right, inverse.forward(r))
             return (*body.statements(), over_columns(self.size, ends))
         s = body.matrix("s", lambda c: ends.coupling(*divmod(c, self.size)))
         if isinstance(inverse, Adjugate):  # the division takes long: its result is a factor of sums
@@ -180,6 +182,11 @@ class _BothEnds:
     def __init__(self, of: _Path) -> None:
         self.of, self.size = of, of.size
 
+    @property
+    def has_first_alone(self) -> bool:
+        """Whether the loop has no other joints than the first one of each end, from which nothing is subtracted."""
+        return self.of.pairs == 1
+
     def loops(self, body: tuple[InstanceItem, ...], backward: bool = False) -> tuple[InstanceStatement, ...]:
         """The loop over the joints of each end."""
         if not self.of.pairs:
@@ -238,6 +245,10 @@ class _BothEnds:
 
 class _FirstEnd(_BothEnds):
     """The places of the joint that is left on the side of the first end, if there is one."""
+
+    @property
+    def has_first_alone(self) -> bool:
+        return self.of.pairs == 0
 
     def loops(self, body: tuple[InstanceItem, ...], backward: bool = False) -> tuple[InstanceStatement, ...]:
         """The loop over this joint."""
