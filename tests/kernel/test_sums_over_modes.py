@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,6 +29,7 @@ from derive.ir.loop_nests import Assign, For, Node, every, expressions_of
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import with_sums_over_modes
+from derive.ir.symmetric_tables import MATRIX, SymmetricTable, matrices
 from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
 from derive.ir.written_out_rows import with_rows_written_out
 from derive.lowering.instances.functions.constant_modes import ConstantModes, constant_modes
@@ -126,9 +128,13 @@ def is_factor(part: Expr) -> bool:
     return isinstance(part, Element) and part.array.startswith("factors_of_modes")
 
 
-def loops_over_rows(model: Model, name: str) -> Iterator[For]:
+def loops_over(variable: str, model: Model, name: str) -> Iterator[For]:
     nodes = every(in_blocks(model.kernel(name))[1])
-    return (node for node in nodes if isinstance(node, For) and node.variable == ROW)
+    return (node for node in nodes if isinstance(node, For) and node.variable == variable)
+
+
+def loops_over_rows(model: Model, name: str) -> Iterator[For]:
+    return loops_over(ROW, model, name)
 
 
 @pytest.mark.parametrize(
@@ -143,7 +149,20 @@ def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
         expected, found = interpret(model.kernel(name), state(kernel)), interpret(kernel, state(kernel), nodes=nodes)
         for output, values in expected.items():
             assert np.abs(np.subtract(found[output], values)).max() < 2e-13 * np.abs(values).max(), name
-    assert sum(loop.count or 0 for loop in loops_over_rows(changed, "accel")) >= 100
+    assert sum(loop.count or 0 for loop in loops_over_rows(changed, "accel")) >= 70
+    (loop,) = loops_over(MATRIX, changed, "accel")
+    assert loop.count == 6 and len(loop.body) == MODES  # C5 of the six products of components
+
+
+def test_half_of_a_symmetric_matrix_of_factors_is_read() -> None:
+    """Matrices whose entries differ across the diagonal for one instance stay rows of a table."""
+    table = SymmetricTable("c", 2, 2, True)
+    rows = [tuple(map(Fraction, row)) for row in ((1, 2, 3, 4, 5, 6), (7, 8, 5, 6, 9, 10)) for _ in range(3)]
+    assert matrices(rows, 2, 2, True) == 3
+    rows[4] = tuple(map(Fraction, (7, 8, 5, 7, 9, 10)))
+    assert matrices(rows, 2, 2, True) == 0
+    assert table.place(rows[0::3]) == 0
+    assert table.array.values == tuple(map(Fraction, (1, 2, 7, 8, 3, 4, 5, 6, 9, 10)))
 
 
 def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
