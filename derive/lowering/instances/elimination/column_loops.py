@@ -52,22 +52,20 @@ def over_columns(size: int, at: Places) -> ForEach:
 
     z: list[Expr] = []
     for i in range(size):
-        terms = [_product(at.factor(i, k), z[k]) for k in range(i)]
-        z.append(named(f"z{i}", reduce(_minus, terms, at.coupling(i, COLUMN))))
+        left: Expr = at.coupling(i, COLUMN)
+        for k in range(i):
+            left = Operation(Operator.SUB, (left, _product(at.factor(i, k), z[k])))
+        z.append(named(f"z{i}", left))
         body.append(StoreElement(at.column(i, COLUMN), z[i]))
     scaled = [named(f"scaled{i}", _product(z[i], at.factor(i, i))) for i in range(size)]
     body.append(StoreElement(at.right_update(COLUMN), _sum(scaled, [at.right(k) for k in range(size)])))
     entry = StoreElement(at.update(BEFORE, COLUMN), _sum(scaled, [at.column(k, BEFORE) for k in range(size)]))
     body.append(ForEach(BEFORE, constant(0), variable(COLUMN, 1, 1), (entry,)))
-    return ForEach(COLUMN, constant(0), constant(size), tuple(body))
+    return ForEach(COLUMN, constant(0), constant(size), tuple(body), short=True)
 
 
 def _product(a: Expr, b: Expr) -> Expr:
     return Operation(Operator.MUL, (a, b))
-
-
-def _minus(a: Expr, b: Expr) -> Expr:
-    return Operation(Operator.SUB, (a, b))
 
 
 def _sum(left: Sequence[Expr], right: Sequence[Expr]) -> Expr:
