@@ -32,7 +32,7 @@ from derive.lowering.instances.elimination.block_body import (
     transposed,
 )
 from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks, packed
-from derive.lowering.instances.elimination.column_loops import over_columns
+from derive.lowering.instances.elimination.column_loops import Places, elimination_in_loops
 
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
@@ -56,7 +56,8 @@ class _Path:
     """A path of joints: `pairs` from each end, then one more from the first end if their number is even, and one."""
 
     def __init__(self, of: Blocks, has_known: bool) -> None:
-        self.of, self.size, self.has_known = of, of.size, has_known
+        self.of, self.size = of, of.size
+        self.rights = (*RIGHT, KNOWN) if has_known else RIGHT
         self.pairs = (of.joints - 1) // 2
         self.middle = of.joints // 2
         self.has_factor = has_adjugate(of.size, of.closes_loops)
@@ -88,8 +89,7 @@ class _Path:
             return lambda component: at(array, component, self.of.spacing)
 
         diagonals = [body.symmetric(f"{name}_", of(name)) for name in DIAGONAL]
-        names = [*RIGHT, *([KNOWN] if self.has_known else [])]
-        rights = [body.vector(f"{name}_", of(name)) for name in names]
+        rights = [body.vector(f"{name}_", of(name)) for name in self.rights]
         return plus(*diagonals), plus(*rights)
 
     def carried(self, body: BlockBody, name: str, at: Callable[[str, int], Target]) -> tuple[Block, Block]:
@@ -106,19 +106,13 @@ class _Path:
 
     def forward(self, ends: _BothEnds) -> tuple[InstanceItem, ...]:
         """The elimination of a joint: what the next one needs, and what back substitution needs."""
+        if not self.in_place:
+            return elimination_in_loops(self.size, ends.places())
         body = BlockBody(self.size)
         whole, r = self.pivot(body, ends.own)
-        d = whole
-        if self.in_place or not ends.has_first_alone:
-            update, right_update = self.carried(body, "", ends.carried)
-            d, r = minus(d, update), minus(r, right_update)
+        update, right_update = self.carried(body, "", ends.carried)
+        d, r = minus(whole, update), minus(r, right_update)
         inverse = body.inverse(d, diagonal(whole), self.of.closes_loops)
-        if isinstance(inverse, Factors) and not self.in_place:
-            for i, row in enumerate(inverse.block):
-                for j in range(i + 1):
-                    body.store(ends.factor(i, j), row[j])
-            body.store_rows(ends.right, inverse.forward(r))
-            return (*body.statements(), over_columns(self.size, ends))
         s = body.matrix("s", lambda c: ends.coupling(*divmod(c, self.size)))
         if isinstance(inverse, Adjugate):  # the division takes long: its result is a factor of sums
             y, w = inverse.part(s), inverse.part(r)
@@ -157,7 +151,8 @@ class _Path:
         for k in reversed(range(self.size)):  # the next step finds its last reactions first
             left = minus(left, [[row[k] * known[k][0]] for row in y])
         if not self.in_place:
-            inverse = Factors.of_block(body.symmetric("a", lambda c: ends.factor(*divmod(c, self.size))))
+            factor = ends.places().factor
+            inverse = Factors.of_block(body.symmetric("a", lambda c: factor(*divmod(c, self.size))))
             left = inverse.backward(inverse.middle(left))
         elif self.has_factor:
             left = scaled(body.element("inverse", ends.inverse()), left)
@@ -206,17 +201,28 @@ class _BothEnds:
         second = at.scaled(self.size * spacing, row * spacing + last)
         return Ends(COUPLING, _counting(first, IndexTerm(1, STEP)), _counting(second, IndexTerm(-1, STEP)), END)
 
-    def carried(self, array: str, component: int, *terms: IndexTerm) -> Target:
+    def carried(self, array: str, component: int) -> Target:
         """The element of what is carried along."""
-        return Element(array, ElementIndex(2 * component, (*terms, IndexTerm(1, END))))
+        return self.carried_at(array, constant(component))
 
-    def update(self, row: str, column: str) -> Target:
-        """The element of what the next joint subtracts from its block."""
-        return self.carried(UPDATE, 0, IndexTerm(2 * self.size, row), IndexTerm(2, column))
+    def carried_at(self, array: str, component: ElementIndex) -> Target:
+        """The same of a component that may be that of a loop."""
+        return Element(array, _counting(component.scaled(2), IndexTerm(1, END)))
 
-    def right_update(self, row: str) -> Target:
-        """The element of what the next joint subtracts from its right-hand side."""
-        return self.carried(RIGHT_UPDATE, 0, IndexTerm(2, row))
+    def places(self) -> Places:
+        """The places of elements of large blocks."""
+        size, spacing = self.size, self.of.of.spacing
+        return Places(
+            lambda i, j: [self.own(name, packed(size, i, j), spacing) for name in DIAGONAL],
+            lambda i: [self.own(name, i, spacing) for name in self.of.rights],
+            lambda i, j: self.carried_at(UPDATE, _counting(_index(i).scaled(size, _index(j).offset), *_index(j).terms)),
+            lambda i: self.carried_at(RIGHT_UPDATE, _index(i)),
+            self.coupling,
+            self.column,
+            self.right,
+            lambda i, j: self.kept(constant(size * (size + 1) + packed(size, i, j))),
+            self.has_first_alone,
+        )
 
     def column(self, row: int, column: int | str) -> Target:
         """The element of what remains of the coupling block, of which back substitution finds columns; see `right`."""
@@ -232,10 +238,6 @@ class _BothEnds:
     def inverse(self) -> Target:
         """The inverse of the determinant of a small block."""
         return self.own(DIAGONAL[0], 0, self.of.of.spacing)
-
-    def factor(self, row: int, column: int) -> Target:
-        """The element of the factors of a large block."""
-        return self.kept(constant(self.size * (self.size + 1) + packed(self.size, row, column)))
 
     def kept(self, component: ElementIndex) -> Target:
         """The element of what back substitution needs of large blocks."""
@@ -263,8 +265,8 @@ class _FirstEnd(_BothEnds):
     def coupling(self, row: int, column: int | str) -> Target:
         return _at_first(super().coupling(row, column))
 
-    def carried(self, array: str, component: int, *terms: IndexTerm) -> Target:
-        return _at_first(super().carried(array, component, *terms))
+    def carried_at(self, array: str, component: ElementIndex) -> Target:
+        return _at_first(super().carried_at(array, component))
 
     def kept(self, component: ElementIndex) -> Target:
         return _at_first(super().kept(component))
