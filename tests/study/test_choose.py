@@ -408,4 +408,5 @@ def test_a_shaft_that_spins_about_its_axis_does_not_turn_it() -> None:
     """Such a shaft at 60 rad/s was said to rotate at up to 5.7e-08 rad/s."""
     shaft = Screening("shaft", 68.0, 60.0, 5.7e-8, 0.002)
     assert "driven at 60 rad/s" in shaft.text and "turns" not in shaft.text
+    assert "its own inertia bends it by about 0.2 % of its length" in shaft.text  # and not what other bodies exert
     assert "its axis turns at up to 5 rad/s" in Screening("shaft", 68.0, 60.0, 5.0, 0.002).text

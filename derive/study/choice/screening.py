@@ -72,7 +72,8 @@ class Screening:
     """The loads on a flexible body; None where a number is not known.
 
     frequency: the lowest of the beam with its joints, rad/s. driving, spin: the largest speed of a drive that
-    rotates and the largest rate at which the axis of the beam turns, rad/s. deflection: about, over the length.
+    rotates and the largest rate at which the axis of the beam turns, rad/s. deflection: about, over the length, by
+    the inertia of the beam alone, without what other bodies exert on it.
     axial: the largest axial force over the load under which the beam buckles.
     """
 
@@ -95,7 +96,7 @@ class Screening:
         if self.axial is not None:
             parts.append(f"axial force up to {percent(self.axial)} of its buckling load")
         if self.deflection is not None:
-            parts.append(f"expected deflection about {percent(self.deflection)} of the length")
+            parts.append(f"its own inertia bends it by about {percent(self.deflection)} of its length")
         return f"{self.beam}: {'; '.join(parts)}"
 
 
