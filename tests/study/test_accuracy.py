@@ -213,6 +213,14 @@ def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -
     assert "<td>0.94 %</td>" in row and "<td>31 %</td>" in row
 
 
+def test_an_implied_error_beyond_all_bounds_is_no_number() -> None:
+    """58456 % was printed of a leg of a fork that bends in the other plane."""
+    doubted = line(1, (0.0023, 1e-5), warning=replace(WARNING, error=584.56))
+    assert "a monitor implies 100 % or more in" in doubted.outcome
+    assert doubt(doubted, ()).startswith("100 % or more implied, 0.23 % measured")
+    assert "<td>100 % or more</td>" in accuracy_html(replace(a_chart(), lines=(*LINES, doubted)))
+
+
 def test_the_beams_that_a_plot_shows(crank_slider: Scene) -> None:
     joint = next(joint.name for joint in crank_slider.joints if joint.second.body == "rod")
     outputs = (

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from derive.mechanics.symbols import amplitude_of
-from derive.percentages import percent
+from derive.percentages import implied_percent, percent
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
@@ -55,10 +55,9 @@ class ModeError:
         of = f"(rms over the run, relative to the peak; the limit is {percent(ERROR_LIMIT)})"
         remedy = "choose more modes, or component modes with `interface` at its joints"
         if self.of_joints:
-            size = percent(self.error) if self.error < 1 else "100 % or more"
             return (
-                f"{self.body}: under the forces of its joints its {self.modes} modes imply an error of {size} in its "
-                f"deformation {of}; {remedy}"
+                f"{self.body}: under the forces of its joints its {self.modes} modes imply an error of "
+                f"{implied_percent(self.error)} in its deformation {of}; {remedy}"
             )
         return (
             f"{self.body}: the fastest of its {self.modes} modes, {self.frequency:.4g} rad/s, has "

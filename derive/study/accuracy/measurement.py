@@ -14,7 +14,7 @@ from derive.artifacts import File
 from derive.errors import TisserandError, first_line
 from derive.generated_models import generated, generated_explicit, load_derivation
 from derive.ir.model import Model
-from derive.percentages import percent
+from derive.percentages import implied_percent, percent
 from derive.remaining_time import RemainingTime
 from derive.runtime.compiler import QUICK_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
@@ -265,7 +265,7 @@ class Line:
         """The text of the result: error, implied error and time of the finest run, and a failure."""
         if not self.points:
             return self.failure
-        warning = f", a monitor implies {percent(self.warning.error)}" if self.warning else ""
+        warning = f", a monitor implies {implied_percent(self.warning.error)}" if self.warning else ""
         failure = f"; {self.failure}" if self.failure else ""
         return f"{percent(self.best)}{warning} in {1e3 * self.points[-1].seconds[0]:.3g} ms{failure}"
 
