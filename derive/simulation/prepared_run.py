@@ -155,7 +155,7 @@ class PreparedRun:
             values = column_values(self.scene, native, k, solution, self.body)
             return {name: float(column[0]) for name, column in zip(self.units, values, strict=True)}
 
-        watched = scene_watch(self.scene, native, k, float(times[0]), q)
+        watched = scene_watch(self.scene, native, k, float(times[0]), q, v)
         settings = Settings(
             tolerance=simulation.tolerance,
             size=self.size,
