@@ -8,6 +8,7 @@ they are at rest; there its joints may couple them with a twist that they have n
 
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ from scipy.linalg import eigh
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.validity.held_beam import HeldMode, StaticResponse
 from derive.simulation.validity.piece_shapes import PieceShapes
+
+NEAR = 0.1
+"""Frequencies that differ by less are almost equal."""
 
 
 class Plane(Protocol):
@@ -79,10 +83,25 @@ def vibrations_of(
             added[force] += stiffness
     total = np.diag(squares) + sum(start[force] * of for force, of in added.items())
 
+    changes = np.array([response(motion) for motion in motions]).T
+    fields = np.vstack([np.sqrt(2) * plane.missed[2] @ changes for plane in planes])
+
     def of_modes(c: Vector) -> Vibration:
-        kept, change = float(c**2 @ squares), response(c @ motions)
-        missed = 2 * sum(float(np.sum((plane.missed[2] @ change) ** 2)) for plane in planes)
+        kept, missed = float(c**2 @ squares), float(np.sum((fields @ c) ** 2))
         axial = {force: float(c @ of @ c) / kept for force, of in added.items()}
         return Vibration(c @ motions, np.sqrt(kept), missed / (missed + kept), columns, c[None] @ parts, axial)
 
-    return tuple(map(of_modes, eigh(total)[1].T))
+    return tuple(map(of_modes, _apart(*eigh(total), fields)))
+
+
+def _apart(stiffness: Vector, modes: Matrix, fields: Matrix) -> Iterator[Vector]:
+    """The columns of modes (n, n), whose stiffnesses (n,) increase, in groups with almost equal frequencies.
+
+    Such vibrations do not lose their phases against each other for some periods. Any combinations of them will do, and
+    the ones that are late by themselves are those whose missed fields (., n) are orthogonal.
+    """
+    begins = [0, *(np.flatnonzero(stiffness[1:] > (1 + NEAR) ** 2 * np.maximum(stiffness[:-1], 0)) + 1)]
+    for begin, end in itertools.pairwise([*begins, len(stiffness)]):
+        group = modes[:, begin:end]
+        missed = fields @ group
+        yield from (group @ eigh(missed.T @ missed)[1]).T
