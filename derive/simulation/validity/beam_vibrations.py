@@ -36,7 +36,9 @@ class Plane(Protocol):
     rates: list[int]
 
     @property
-    def missed(self) -> tuple[Matrix, Matrix, Matrix]: ...
+    def missed(self) -> tuple[Matrix, Matrix, Matrix]:
+        """What its shapes miss."""
+        ...
 
     def stiffened(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
         """The numbers in z of axial forces, and what each unit of them adds to the stiffness for motions (n, nv)."""
@@ -47,7 +49,7 @@ class Plane(Protocol):
 class Vibration:
     """A vibration of a beam: the motion (nq,) of all coordinates of its scene.
 
-    frequency: that of its strain energy alone, rad/s. missed: the share of its strain energy that the shapes miss.
+    frequency: that of its strain energy alone, rad/s. missed: the strain energy that the shapes miss, relative to it.
     columns, part: the numbers in z of the rates of all its amplitudes, and the factors of these that give how much of
     the motion it is. axial: the factors of axial forces, by their numbers in z, in the stiffness that they add to it,
     relative to that of its strain energy.
@@ -89,7 +91,7 @@ def vibrations_of(
     def of_modes(c: Vector) -> Vibration:
         kept, missed = float(c**2 @ squares), float(np.sum((fields @ c) ** 2))
         axial = {force: float(c @ of @ c) / kept for force, of in added.items()}
-        return Vibration(c @ motions, np.sqrt(kept), missed / (missed + kept), columns, c[None] @ parts, axial)
+        return Vibration(c @ motions, np.sqrt(kept), missed / kept, columns, c[None] @ parts, axial)
 
     return tuple(map(of_modes, _apart(*eigh(total), fields)))
 

@@ -41,8 +41,8 @@ SLOPE = 1e-9
 class WatchedVibration:
     """A vibration of a beam: its rate, as the deflection where that is largest, m/s, and the rate times the time, m.
 
-    frequency: that of its strain energy alone, rad/s. missed: the share of its strain energy that the shapes miss, by
-    which it is too stiff. axial: the stiffness that the axial force adds, relative to that of the strain energy.
+    frequency: that of its strain energy alone, rad/s. missed: the strain energy that the shapes miss, relative to it.
+    axial: the stiffness that the axial force adds, relative to that of the strain energy.
     """
 
     rate: int
@@ -116,7 +116,7 @@ class SceneWatch:
 
 
 def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> SceneWatch:
-    """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,), v (nv,): a state at t (s)."""
+    """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,), v (nv,): its state at t, s."""
     forms = WatchedForms(native)
     beams = list[WatchedBeam]()
     response = StaticResponse(native, k, t, q)
