@@ -106,7 +106,12 @@ class ImpliedErrors:
         """The lateness of a vibration (rms, m), which is at most that of one that is never in phase."""
         stiffness = self._stiffness(of.axial)
         frequency = of.frequency * np.sqrt(stiffness)
-        return float(min(of.missed / stiffness / 2 * self._rms(of.late), np.sqrt(2) * self._rms(of.rate) / frequency))
+        return float(
+            min(
+                of.missed / (stiffness + of.missed) / 2 * self._rms(of.late),
+                np.sqrt(2) * self._rms(of.rate) / frequency,
+            )
+        )
 
     def _stiffness(self, axial: int) -> float:
         """The stiffness with the axial force, whose mean adds a part at second order, relative to that without it."""

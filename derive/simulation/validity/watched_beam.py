@@ -116,7 +116,7 @@ class SceneWatch:
 
 
 def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> SceneWatch:
-    """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,), v (nv,): its state at t, s."""
+    """The watch of a scene compiled with the outputs of `with_monitors`; q (nq,), v (nv,): its state at t (s)."""
     forms = WatchedForms(native)
     beams = list[WatchedBeam]()
     response = StaticResponse(native, k, t, q)
