@@ -93,7 +93,8 @@ def vibrations_of(
         axial = {force: float(c @ of @ c) / kept for force, of in added.items()}
         return Vibration(c @ motions, np.sqrt(kept), missed / kept, columns, c[None] @ parts, axial)
 
-    return tuple(map(of_modes, _apart(*eigh(total), fields)))
+    stiffnesses, combinations = eigh(total)
+    return tuple(map(of_modes, _apart(stiffnesses, combinations, fields)))
 
 
 def _apart(stiffness: Vector, modes: Matrix, fields: Matrix) -> Iterator[Vector]:

@@ -250,8 +250,10 @@ class _BeamForms:
             return
         xi, weights = gauss_points()
         for column, power, near in self.axial_forces():
-            slopes = (self.shapes.total_slopes(self.forms.native, self.pieces[i], velocities, xi) for i in near)
-            yield column, self.shapes.length / 2 * sum((s * weights * xi**power) @ s.T for s in slopes)
+            slopes = [self.shapes.total_slopes(self.forms.native, self.pieces[i], velocities, xi) for i in near]
+            weighted = np.tile(self.shapes.length / 2 * weights * xi**power, len(near))
+            along = np.hstack(slopes)
+            yield column, (along * weighted) @ along.T
 
     def axial_forces(self) -> Iterator[tuple[int, int, list[int]]]:
         """The factors of xi^power in axial forces: their numbers in z, the powers, and the pieces that have them.
