@@ -19,6 +19,7 @@ from derive.solids.stresses import IntegratedMesh
 from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.model.body import NodalBody
 from derive.spec.model.mesh import ElementKind, Material
+from derive.spec.model.spatial_bodies import FlexibleBody
 
 SIDES, MODES = (0.3, 0.02, 0.01), 14
 STEEL = Material("steel", 210e9, 0.3, 7850.0)
@@ -117,6 +118,7 @@ def hook(motion: str, frame: str) -> Hook:
     scene = derive.spatial_scene("hook", bodies={"hook": keys | {"markers": sets, "frame": FRAMES[frame]}})
     reduced = reduced_bodies(scene)["hook"]
     (spec,) = scene.bodies
+    assert isinstance(spec, FlexibleBody)
     return Hook(
         spec.body,
         Held(solid, nodes_held(x, left, motion), m),

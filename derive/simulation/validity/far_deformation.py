@@ -34,7 +34,7 @@ def far_deformation_notes(scene: AnyScene, native: NativeScene, q: Matrix) -> It
         if not columns or not isinstance(body, FlexibleBody) or not body.body.second_order:
             continue
         some = np.unique(np.linspace(0, len(q) - 1, min(len(q), MOST_ROWS)).round().astype(int))
-        largest, error = left_out(body.body, q[np.ix_(some, columns)])
+        largest, error = left_out(body.body, q[some][:, columns])
         if error > ERROR_LIMIT:
             implied = f"{percent(error)} in its deformation (rms over the run, relative to the peak; the limit is "
             yield (
