@@ -57,7 +57,7 @@ class Hook:
         return np.asarray(self.placed(self.amplitudes(force, spin))[1] - self.placed(np.zeros(MODES))[1])
 
     def amplitudes(self, force: np.ndarray, spin: np.ndarray) -> np.ndarray:
-        """Those of the least potential energy of forces and of the spin."""
+        """The amplitudes of the least potential energy of forces and of the spin."""
         a = np.zeros(MODES)
 
         def gradient(b: np.ndarray) -> np.ndarray:

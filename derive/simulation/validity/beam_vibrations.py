@@ -37,7 +37,7 @@ class Plane(Protocol):
 
     @property
     def missed(self) -> tuple[Matrix, Matrix, Matrix]:
-        """What its shapes miss."""
+        """The moments, deflections and energies that its shapes miss."""
         ...
 
     def stiffened(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
