@@ -74,7 +74,7 @@ def mode_errors(
         return
     bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
     for body in bodies:
-        columns, rows = _own(body.name, native)
+        columns, rows = own_amplitudes(body.name, native)
         if not columns:
             continue
         frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
@@ -93,7 +93,7 @@ def mode_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Ma
     return (of.note for of in mode_errors(scene, native, k, t, q, v) if of.error > ERROR_LIMIT)
 
 
-def _own(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:
+def own_amplitudes(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:
     """The numbers of the amplitudes of a body among the coordinates and the velocities."""
     columns, rows = list[int](), list[int]()
     while (own := amplitude_of(name, len(columns) + 1).shown) in native.coordinates:

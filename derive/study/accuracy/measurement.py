@@ -171,7 +171,7 @@ def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -
     """The motion over the time of the simulation, with the monitors of its validity. Raises SimulationError."""
     simulation = of.scene.simulation
     assert simulation is not None
-    watch = scene_watch(of.scene, of.native, of.k, 0.0, of.start.q).watch if monitored else None
+    watch = scene_watch(of.scene, of.native, of.k, 0.0, of.start.q, of.start.v).watch if monitored else None
     settings = Settings(tolerance=tolerance, size=size_of(of.scene), breaks=breaks(of.scene), watch=watch)
     integrator = adaptive(of.native, through_python=_no_python)
     times = output_times(simulation)

@@ -222,7 +222,7 @@ def _solution(
         until=stop_event(
             condition, row, native, k, state_columns(start.scene, native, code.columns) if condition else {}
         ),
-        watch=scene_watch(start.scene, native, k, 0.0, start.q).watch if watched else None,
+        watch=scene_watch(start.scene, native, k, 0.0, start.q, start.v).watch if watched else None,
         interruptible=False,
     )
     return integrator.integrate(k, start.q, start.v, output_times(simulation), settings)
