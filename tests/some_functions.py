@@ -1,0 +1,24 @@
+"""Models with some of their functions, for tests of these: the lowering of the others would take most of the time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from derive.lowering.model_functions import ModelFunction, functions_of
+
+
+@contextmanager
+def only(*names: str) -> Iterator[None]:
+    """Mechanisms are lowered with the functions of these names alone, and setup."""
+
+    def functions(*of: Any) -> tuple[ModelFunction, ...]:
+        return tuple(function for function in functions_of(*of) if function.name in names)
+
+    with pytest.MonkeyPatch.context() as patch:
+        for form in ("flat", "instances", "trees"):
+            patch.setattr(f"derive.lowering.{form}.lower.functions_of", functions)
+        yield
