@@ -42,6 +42,8 @@ from some_functions import only
 MODES, NODES = 6, 9
 KINDS = ("fixed", "revolute", "spherical")
 NAMES = ("mass", "force", "accel", "energy", "constraint_jacobian", "project_velocity")
+NEEDED = ("mass_force", "momentum", "rates", "constraint_bias", "solve")
+"""Functions besides these that the text of C, or a test, asks for."""
 
 
 def cloud(path: Path, seed: int) -> None:
@@ -92,7 +94,7 @@ def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes 
 
     mechanism = derive.derive(chain(count, ("fixed",), alike))
     assert isinstance(mechanism, SpatialMechanism)
-    with only(*NAMES, "mass_force", "momentum", "rates", "constraint_bias", "solve"), pytest.MonkeyPatch.context() as patch:
+    with only(*NAMES, *NEEDED), pytest.MonkeyPatch.context() as patch:
         patch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)
         return lower_instances(mechanism, explicit=True), returned
 
