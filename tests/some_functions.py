@@ -10,13 +10,16 @@ import pytest
 
 from derive.lowering.model_functions import ModelFunction, functions_of
 
+PATTERNS = ("mass", "constraint_jacobian")
+"""Functions that models and the interpreter ask for the places of non-zeros, which take little time."""
+
 
 @contextmanager
 def only(*names: str) -> Iterator[None]:
-    """Mechanisms are lowered with the functions of these names alone, and setup."""
+    """Mechanisms are lowered with the functions of these names alone, and those of `PATTERNS`."""
 
     def functions(*of: Any) -> tuple[ModelFunction, ...]:
-        return tuple(function for function in functions_of(*of) if function.name in names)
+        return tuple(function for function in functions_of(*of) if function.name in (*PATTERNS, *names))
 
     with pytest.MonkeyPatch.context() as patch:
         for form in ("flat", "instances", "trees"):
