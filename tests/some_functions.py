@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from derive.lowering.model_functions import ModelFunction, functions_of
+from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 
 PATTERNS = ("mass", "constraint_jacobian")
 """Functions that models and the interpreter ask for the places of non-zeros, which take little time."""
@@ -16,10 +16,18 @@ PATTERNS = ("mass", "constraint_jacobian")
 
 @contextmanager
 def only(*names: str) -> Iterator[None]:
-    """Mechanisms are lowered with the functions of these names alone, and those of `PATTERNS`."""
+    """Mechanisms are lowered with the functions of these names alone, and those of `PATTERNS`.
+
+    "markers" stands for the motions of all markers, which the interpreter has where the model has markers.
+    """
 
     def functions(*of: Any) -> tuple[ModelFunction, ...]:
-        return tuple(function for function in functions_of(*of) if function.name in (*PATTERNS, *names))
+        kept = {*PATTERNS, *names}
+        return tuple(
+            function
+            for function in functions_of(*of)
+            if function.name in kept or (function.kind is FunctionKind.MARKER and "markers" in kept)
+        )
 
     with pytest.MonkeyPatch.context() as patch:
         for form in ("flat", "instances", "trees"):

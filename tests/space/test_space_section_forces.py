@@ -37,7 +37,7 @@ def sections(*markers: str) -> dict[str, Any]:
 
 def observed(scene: Any, q: Any, v: Any) -> Mapping[str, float]:
     """The outputs of a scene in a state at t = 0."""
-    with only("mass", "solve", "outputs"):
+    with only("solve", "outputs", "markers"):
         native = InterpretedScene(derive.lower(derive.derive(scene), explicit=True))
     k = native.setup(native.defaults) if native.nk else np.empty(0)
     values = native.evaluate_outputs(0.0, q, v, *native.solve(0.0, q, v, k), k)

@@ -111,7 +111,7 @@ class Lowered:
 
 def lowered(scene: SpatialScene) -> Lowered:
     """A scene as straight-line code for the interpreter."""
-    with only("mass", "solve", "outputs", "poses"):
+    with only("solve", "outputs", "poses"):
         equations = derive.derive(replace(scene, lowering="flat")).expanded()
         model = derive.lower(replace(equations, markers=()), explicit=True)
     native = InterpretedScene(model)
