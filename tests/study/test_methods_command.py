@@ -38,6 +38,16 @@ def scene(pieces: int = 1) -> Scene:
     return replace(variant(given, pieces, "mean").scene, plots=())
 
 
+def small() -> Scene:
+    """The mechanism with a rod of one shape."""
+    given = scene()
+    bodies = (
+        replace(b, beam=replace(b.beam, ansatz=b.beam.ansatz[:3])) if isinstance(b, BeamBody) else b
+        for b in given.bodies
+    )
+    return replace(given, bodies=tuple(bodies))
+
+
 @cache
 def study() -> MethodStudy:
     methods = [Method.RK4, Method.ADAPTIVE, Method.GENERALISED_ALPHA, Method.TRAPEZOIDAL]
@@ -103,7 +113,7 @@ def test_without_klu_the_rest_remains(monkeypatch: pytest.MonkeyPatch) -> None:
         raise LibraryMissing("SuiteSparse with KLU was not found. Install it")
 
     monkeypatch.setattr(scene_methods, "GeneralisedAlpha", missing)
-    s = method_study(scene(), [Method.RK4, Method.TRAPEZOIDAL], 50, 3, lambda _: None)
+    s = method_study(small(), [Method.RK4, Method.TRAPEZOIDAL], 50, 3, lambda _: None)
     assert [line.method for line in s.limits] == [Method.RK4]
     assert "generalised-alpha, trapezoidal: left out; SuiteSparse with KLU was not found" in methods_text(s)
     assert methods_svg(s)
@@ -111,7 +121,7 @@ def test_without_klu_the_rest_remains(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_does_not_apply_to_a_scene_is_left_out_with_a_line() -> None:
     """Damping, and runs too short for a power: neither energies nor exponents; the limit is that without damping."""
-    given = scene()
+    given = small()
     damped = [
         replace(b, beam=replace(b.beam, damping=BeamDamping(ratio=Fraction(1, 5)))) if isinstance(b, BeamBody) else b
         for b in given.bodies
