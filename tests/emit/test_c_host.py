@@ -108,8 +108,13 @@ def test_valgrind_would_see_a_leak(tmp_path: Path) -> None:
         run(tool("valgrind"), "--quiet", "--error-exitcode=9", "--leak-check=full", program)
 
 
-@pytest.mark.parametrize("host", ["gcc", "g++"])
-@pytest.mark.parametrize("models", ["gcc", "g++"])
+@pytest.mark.parametrize(
+    ("host", "models"),
+    [
+        ("g++", "gcc"),
+        *(pytest.param(*of, marks=pytest.mark.long) for of in (("gcc", "gcc"), ("gcc", "g++"), ("g++", "g++"))),
+    ],
+)
 def test_two_models_in_one_program(host: str, models: str, tmp_path: Path) -> None:
     """Models and host may be compiled as either language: names of functions stay those of C."""
     language = {"gcc": C99, "g++": CPP11}

@@ -28,10 +28,10 @@ def assert_equal(tables: Table, seed: int = 0) -> None:
 @pytest.mark.parametrize(
     ("seed", "joints", "free", "beam"),
     [
-        (0, ("revolute",), False, {}),
+        pytest.param(0, ("revolute",), False, {}, marks=pytest.mark.long),
         (1, ("fixed",), False, {"order": 2}),
         (2, ("spherical", "universal"), True, {}),
-        (3, ("cylindrical",), False, {"frame": "chord"}),
+        pytest.param(3, ("cylindrical",), False, {"frame": "chord"}, marks=pytest.mark.long),
         (5, ("prismatic",), False, {"frame": "point", "order": 2}),
     ],
 )
