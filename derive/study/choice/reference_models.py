@@ -83,7 +83,7 @@ class ReferenceModels:
         return next((of for of in (reversed(finer) if beams_first else finer) if of is not None), None)
 
     def truncated(self, model: LadderModel, pieces: int) -> tuple[LadderModel, LadderModel] | None:
-        """A model whose beams have few shapes in pieces, and one with nothing truncated; None where there is no such."""
+        """A model whose beams have few shapes in pieces, and one with nothing truncated; None without beams."""
         if not self._beams:
             return None
 
