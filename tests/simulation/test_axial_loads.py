@@ -39,7 +39,7 @@ def notes(mass: float, right: tuple[int, ...] = tuple(NODES["right"])) -> list[s
 
 
 def test_a_rod_that_a_weight_pulls_is_stiffer() -> None:
-    """By P l^2/(pi^2 EI) of the soft plane, EI = 8.96 N m^2, to the 5 % by which two free modes of bending are stiffer."""
+    """By P l^2/(pi^2 EI), EI = 8.96 N m^2 in the soft plane, to 5 % by which two free modes of bending are stiffer."""
     (note,) = notes(200.0)
     pull = (200 + 0.07536 / 2) * 9.81
     of_euler = pull * 0.3**2 / (np.pi**2 * 8.96)
