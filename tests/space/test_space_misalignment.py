@@ -64,7 +64,11 @@ TWIST = '[torques.twist]\non = "rod.ball"\ntorque = [0, 0, 1]\n'
 MOUNT = '[springs.mount]\nkind = "bushing"\nbetween = ["crank.pin", "rod.ball"]\nstiffness = [1, 1, 1, 1, 1, 1]\n'
 NODES = {
     "on a line": ("ball = { nodes = [0, 1, 2] }", "", "26: bodies.rod.markers.ball.nodes: these nodes lie on a line"),
-    "two": ("ball = { nodes = [0, 1] }", "", "26: bodies.rod.markers.ball: a set of nodes needs three, not on a line"),
+    "two": (
+        "ball = { nodes = [0, 1] }",
+        "",
+        "26: bodies.rod.markers.ball: a set of nodes needs three, not on a line, to have a rotation; or write node = 0",
+    ),
     "torque": ("ball = 4", TWIST, "54: torques.twist.on: the marker rod.ball is a node, which has no rotation"),
     "bushing": (
         "ball = 4",
