@@ -6,6 +6,7 @@ import hashlib
 import io
 import pickle
 import platform
+import sys
 from collections.abc import Callable
 from functools import cache
 from importlib.metadata import version
@@ -36,6 +37,9 @@ TRUSTED = (
 
 PACKAGES = ("sympy", "casadi", "numpy", "scipy", "jinja2")
 
+DEPTH = 4000
+"""The depth of calls while an object is written, for which a stack of a megabyte has room."""
+
 T = TypeVar("T")
 
 
@@ -55,8 +59,21 @@ def kept_object(kind: str, source: str, made: Callable[[], T]) -> T:
         else:
             return result
     result = made()
-    kept.write(name, pickle.dumps(result, pickle.HIGHEST_PROTOCOL))
+    if (written := dumped(result)) is not None:
+        kept.write(name, written)
     return result
+
+
+def dumped(result: object) -> bytes | None:
+    """An object as bytes; None where its expressions, such as sums of thousands of terms, are nested too deeply."""
+    usual = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(usual, DEPTH))
+    try:
+        return pickle.dumps(result, pickle.HIGHEST_PROTOCOL)
+    except RecursionError:
+        return None
+    finally:
+        sys.setrecursionlimit(usual)
 
 
 @cache

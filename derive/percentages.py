@@ -19,3 +19,8 @@ def percent(ratio: float, signed: bool = False) -> str:
     if abs(value) >= HUGE:
         return f"{value:{sign}.0e} %"
     return f"{value:{sign}.0f} %" if abs(value) >= 9.95 else f"{value:{sign}.2g} %"
+
+
+def implied_percent(ratio: float) -> str:
+    """An error that a monitor estimates, in percent, as estimates assume small ones: all from 100 % on are one."""
+    return percent(ratio) if ratio < 1 else "100 % or more"

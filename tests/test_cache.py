@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -360,3 +361,20 @@ def test_bodies_of_other_numbers_have_models_of_their_own() -> None:
     assert texts[0]["block/block.c"] != texts[1]["block/block.c"]
     for body, text in zip((block, soft), texts, strict=True):
         assert text == {file.path: file.text for file in derive.model_files(derive.lower(derive.derive(body)), body)}
+
+
+@pytest.mark.parametrize(("terms", "makings"), [(3000, 1), (20_000, 2)])
+def test_deep_sums_are_kept_and_far_deeper_ones_are_made_again(terms: int, makings: int) -> None:
+    """An output of a finite-element body is a sum of hundreds of terms: a RecursionError ended the command."""
+    made = []
+
+    def nested() -> object:
+        made.append(True)
+        result: object = Fraction(1)
+        for _ in range(terms):
+            result = (result,)
+        return result
+
+    for _ in range(2):
+        assert kept_objects.kept_object("deep", str(terms), nested)
+    assert len(made) == makings

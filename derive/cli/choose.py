@@ -52,6 +52,8 @@ def run(options: argparse.Namespace) -> int:
         choice = choose(scene, **keywords(choose, options), progress=True)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
+    if not options.json:
+        print(choice_text(choice), flush=True)  # a search is long: it is told whatever happens to the file
     written = None if choice.chosen is None else _written(options.spec, target, choice)
     if options.json:
         data = choice_data(choice)
@@ -60,10 +62,8 @@ def run(options: argparse.Namespace) -> int:
             "notes": list(written.notes) if written else [],
         }
         print(json.dumps({**data, **target_data}, indent=2))
-    else:
-        print(choice_text(choice))
-        if written:
-            print("\n".join(["", f"wrote {target}", *(f"  {note}" for note in written.notes)]))
+    elif written:
+        print("\n".join(["", f"wrote {target}", *(f"  {note}" for note in written.notes)]))
     return 0 if written else 1
 
 

@@ -20,6 +20,7 @@ from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPo
 from typing import Any, Generic, TypeVar
 
 from derive.garbage_collection import paused
+from derive.kept_objects import dumped
 from derive.study.worker_process import begin_worker
 
 Key = TypeVar("Key", bound=Hashable)
@@ -140,7 +141,7 @@ def _end(*_: object) -> None:
 def _computed(key: Any) -> bytes | None:
     """The result in a worker, as bytes; None if it has failed, or the worker is to end."""
     try:
-        return pickle.dumps(_functions[0](key), pickle.HIGHEST_PROTOCOL)
+        return dumped(_functions[0](key))
     except Exception:
         return None
     except SystemExit:  # the executor would send it to the parent, and go on

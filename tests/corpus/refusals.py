@@ -13,6 +13,7 @@ REFUSALS: dict[str, str] = {
     r"a planar scene is needed, and this is a scene in space": "studies compare models of planar scenes",
     r"a sweep runs scenes and single beams": "bodies in space are swept from Python",
     r"a ladder compares a plot; add one": "a ladder of models is compared by a plot",
+    r"which each model has in its own way": "a plot against the floating frame of a beam is not the same in each model",
     r"this ends each run at its own; leave `until` out": "models are compared over the same time",
     r"integrates scenes; for the body \w+ choose": "integrators of scenes do not take bodies in space",
     r'there is no column or plot "\w+_phi"': "the corpus guesses one; this beam is carried by a drive",

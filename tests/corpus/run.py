@@ -24,7 +24,7 @@ from typing import Any
 HERE = Path(__file__).parent
 BLOCK = 20
 LIMIT = 900
-"""The longest time of a scene, s."""
+"""The longest time of a scene on a processor of its own, s."""
 
 
 def run() -> int:
@@ -80,7 +80,7 @@ def _block(seeds: list[int], store: Path) -> None:
         command = [sys.executable, __file__, "--store", str(store), "--worker", ",".join(map(str, rest))]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         try:
-            _, error = process.communicate(timeout=LIMIT * len(rest))
+            _, error = process.communicate(timeout=limit(len(rest)))
         except subprocess.TimeoutExpired:
             process.kill()
             _, error = process.communicate()
@@ -90,6 +90,11 @@ def _block(seeds: list[int], store: Path) -> None:
             text = f"exit code {process.returncode} after {time.monotonic() - began:.0f} s\n{error[-1000:]}"
             _append(store, _failed(left[0], "process", "the process died", text))
         rest = left[1:]
+
+
+def limit(scenes: int) -> float:
+    """The longest time (s) of scenes on this machine, where other processes wait for its processors as well."""
+    return LIMIT * scenes * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
 
 
 def _append(store: Path, result: dict[str, Any]) -> None:

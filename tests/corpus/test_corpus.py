@@ -15,6 +15,7 @@ from corpus.commands import Finding, Outcome, findings
 from corpus.generator import corpus_scene
 from corpus.python_kernels import TOLERANCE
 from corpus.refusals import REFUSALS, refusal
+from corpus.run import LIMIT, limit
 from corpus.scene_check import check_scene, quick_compiler
 from corpus.summed_terms import Summed, of_function, worst
 
@@ -52,6 +53,14 @@ def outcome(code: int | None, out: str = "done", error: str = "", **more: object
 
 def judged(result: Outcome, folder: Path) -> list[Finding]:
     return [*findings(corpus_scene(3), result, folder)]
+
+
+def test_a_busy_machine_gives_scenes_more_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene of two minutes was a finding after a quarter of an hour, with ten processes on two processors."""
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    for load, factor in ((0.5, 1), (10, 5)):
+        monkeypatch.setattr("os.getloadavg", lambda load=load: (load, load, load))
+        assert limit(3) == 3 * factor * LIMIT
 
 
 def test_outcomes_that_are_findings(tmp_path: Path) -> None:

@@ -88,6 +88,17 @@ def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert plain["modes"] == record["modes"] and len(plain["modes"]) == 1
 
 
+def test_a_drive_at_constant_speed_is_refused_before_anything_is_derived(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A newcomer waited a minute and a half for this message."""
+    monkeypatch.setattr("derive.simulation.linear.modes.generated", lambda scene: pytest.fail("derived"))
+    driven = tmp_path / "driven.toml"
+    driven.write_text(f'{PENDULUM}[drives.motor]\njoint = "pin"\nspeed = 3\n')
+    assert main(["modes", str(driven), "--out", str(tmp_path / "new")]) == 2
+    assert "drives move at t = 0 has no static equilibrium: motor" in capsys.readouterr().err
+
+
 def test_wrong_uses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     driven = tmp_path / "driven.toml"
     driven.write_text(f'{PENDULUM}[drives.motor]\njoint = "pin"\nmotion = "t - pi/2"\n')

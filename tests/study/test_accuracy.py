@@ -211,6 +211,15 @@ def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -
     page = accuracy_html(replace(a_chart(), lines=(*LINES, doubted)))
     row = next(row for row in re.findall("<tr>.*?</tr>", page) if reason in row)
     assert "<td>0.94 %</td>" in row and "<td>31 %</td>" in row
+    assert page.count(f"<li>{doubted.label}: ") == 1, "a warning names its model"
+
+
+def test_an_implied_error_beyond_all_bounds_is_no_number() -> None:
+    """58456 % was printed of a leg of a fork that bends in the other plane."""
+    doubted = line(1, (0.0023, 1e-5), warning=replace(WARNING, error=584.56))
+    assert "a monitor implies 100 % or more in" in doubted.outcome
+    assert doubt(doubted, ()).startswith("100 % or more implied, 0.23 % measured")
+    assert "<td>100 % or more</td>" in accuracy_html(replace(a_chart(), lines=(*LINES, doubted)))
 
 
 def test_the_beams_that_a_plot_shows(crank_slider: Scene) -> None:

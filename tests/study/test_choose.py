@@ -25,7 +25,7 @@ from derive.study.choice import one_beam, search
 from derive.study.choice import reference_models as references
 from derive.study.choice.choice_text import choice_text, neighbours
 from derive.study.choice.model_runs import ModelRuns
-from derive.study.choice.screening import screening
+from derive.study.choice.screening import Screening, screening
 from derive.study.choice.search import Choice, cheapest_model
 from derive.study.choice.trusted_reference import Agreement, NotConverged, TrustedReference, trusted_reference
 from derive.study.choice.written_specification import chosen_specification, relative_path
@@ -402,3 +402,11 @@ def test_errors_that_vanish_and_runs_that_fail_are_in_the_text() -> None:
         "step down: 1 beam, P2, truncated, tolerance 0.001, takes 0.5 times the operations and has an error of 0.4 %"
         in text
     )
+
+
+def test_a_shaft_that_spins_about_its_axis_does_not_turn_it() -> None:
+    """Such a shaft at 60 rad/s was said to rotate at up to 5.7e-08 rad/s."""
+    shaft = Screening("shaft", 68.0, 60.0, 5.7e-8, 0.002)
+    assert "driven at 60 rad/s" in shaft.text and "turns" not in shaft.text
+    assert "its own inertia bends it by about 0.2 % of its length" in shaft.text  # and not what other bodies exert
+    assert "its axis turns at up to 5 rad/s" in Screening("shaft", 68.0, 60.0, 5.0, 0.002).text

@@ -113,6 +113,18 @@ def test_loads_of_a_rigid_beam_in_space_are_written_as_forces(tmp_path: Path) ->
     assert [torque.name for torque in chosen.torques] == [torque.name for torque in run.torques] and chosen.torques
 
 
+def test_outputs_of_the_deformation_of_a_body_that_is_rigid_now_are_left_out(tmp_path: Path) -> None:
+    """The deflection of a panel without a chord was kept, and no specification was written after the whole search."""
+    outputs = '\n[outputs.bent]\nkind = "deflection"\nmarker = "arm.tip"\n[plots.bent]\ny = "bent_2"\n'
+    scene = parse(ARM + outputs)
+    written = chosen_specification(ARM + outputs, tmp_path / "a.toml", tmp_path / "b.toml", scene, RIGID, 1e-3)
+    chosen = parse(written.text)
+    assert isinstance(chosen, SpatialScene) and {output.name for output in chosen.outputs} == {"tip"}
+    assert (
+        written.notes[0] == "outputs.bent: left out, since arm is rigid" and "plots.bent: left out" in written.notes[1]
+    )
+
+
 def test_references_in_space_are_refined_in_pieces_shapes_and_modes() -> None:
     """Beams and finite-element bodies each get models of their own kind."""
     beams, nodes = (ReferenceModels(scene_of(path)) for path in (BEAM, NODES))
@@ -123,9 +135,10 @@ def test_references_in_space_are_refined_in_pieces_shapes_and_modes() -> None:
         "2 beams, P2, P3, 1 twist, truncated",
     ]
     assert beams.finer(beams.first, True) == replace(beams.first, pieces=3)
-    few, full = (of.label for of in beams.truncated(beams.first, 1) or ())
-    assert few == "1 beam, P2, P3, 1 twist, truncated" and full == "1 beam, P2, P3, 1 twist, full"
-    assert beams.truncated(beams.first, 2) is None and nodes.truncated(nodes.first, 1) is None
+    for pieces, text in ((1, "1 beam"), (2, "2 beams")):
+        few, full = (of.label for of in beams.truncated(beams.first, pieces) or ())
+        assert few == f"{text}, P2, P3, 1 twist, truncated" and full == f"{text}, P2, P3, 1 twist, full"
+    assert nodes.truncated(nodes.first, 1) is None
     assert nodes.first == LadderModel(Shapes.CRAIG_BAMPTON, 6)
     others = [way.coarser(nodes.first) for way in nodes.directions]
     assert others == [replace(nodes.first, count=2), LadderModel(Shapes.ATTACHMENT, 6)]

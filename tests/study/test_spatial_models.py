@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import tomlkit
 
 import derive
 from conftest import ROOT
@@ -21,9 +23,11 @@ from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody, SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.spatial_start import SpatialInitialValues
+from derive.spec.toml.read import parse
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import model_scene
+from derive.study.accuracy.reference import compared_plot
 from derive.study.accuracy.spatial_models import interface, mode_count
 
 RIGID, FLEXIBLE = LadderModel(Shapes.RIGID), LadderModel(Shapes.POLYNOMIALS, 2)
@@ -156,3 +160,23 @@ def test_a_rigid_beam_with_loads_and_masses_moves_as_a_stiff_one() -> None:
         moved = rigid[name] - rigid[name][0]
         assert np.abs(moved).max() > 0.05
         np.testing.assert_allclose(stiff[name] - stiff[name][0], moved, atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("table", "column", "does"),
+    [
+        ({"kind": "deflection", "marker": "rod.middle"}, "seen_2", "give it a chord"),
+        ({"kind": "twist", "section": "rod.middle"}, "seen", "plot the rotation of a marker"),
+        ({"kind": "deflection", "marker": "rod.middle", "chord": ["rod.ball", "rod.yoke"]}, "seen_2", ""),
+    ],
+)
+def test_curves_in_the_frame_of_a_beam_are_not_compared(table: dict[str, Any], column: str, does: str) -> None:
+    """Such curves of beams in the mean frame and in pieces differ by hundreds of per cent, and never converge."""
+    text = (ROOT / "examples" / "spatial_crank_slider_beam.toml").read_text(encoding="utf-8")
+    tables = tomllib.loads(text) | {"outputs": {"seen": table}, "plots": {"seen": {"y": column}}}
+    scene = parse(tomlkit.dumps(tables))
+    if not does:
+        assert compared_plot(scene, None).name == "seen"
+        return
+    with pytest.raises(SpecError, match=f"floating frame of rod, which each model.*{does}, or "):
+        compared_plot(scene, None)

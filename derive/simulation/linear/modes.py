@@ -26,7 +26,7 @@ from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import constants, scene_with_values
 from derive.simulation.linear.steady_motion import SteadyMotion
-from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import state_of
@@ -179,7 +179,12 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
         array([0.6105])
     """
     if isinstance(spec, (Scene, SpatialScene)):
-        state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
+        try:
+            state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
+        except MovingDrives as error:
+            raise SimulationError(
+                f"a scene whose drives move at t = 0 has no static equilibrium: {enumeration(error.drives)}. {ADVICE}"
+            ) from None
     else:
         state = _of_body(spec, at)
     axes = None if state.steady is None else state.steady.axes
@@ -215,6 +220,13 @@ def _motion(scene: AnyScene, at: float, progress: Progress | None) -> SceneMotio
     return run.motion
 
 
+def _check_constant_speeds(scene: AnyScene) -> None:
+    """Raise MovingDrives if drives have a speed that is a number other than 0, which no code is needed to know."""
+    constant = ((drive.name, drive.constant_speed) for drive in scene.drives)
+    if moving := [name for name, speed in constant if speed is not None and si_value(speed) != 0.0]:
+        raise MovingDrives(moving)
+
+
 def _of_scene(scene: AnyScene, at: float | None, progress: Progress | None) -> _State:
     """A scene in its state at a time (s), or in its steady state, with the values of its run-time inputs there."""
     if at is not None and at > 0.0:
@@ -224,6 +236,8 @@ def _of_scene(scene: AnyScene, at: float | None, progress: Progress | None) -> _
         k = constants(scene, native, t)
         check_constraints(native, k, t, q)
         return _State(native, k, t, q, v)
+    if at is None and scene.start != STEADY:
+        _check_constant_speeds(scene)
     native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
     k = constants(scene, native, 0.0)
     if at is not None:
@@ -235,10 +249,6 @@ def _of_scene(scene: AnyScene, at: float | None, progress: Progress | None) -> _
     try:
         changed: Any = scene
         balance = state_of(replace(changed, start=EQUILIBRIUM), native, k).equilibrium
-    except MovingDrives as error:
-        raise SimulationError(
-            f"a scene whose drives move at t = 0 has no static equilibrium: {enumeration(error.drives)}. {ADVICE}"
-        ) from None
     except NoEquilibrium as error:
         raise SimulationError(f"{error} {ADVICE}") from None
     assert balance is not None

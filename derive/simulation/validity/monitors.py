@@ -12,7 +12,7 @@ from math import inf, isnan
 from typing import assert_never
 
 from derive.enumerations import enumeration
-from derive.percentages import percent
+from derive.percentages import implied_percent, percent
 from derive.spec.model.body import DisplacementOrder
 
 ERROR_LIMIT = 0.05
@@ -107,7 +107,7 @@ class Monitor:
 
     @property
     def _error(self) -> str:
-        return percent(self.error) if self.error < 1 else "100 % or more"
+        return implied_percent(self.error)
 
     @property
     def remedy(self) -> str:

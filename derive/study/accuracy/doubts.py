@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.percentages import percent
+from derive.percentages import implied_percent, percent
 from derive.study.accuracy.measurement import Line
 
 CAUSES = {
@@ -27,7 +27,7 @@ def doubt(line: Line, shown: Sequence[str]) -> str:
     """
     if line.warning is None or not line.points:
         return doubt_reason(line, shown)
-    return f"{percent(line.warning.error)} implied, {percent(line.best)} measured: {doubt_reason(line, shown)}"
+    return f"{implied_percent(line.warning.error)} implied, {percent(line.best)} measured: {doubt_reason(line, shown)}"
 
 
 def doubt_reason(line: Line, shown: Sequence[str]) -> str:
@@ -51,7 +51,7 @@ def doubt_lines(lines: Sequence[Line], shown: Sequence[str]) -> list[str]:
         if line.warning is not None and line.integrator == "adaptive":
             measured = percent(line.best) if line.points else "not measured"
             models = reasons.setdefault(doubt_reason(line, shown), [])
-            models.append(f"{line.label} ({percent(line.warning.error)}, {measured})")
+            models.append(f"{line.label} ({implied_percent(line.warning.error)}, {measured})")
         if line.failure:
             failures.setdefault(line.failure, []).append(line.label)
     valid = "Not valid (hollow, dashed), with the error that a monitor implies, and the measured one:"

@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.deflection_projection import projection
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, OF_CHORD
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.space.marker_outputs import DEFLECTION, MARKER, OF_CHORD, STRESS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.simulation.initial.deflection_remainders import remainder_lines
 from derive.simulation.observables.beams import beam_bodies, shape_functions
@@ -78,13 +79,19 @@ def model_scene(scene: S, model: LadderModel) -> S:
 def _refuse_deformations(scene: SpatialScene, rigid: list[str]) -> None:
     """Raise SpecError if a plotted output is of the deformation or of a section of a body that is rigid."""
     for output in scene.outputs:
-        sections = [key.name for key in SPATIAL_OUTPUTS[output.kind].keys if key.type is KeyType.BEAM_MARKER]
-        deflects = output.kind == DEFLECTION and OF_CHORD.name not in output.values
-        for name in [*sections, *(["marker"] if deflects else [])]:
-            marker = output.values.get(name)
-            if isinstance(marker, MarkerRef) and marker.body in rigid:
+        for marker in deformed_markers(output, in_space=True):
+            if marker.body in rigid:
                 text = f"as a rigid body it has no {output.kind} at {marker}, which the plot shows"
                 raise SpecError((Problem(f"bodies.{marker.body}", text),))
+
+
+def deformed_markers(output: SceneOutput, in_space: bool) -> Iterator[MarkerRef]:
+    """The markers of an output of what deforms: of sections of beams, of deflections without a chord, of stresses."""
+    known: Any = SPATIAL_OUTPUTS if in_space else OUTPUTS
+    names = [key.name for key in known[output.kind].keys if key.type is KeyType.BEAM_MARKER]
+    if output.kind == STRESS or (in_space and output.kind == DEFLECTION and OF_CHORD.name not in output.values):
+        names.append(MARKER.name)
+    yield from (marker for name in names if isinstance(marker := output.values.get(name), MarkerRef))
 
 
 def _checked(_: S, changed: Any) -> S:

@@ -71,13 +71,31 @@ def compared_plot(scene: AnyScene, name: str | None) -> Plot:
     if scene.simulation is not None and scene.simulation.until is not None:
         text = "models are compared over the same time, and this ends each run at its own; leave `until` out"
         raise SpecError((Problem("simulation.until", text),))
-    if name is None:
-        return scene.plots[0]
     known = {plot.name: plot for plot in scene.plots}
-    if name not in known:
+    if name is not None and name not in known:
         near = did_you_mean(name, list(known), f"the plots are {', '.join(known)}")
         raise SpecError((Problem("plots", f"there is no plot {quoted(name)}{near}"),))
-    return known[name]
+    plot = scene.plots[0] if name is None else known[name]
+    if problems := tuple(_against_frames(plot, scene)):
+        raise SpecError(problems)
+    return plot
+
+
+def _against_frames(plot: Plot, scene: AnyScene) -> Iterator[Problem]:
+    """A problem for each output of a plot that is measured against the floating frame of a beam, which models change.
+
+    In space `deflection` is without a chord, and `twist` always; those of finite-element bodies keep their frame.
+    """
+    columns = plot.quantity.y if isinstance(plot.quantity, ColumnCurves) else ()
+    beams = {body.name for body in scene.bodies if isinstance(body, SpatialBeam)}
+    for output in scene.outputs if isinstance(scene, SpatialScene) else ():
+        measured = output.kind == "twist" or (output.kind == "deflection" and output.values.get("chord") is None)
+        body = next((body for body in _bodies([*output.values.values()], scene) if body in beams), None)
+        if measured and body and not set(columns).isdisjoint(output_columns(output, in_space=True)):
+            instead = {"twist": "plot the rotation of a marker"}.get(output.kind, "give it a chord, or plot a position")
+            text = f"{output.name}, a {output.kind}, is measured against the floating frame of {body}"
+            text += f", which each model has in its own way; {instead}, or choose another plot by --plot"
+            yield Problem(f"plots.{plot.name}", text)
 
 
 def reference(

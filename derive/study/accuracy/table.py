@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
-from derive.percentages import percent
+from derive.percentages import implied_percent, percent
 from derive.rendering import render
 from derive.study.accuracy.chart import accuracy_svg, peer_text
 from derive.study.accuracy.chart_labels import grouped, milliseconds
@@ -32,7 +32,7 @@ MODELS = (
     StudyColumn("model", doc=MODEL_DOC),
     StudyColumn("rms", percent, doc="the measured error of the plot, relative to its peak"),
     StudyColumn("largest", percent, doc="the largest measured error"),
-    StudyColumn("implied", percent, doc="the error that a monitor estimates for the beam that it doubts"),
+    StudyColumn("implied", implied_percent, doc="the error that a monitor estimates for the beam that it doubts"),
     StudyColumn("ms", milliseconds, doc="CPU time of the integration"),
     StudyColumn("evaluations", grouped, doc="of the accelerations"),
     StudyColumn("operations", grouped, doc="arithmetic operations of all evaluations"),
@@ -89,7 +89,11 @@ def accuracy_html(chart: LadderChart) -> str:
         "headline": headline_texts(chart.headline, chart.shown),
         "picture": accuracy_svg(chart, alone=False),
         "table": model_table(chart).only(ON_PAGE),
-        "warnings": list(dict.fromkeys(line.warning.warning for line in chart.drawn if line.warning)),
+        "warnings": [
+            f"{line.label}: {line.warning.warning}"
+            for line in chart.drawn
+            if line.warning and line.integrator == "adaptive"
+        ],
         "notes": chart.notes,
         "failed": [(line.label, line.failure) for line in chart.lines if not line.points],
     }

@@ -6,7 +6,7 @@ those. Shares of independent errors add up as squares; the errors of combination
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,11 +86,16 @@ class BeamShares:
         each = float(left / np.sqrt(max(1, len(rigid) - len(settled))))
         return {beam: small if share in settled else each for beam, share in rigid.items()}
 
-    def refine(self, beam: str, target: float, without: Iterable[LadderModel] = ()) -> None:
-        """Try models of a beam until the share of one is within a target; those in `without` do not count."""
-        while not any(of.share is not None and of.share <= target and of.model not in without for of in self.of(beam)):
+    def refine(
+        self, beam: str, target: float, is_doubted: Callable[[str, LadderModel], bool] = lambda beam, model: False
+    ) -> None:
+        """Try models of a beam, but none that is doubted, until the share of one is within a target."""
+        while not any(
+            of.share is not None and of.share <= target and not is_doubted(beam, of.model) for of in self.of(beam)
+        ):
             errors = {of.model: of.share for of in self.of(beam) if of.share is not None}
-            self._left[beam] = [m for m in self._left[beam] if not cannot_do(m, errors, target)]
+            left = (m for m in self._left[beam] if not is_doubted(beam, m))
+            self._left[beam] = [m for m in left if not cannot_do(m, errors, target)]
             if not self._left[beam]:
                 return
             self._try_next(beam)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from derive.percentages import percent
+from derive.percentages import implied_percent, percent
 from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.modelled_bodies import flexible_nouns
@@ -25,7 +25,7 @@ TRIED = (
     StudyColumn("model", head="tried", doc=MODEL_DOC),
     StudyColumn("tolerance", general(6)),
     StudyColumn("measured", percent, doc="error (rms) of the plot, relative to its peak"),
-    StudyColumn("implied", percent, doc="error that a monitor of the run estimates"),
+    StudyColumn("implied", implied_percent, doc="error that a monitor of the run estimates"),
     StudyColumn("ms", milliseconds, doc="CPU time"),
     StudyColumn("evaluations", grouped),
     StudyColumn("operations", grouped, doc="arithmetic operations of all evaluations"),
@@ -94,7 +94,7 @@ def verdict_lines(choice: Choice) -> list[str]:
         lines = [f"No model that was tried has an error of at most {percent(choice.error)}."]
         if choice.best is not None:
             line, point = choice.best
-            implied = f", and a monitor implies {percent(implied_error(line))}" if line.warning else ""
+            implied = f", and a monitor implies {implied_percent(implied_error(line))}" if line.warning else ""
             lines.append(f"The best model is {line.model.label}: error {percent(point.rms)}{implied}, {_ms(point)}.")
             if any(p.rms + choice.reference.error <= choice.error for of in choice.tried for p in of.points):
                 lines.append(

@@ -84,7 +84,8 @@ def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
     """Whether a model is untried, no run shows that it is not accurate enough, and it costs no more than a good one."""
     too_far = model in errors and errors[model] > trials.budget
     dearer = any(has_more(model, line.model) for line in trials.good)
-    return not (model in trials or too_far or dearer or cannot_do(model, errors, trials.budget))
+    doubted = trials.is_doubted(flexible_members(trials.runs.scene)[0].name, model)
+    return not (model in trials or too_far or dearer or doubted or cannot_do(model, errors, trials.budget))
 
 
 def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:

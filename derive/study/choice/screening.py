@@ -53,6 +53,9 @@ MODAL = 4 / np.pi
 """The part of a uniform load that bends a beam into half a sine wave, as an amplitude."""
 
 
+NEGLIGIBLE = 1e-6
+"""The part of the frequency below which a speed is rounding: a shaft that spins about its axis does not turn that."""
+
 SMALL = 1e-6
 """The amplitudes that show the stiffness of a body in space, m."""
 
@@ -69,8 +72,9 @@ class Screening:
     """The loads on a flexible body; None where a number is not known.
 
     frequency: the lowest of the beam with its joints, rad/s. driving, spin: the largest speed of a drive that
-    rotates and the largest rate of rotation of the beam, rad/s. deflection: about, over the length. axial: the largest
-    axial force over the load under which the beam buckles.
+    rotates and the largest rate at which the axis of the beam turns, rad/s. deflection: about, over the length, by
+    the inertia of the beam alone, without what other bodies exert on it.
+    axial: the largest axial force over the load under which the beam buckles.
     """
 
     beam: str
@@ -86,13 +90,13 @@ class Screening:
         if self.frequency is None:
             return f"{self.beam}: no natural frequency is known"
         parts = [f"lowest natural frequency {self.frequency:.4g} rad/s as its joints hold it"]
-        for what, value in (("driven at", self.driving), ("rotates at up to", self.spin)):
-            if value:
+        for what, value in (("driven at", self.driving), ("its axis turns at up to", self.spin)):
+            if value is not None and value > NEGLIGIBLE * self.frequency:
                 parts.append(f"{what} {value:.4g} rad/s ({percent(value / self.frequency)} of it)")
         if self.axial is not None:
             parts.append(f"axial force up to {percent(self.axial)} of its buckling load")
         if self.deflection is not None:
-            parts.append(f"expected deflection about {percent(self.deflection)} of the length")
+            parts.append(f"its own inertia bends it by about {percent(self.deflection)} of its length")
         return f"{self.beam}: {'; '.join(parts)}"
 
 

@@ -8,7 +8,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.choice.beam_shares import BeamShare, BeamShares
 from derive.study.choice.combinations import combinations
-from derive.study.choice.trials import Trials, implied_error
+from derive.study.choice.trials import Trials
 
 COMBINED = 8
 """The largest number of combinations that are run without success."""
@@ -39,11 +39,10 @@ def try_several_beams(trials: Trials, base: LadderModel, rigid: Sequence[BeamSha
 
 
 class _Combined:
-    """The combinations that have been run, and the models of beams of which a monitor warned."""
+    """The combinations that have been run."""
 
     def __init__(self, trials: Trials, shares: BeamShares) -> None:
         self._trials, self._shares = trials, shares
-        self._doubtful: set[tuple[str, LadderModel]] = set()
         self._failures = 0
 
     @property
@@ -55,7 +54,7 @@ class _Combined:
         """Measure shares until each beam has a model within its target, and run the combinations of these models."""
         while not self.enough:
             for beam, target in targets.items():
-                self._shares.refine(beam, target, [model for name, model in self._doubtful if name == beam])
+                self._shares.refine(beam, target, self._trials.is_doubted)
             if not self._run_next({beam: self._sure(beam) for beam in self._shares.beams}):
                 return
         for _ in range(BEYOND):
@@ -79,8 +78,6 @@ class _Combined:
                 continue
             line = trials.run(model)
             self._failures += not trials.is_good(line)
-            if line.warning is not None and implied_error(line) > trials.error:
-                self._doubtful.add((line.warning.beam, model.of(line.warning.beam)))
             return True
         return False
 
@@ -88,7 +85,7 @@ class _Combined:
         return [share for share in self._shares.of(beam) if self._is_sure(share)]
 
     def _is_sure(self, share: BeamShare) -> bool:
-        return (share.beam, share.model) not in self._doubtful
+        return not self._trials.is_doubted(share.beam, share.model)
 
 
 def _try_first_order(trials: Trials) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.errors import TisserandError, first_line
+from derive.simulation.validity.monitors import Cause
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import COMPONENT_MODES, LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, measured, retimed
@@ -110,6 +111,18 @@ class Trials:
         if order is DisplacementOrder.FULL:
             changed = {name: of for name, of in changed.items() if of.shapes not in COMPONENT_MODES}
         return replaced(self.runs.scene, model, {name: replace(of, order=order) for name, of in changed.items()})
+
+    def is_doubted(self, beam: str, model: LadderModel) -> bool:
+        """Whether a monitor of a run implies too large an error of a beam that has this model there, or bends alike.
+
+        Shapes of torsion do not change what those of bending miss.
+        """
+        doubts = ((line.model.of(beam), line.warning) for line in self.lines if implied_error(line) > self.error)
+        return any(
+            model == (of if warning.cause is Cause.TWISTING_MOMENT else replace(of, torsion=model.torsion))
+            for of, warning in doubts
+            if warning is not None and warning.beam == beam
+        )
 
     def _line(self, model: LadderModel) -> Line:
         self.runs.progress(f"model {len(self._lines) + 1}: {model.label} ...")

@@ -10,12 +10,8 @@ from typing import Any
 
 import tomlkit
 
-from derive.mechanics.multibody.outputs.registry import OUTPUTS
-from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.simulation.observables.default_plots import output_columns
 from derive.spec.as_tables import as_table
-from derive.spec.model.keys import KeyType
-from derive.spec.model.markers import MarkerRef
 from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -25,7 +21,7 @@ from derive.spec.model.specification import AnyScene
 from derive.spec.tables.instance_tables import instance_tables
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members, modelled_member
-from derive.study.accuracy.models import start_remainders
+from derive.study.accuracy.models import deformed_markers, start_remainders
 from derive.study.accuracy.rigid_beam import rigid_loads
 from derive.study.accuracy.spatial_rigid import rigid_actions
 from derive.study.choice.written_bodies import toml_value, write_body
@@ -62,7 +58,7 @@ def chosen_specification(
     for plot in document.get("plots", {}).values():
         for key in ("cut", "pieces"):
             plot.pop(key, None)
-    notes = (*start_remainders(scene, model), *_without_sections(document, scene, model))
+    notes = (*start_remainders(scene, model), *_without_deformations(document, scene, model))
     _relocate(document, source.parent, target.parent)
     return WrittenSpecification(_headed(tomlkit.dumps(document), source, target, model), notes)
 
@@ -77,16 +73,13 @@ def _write_instances(document: tomlkit.TOMLDocument) -> None:
         document[section] = written
 
 
-def _without_sections(document: MutableMapping[str, Any], scene: AnyScene, model: LadderModel) -> Iterator[str]:
-    """Remove the outputs of sections of beams that are rigid now, and the curves of plots that show them."""
+def _without_deformations(document: MutableMapping[str, Any], scene: AnyScene, model: LadderModel) -> Iterator[str]:
+    """Remove the outputs of deformations of bodies that are rigid now, and the curves of plots that show them."""
     rigid = {body.name for body in flexible_members(scene) if model.of(body.name).shapes is Shapes.RIGID}
     in_space = isinstance(scene, SpatialScene)
-    known: Any = SPATIAL_OUTPUTS if in_space else OUTPUTS
     gone: dict[str, str] = {}  # the columns that are removed, and the output of each
     for output in scene.outputs:
-        keys = [key.name for key in known[output.kind].keys if key.type is KeyType.BEAM_MARKER]
-        markers = (output.values.get(key) for key in keys)
-        bodies = [m.body for m in markers if isinstance(m, MarkerRef) and m.body in rigid]
+        bodies = [marker.body for marker in deformed_markers(output, in_space) if marker.body in rigid]
         if bodies:
             del document["outputs"][output.name]
             yield f"outputs.{output.name}: left out, since {bodies[0]} is rigid"
