@@ -52,7 +52,7 @@ case "$sources $*" in
 esac
 exec {quick} "$@" -O0
 """
-"""Does not optimise what simulations run, nor what is loaded without a word on flags, for QUICK's reason.
+"""Does not optimise what simulations run, nor what is compiled without a word on flags, for QUICK's reason.
 
 clang takes half the time of gcc for that, and calls of the linker itself spare the start of another compiler. Those who
 ask for warnings get the compiler that they expect, and so do those who choose flags, if only the same level once more.
