@@ -25,7 +25,7 @@ ONE = Number(Fraction(1))
 
 
 @dataclass(frozen=True)
-class Places:
+class StepPlaces:
     """The places of elements in the step of a joint; names of rows and columns are variables of loops.
 
     diagonal, rights: the elements whose sums are the block of the joint and its right-hand side; update, right_update:
@@ -45,7 +45,7 @@ class Places:
     is_first: bool
 
 
-def elimination_in_loops(size: int, at: Places) -> tuple[InstanceItem, ...]:
+def elimination_in_loops(size: int, at: StepPlaces) -> tuple[InstanceItem, ...]:
     """The elimination of a joint."""
     body: list[InstanceItem] = []
 
@@ -81,7 +81,7 @@ def elimination_in_loops(size: int, at: Places) -> tuple[InstanceItem, ...]:
     return *body, _updates(size, at)
 
 
-def _rows(size: int, at: Places, lower: Sequence[Sequence[Expr]], first: int) -> ForEach:
+def _rows(size: int, at: StepPlaces, lower: Sequence[Sequence[Expr]], first: int) -> ForEach:
     """The loop over the columns of L^-1 S that computes their rows from one on, as far as rows of L are given."""
     body: list[InstanceItem] = []
     z: list[Expr] = [at.column(k, COLUMN) for k in range(first)]
@@ -92,7 +92,7 @@ def _rows(size: int, at: Places, lower: Sequence[Sequence[Expr]], first: int) ->
     return _over_columns(size, body)
 
 
-def _updates(size: int, at: Places) -> ForEach:
+def _updates(size: int, at: StepPlaces) -> ForEach:
     """The loop over the rows of the next joint that computes what the joint subtracts from each."""
     rows = range(size)
     scaled = [Let(f"scaled{k}", _product(at.column(k, COLUMN), at.factor(k, k))) for k in rows]
