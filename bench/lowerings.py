@@ -201,7 +201,8 @@ def scenes(options: argparse.Namespace) -> Iterator[AnyScene]:
             yield from (chain(count, kind) for count in options.chains)
         for path in options.files or sorted([*ROOT.glob("scenes/*.toml"), *ROOT.glob("examples/*.toml")]):
             spec = derive.read(path)
-            if isinstance(spec, derive.Scene) and len(spec.bodies) < 50:
+            is_measured = isinstance(spec, AnyScene if options.files else derive.Scene)
+            if is_measured and len(spec.bodies) < 50:
                 yield spec
         if options.graphs:
             from random_graphs import graph

@@ -31,7 +31,9 @@ CACHE = None if "PYTEST_XDIST_WORKER" in os.environ else tempfile.TemporaryDirec
 COMPILER = """#!/bin/sh
 case "$*" in
 *-Wall*) exec cc "$@" ;;
-*TISSERAND_WITHOUT_*|*-O0*|*"{defaults} -shared "*) ;;
+*TISSERAND_WITHOUT_*|*-O0*) ;;
+*"{defaults} "*" -O"*) exec cc "$@" ;;
+*"{defaults} "*) ;;
 *) exec cc "$@" ;;
 esac
 sources=0

@@ -103,6 +103,7 @@ SLOW = {
     "crank_slider_frames",
     "double_pendulum_energy",
     "free_beam_frequencies",
+    "from_scikit_fem",
     "screw_jack",
     "stiffness_from_motion",
     "crank_slider_beams",

@@ -74,7 +74,7 @@ def test_a_kept_model_is_simulated_without_the_libraries_that_derive(tmp_path: P
     (tmp_path / "swing.toml").write_text(SCENE)
     (tmp_path / "known.csv").write_text("t,w\n0,0\n0.01,0.001\n0.02,0.002\n")
     arguments = ("simulate", str(tmp_path / "swing.toml"), "--out", str(tmp_path / "out"))
-    assert "casadi" in loaded(*arguments)  # to derive the model, which is then kept
+    assert main(arguments) == 0  # derives the model, which is then kept
     assert not set(UNUSED) & set(loaded(*arguments))
     assert "deviation" in (tmp_path / "out/swing/bending.svg").read_text()
 

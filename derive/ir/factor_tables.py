@@ -11,6 +11,7 @@ from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.kernel import ConstantArray
 from derive.ir.statements import ForEach, StoreElement
+from derive.ir.symmetric_tables import SymmetricTable
 
 ROW = "row"
 """The variable of the loops over the rows of a table."""
@@ -74,6 +75,7 @@ class FactorTables:
 
     def __init__(self) -> None:
         self.made: dict[tuple[int, int, bool], FactorTable] = {}
+        self.symmetric: dict[tuple[int, int, bool], SymmetricTable] = {}
 
     def of(self, columns: int, count: int, has_offsets: bool) -> FactorTable:
         """The table for these numbers."""
@@ -81,7 +83,14 @@ class FactorTables:
         name = f"factors_of_modes_{len(self.made) + 1}"
         return self.made.setdefault(key, FactorTable(name, columns, count, has_offsets))
 
+    def of_matrices(self, size: int, count: int, has_offsets: bool) -> SymmetricTable:
+        """The table of symmetric matrices for these numbers."""
+        key = size, count, has_offsets
+        name = f"symmetric_factors_of_modes_{len(self.symmetric) + 1}"
+        return self.symmetric.setdefault(key, SymmetricTable(name, size, count, has_offsets))
+
     @property
     def arrays(self) -> dict[str, ConstantArray]:
         """The constant arrays by their names."""
-        return {table.name: table.array for table in self.made.values()}
+        of_rows = {table.name: table.array for table in self.made.values()}
+        return of_rows | {table.name: table.array for table in self.symmetric.values()}

@@ -277,6 +277,7 @@ class ForEach:
     """The body for a variable from `start` to `stop`, which is left out, in order, or from the end if `backward`.
 
     independent: the iterations write elements of their own, which no iteration reads, and may run in any order.
+    short: a loop inside of another one, whose iterations batches have in a straight line.
     """
 
     variable: str
@@ -285,6 +286,7 @@ class ForEach:
     body: tuple[InstanceItem, ...]
     backward: bool = False
     independent: bool = False
+    short: bool = False
 
 
 InstanceItem = Let | Require | Entry | StoreElement | Work | ForEach

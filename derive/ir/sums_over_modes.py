@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
-from derive.ir.factor_tables import FactorTables, RowPlace
+from derive.ir.factor_tables import FactorTables
 from derive.ir.indices import constant
 from derive.ir.instance_lanes import runs_in_blocks
 from derive.ir.kernel import ConstantArray, Kernel
@@ -24,6 +24,7 @@ from derive.ir.loop_nests import For
 from derive.ir.model import Model
 from derive.ir.operator_functions import ARITHMETIC
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
+from derive.ir.symmetric_tables import Values, matrices
 from derive.ir.window_forms import ONE, ZERO, Window, WindowForm, combined_forms
 
 MANY = 64
@@ -173,21 +174,30 @@ class _LoopForms:
         names = {k: name for k, name in sorted(self.names[window].items()) if min(used) <= k <= max(used)}
         differ = any(isinstance(expr, Element) for row in rows for expr in _parts_of(row))
         count = self.loop.stop.offset if differ else 1
-        table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
-        places: dict[Row, RowPlace] = {}
+        values: dict[Row, Values] = {}
         for row in rows:
             offset, factors = row[0], dict(row[1])
             columns = [*([] if is_homogeneous else [offset]), *(factors.get(k, ZERO) for k in names)]
-            places[row] = table.place(tuple(self._value(expr, n) for expr in columns for n in range(count)))
+            values[row] = tuple(self._value(expr, n) for expr in columns for n in range(count))
         result: dict[Row, Expr] = {}
-        loops, position = list[ForEach](), dict[int, int]()
+        loops = list[ForEach]()
+        number = matrices([*values.values()], len(names), count, not is_homogeneous)
+        of_matrices, others = [*values][: number * len(names)], [*values][number * len(names) :]
+        if number:
+            symmetric = tables.of_matrices(len(names), count, not is_homogeneous)
+            place = symmetric.place([values[row] for row in of_matrices])
+            loops.append(symmetric.loop(place, number, sums, self.loop.variable, [*names.values()]))
+            result |= {row: Element(sums, constant(k)) for k, row in enumerate(of_matrices)}
+        table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
+        places = {row: table.place(values[row]) for row in others}
+        position = dict[int, int]()
         for first, stop in _runs({place.number for place in places.values()}):
-            to = Element(sums, constant(len(position)))
+            to = Element(sums, constant(len(of_matrices) + len(position)))
             loops.append(table.loop(first, stop, to, self.loop.variable, [*names.values()]))
-            position |= {number: len(position) + number - first for number in range(first, stop)}
-        for row, place in places.items():
-            element = Element(sums, constant(position[place.number]))
-            result[row] = Operation(Operator.NEG, (element,)) if place.is_opposite else element
+            position |= {k: len(of_matrices) + len(position) + k - first for k in range(first, stop)}
+        for row, of in places.items():
+            element = Element(sums, constant(position[of.number]))
+            result[row] = Operation(Operator.NEG, (element,)) if of.is_opposite else element
         return result, loops
 
     # ---- forms ----

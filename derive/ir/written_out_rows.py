@@ -1,4 +1,4 @@
-"""Loops over the rows of tables inside of loops over instances, written out: the same operations in a straight line.
+"""Loops over rows of tables and of joints inside of loops over instances, written out: the same operations in a line.
 
 A batch has a loop over its states in place of each line, and its rows are as long as registers; there a loop over rows
 would store and load what a line keeps. The bits are those of the loops.
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import count
 
-from derive.ir.expressions import Element, Expr, Leaf, ScalarRef, mapped
+from derive.ir.expressions import Element, Ends, Expr, Leaf, ScalarRef, mapped
 from derive.ir.indices import ElementIndex
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model
@@ -18,7 +18,7 @@ from derive.ir.statements import ForEach, InstanceItem, Let, Require, Statement,
 
 
 def with_rows_written_out(model: Model) -> Model:
-    """A model whose loops over instances have no arrays and loops of their own."""
+    """A model whose loops over instances have no arrays of their own and no short loops inside."""
     return replace(model, kernels=tuple(map(_written_out, model.kernels)))
 
 
@@ -28,10 +28,16 @@ def _written_out(kernel: Kernel) -> Kernel:
 
 
 def _statement(statement: Statement) -> Statement:
-    if not isinstance(statement, ForEach):
-        return statement
-    arrays = {item.array for item in statement.body if isinstance(item, Work)}
-    return replace(statement, body=(*_lines(statement.body, arrays),)) if arrays else statement
+    return _loop(statement) if isinstance(statement, ForEach) else statement
+
+
+def _loop(loop: ForEach) -> ForEach:
+    inner = [item for item in loop.body if isinstance(item, ForEach)]
+    if len(inner) == len(loop.body):  # a loop over both ends of a path
+        return replace(loop, body=tuple(map(_loop, inner)))
+    arrays = {item.array for item in loop.body if isinstance(item, Work)}
+    is_written_out = arrays or any(item.short for item in inner)
+    return replace(loop, body=(*_lines(loop.body, arrays),)) if is_written_out else loop
 
 
 def _lines(body: Iterable[InstanceItem], arrays: set[str]) -> Iterator[InstanceItem]:
@@ -51,9 +57,14 @@ class _Lines:
     ) -> Iterator[InstanceItem]:
         """The lines for values of the variables of loops around; names: those of values in these loops."""
 
+        def at_ends(item: Ends) -> Ends:
+            return replace(item, first=_at(item.first, variables), second=_at(item.second, variables))
+
         def leaf(item: Leaf) -> Expr:
             if isinstance(item, ScalarRef):
                 return replace(item, name=names.get(item.name, item.name))
+            if isinstance(item, Ends):
+                return at_ends(item)
             if not isinstance(item, Element) or not item.index:
                 return item
             index = _at(item.index, variables)
@@ -80,6 +91,8 @@ class _Lines:
                         yield Let(_name(target.array, index.offset), expr)
                     else:
                         yield replace(item, target=replace(target, index=index), expr=expr)
+                case StoreElement(Ends() as ends):
+                    yield replace(item, target=at_ends(ends), expr=mapped(item.expr, leaf))
                 case StoreElement() | Require():
                     yield replace(item, expr=mapped(item.expr, leaf))
                 case _:

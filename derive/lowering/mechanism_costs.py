@@ -25,6 +25,9 @@ straight-line code, and in loops four of a class take 2.2 of that, one alone 1.4
 for them. How much straight-line code leaves
 the instruction cache depends on its joints: chains of five hinges take twice their time, eight welds 1.3 times; this is
 left out.
+A gear takes 250 ns in straight-line code; in loops it is a joint of several bodies with one constraint, and the whole
+takes 0.8 of what follows: a rough fit to 8 chains of 3 to 12 hinges with a gear, or with one between each two hinges,
+of which the form that is chosen takes at most 1.33 of the time of the other one.
 The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
 than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
 where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +
@@ -39,7 +42,9 @@ from dataclasses import dataclass
 
 from derive.algebra import sp
 from derive.ir.indices import LANES
-from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, plain_joint
+from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, handles_of
+from derive.lowering.instances.classes.dimension import plain_joint
+from derive.lowering.instances.classes.gears import constraining, gears_of
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
@@ -103,7 +108,7 @@ class MechanismCosts:
 
 
 def is_predicted(mechanism: SpatialMechanism) -> bool:
-    """Whether the predictions hold for a mechanism in space: rigid bodies that keep their coordinates, without gears.
+    """Whether the predictions hold for a mechanism in space: rigid bodies that keep their coordinates.
 
     Where joints have eliminated coordinates, they hold for a row of bodies with ball joints alone. They also hold for
     an open row of three or more finite-element bodies.
@@ -111,9 +116,9 @@ def is_predicted(mechanism: SpatialMechanism) -> bool:
     if _is_flexible_row(mechanism):
         return True
     rigid = all(isinstance(body, SpatialRigidBody) for body in mechanism.scene.bodies)
-    if not rigid or not mechanism.joints or mechanism.gears:
+    if not rigid or not mechanism.joints:
         return False
-    rows = [joint.multipliers for joint in mechanism.joints]
+    rows = [of.multipliers for of in constraining(mechanism)]
     is_row = _system(body_classes(mechanism), rows).is_path and not any(map(varies, mechanism.joints))
     return is_row or not mechanism.eliminated_joints
 
@@ -122,7 +127,7 @@ def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
     """The predicted costs of both lowerings of a mechanism, in space of one that `is_predicted`."""
     if isinstance(mechanism, SpatialMechanism) and _is_flexible_row(mechanism):
         return _of_flexible_row(mechanism)
-    rows = [joint.multipliers for joint in mechanism.joints]
+    rows = [of.multipliers for of in constraining(mechanism)]
     classes = body_classes(mechanism)
     flat = sum(len(of.members) * _body_times(mechanism, of, rows)[0] for of in classes)
     looped = _loops(mechanism, classes, rows)
@@ -139,8 +144,8 @@ def estimate_mechanism_costs(mechanism: AnyMechanism) -> MechanismCosts:
     if not isinstance(mechanism, SpatialMechanism):
         return MechanismCosts(flat * (1 + _beyond(flat, IN_CACHE, TWICE)), looped, _of_compiler(flat))
     if varying:
-        flat = 95.0 * len(mechanism.instances) + 5.0 * _pairs_to_ground(mechanism)
-    return MechanismCosts(flat, looped, _of_compiler(IN_SPACE * flat))
+        flat = 95.0 * len(mechanism.instances) + 5.0 * _pairs_to_ground(mechanism) + 250.0 * len(mechanism.gears)
+    return MechanismCosts(flat, looped * (0.8 if mechanism.gears else 1.0), _of_compiler(IN_SPACE * flat))
 
 
 def _is_flexible_row(mechanism: SpatialMechanism) -> bool:
@@ -204,17 +209,19 @@ def _beyond(time: float, in_cache: float, twice: float) -> float:
 
 
 def _system(classes: Sequence[BodyClass], rows: Sequence[int]) -> Blocks:
-    """The blocks of the joints with these numbers of rows, which the bodies of the classes couple."""
-    return blocks(rows, [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members])
+    """The blocks of the joints and gears with these numbers of rows, which the bodies of the classes couple."""
+    members = [member for of in classes for member in of.members]
+    return blocks(rows, *handles_of(members))
 
 
 def _varying_joints(mechanism: AnyMechanism, classes: Sequence[BodyClass]) -> list[int]:
-    """The numbers of joints of each kind whose constraints depend on both of their bodies at once."""
+    """The numbers of joints and gears of each kind whose constraints depend on several of their bodies at once."""
     number = {member.instance.name: k for k, of in enumerate(classes) for member in of.members}
     joints = (joint for joint in mechanism.joints if varies(joint))
     ends = ((joint, (joint.joint.first.body, joint.joint.second.body)) for joint in joints)
     kinds = Counter((joint.type, plain_joint(joint), *map(number.get, bodies)) for joint, bodies in ends)
-    return list(kinds.values())
+    gears = Counter((gear.form, *(number.get(marker.body) for marker in gear.markers)) for gear in gears_of(mechanism))
+    return [*kinds.values(), *gears.values()]
 
 
 def _body_times(mechanism: AnyMechanism, of: BodyClass, rows: Sequence[int]) -> tuple[float, float]:

@@ -34,6 +34,8 @@ from derive.simulation.space.half_turns import half_turn_notes
 from derive.simulation.space.joint_limits import joint_limit_notes
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
+from derive.simulation.validity.axial_loads import axial_load_notes
+from derive.simulation.validity.far_deformation import far_deformation_notes
 from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.mode_content import mode_notes
@@ -155,7 +157,7 @@ class PreparedRun:
             values = column_values(self.scene, native, k, solution, self.body)
             return {name: float(column[0]) for name, column in zip(self.units, values, strict=True)}
 
-        watched = scene_watch(self.scene, native, k, float(times[0]), q)
+        watched = scene_watch(self.scene, native, k, float(times[0]), q, v)
         settings = Settings(
             tolerance=simulation.tolerance,
             size=self.size,
@@ -170,8 +172,10 @@ class PreparedRun:
         foreseen += (*joint_limit_notes(self.scene, native, k, solution.t, solution.q),)
         beams = not is_monitored(self.scene)  # monitors tell of the stiffness that their axial force adds
         spins = fast_spin_notes(self.scene, native, k, solution.q, solution.v, body=self.body, beams=beams)
-        foreseen += (*spins.values(),)
+        axial = axial_load_notes(self.scene, native, k, solution.t, solution.q, solution.v)
+        foreseen += (*spins.values(), *axial.values())
         foreseen += (*mode_notes(self.scene, native, k, solution.t, solution.q, solution.v),)
+        foreseen += (*far_deformation_notes(self.scene, native, solution.q),)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
         solution = replace(solution, notes=(*foreseen, *solution.notes))

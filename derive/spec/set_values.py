@@ -82,7 +82,7 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
             if isinstance(added, Problem):
                 problems.append(added)
                 continue
-            changes.append(SetValue(name, "not given", _shown(new)))
+            changes.append(SetValue(name, _given(tables, name), _shown(new)))
             tables = added
         elif (count := _count_of(tables, name)) is not None:
             problems.append(count)
@@ -151,6 +151,14 @@ def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) 
         # Other faults of the value are reported with those of all values.
         return next((problem for problem in error.problems if problem.path == name), added)
     return added
+
+
+def _given(tables: Any, name: str) -> str:
+    """The value of a key of a table that counts as one value, such as a parameter of functions, or "not given"."""
+    *parents, key = name.split(".")
+    for part in parents:
+        tables = tables[part]
+    return _shown(tables[key]) if key in tables else "not given"
 
 
 def _values(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any]]:

@@ -34,7 +34,6 @@ REFUSALS: dict[str, str] = {
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
     r"loops in relative coordinates( of more than \d+ velocities)? have": "likewise",
     r"trees of more than \d+ velocities in loops have no angular velocities": "likewise",
-    r"loops over bodies in space have no (gears|outputs of the kind)": "the message names the lowering that has them",
     r"an export for arrays or symbols has straight-line code": "likewise",
     r"the steady motion that Newton's method finds is far from the initial state": "the message says what to write",
     r"the mass matrix is no longer positive definite": "truncated beams bend too far; the message says what to write",

@@ -18,6 +18,7 @@ from derive.reduction.body import prepare
 from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_scene import SpatialScene
+from explicit_motion import moved
 from fem.part_files import bracket_files, text_of
 
 EIGHT_NODES = (
@@ -112,7 +113,7 @@ def test_the_scene_holds_the_body_at_the_first_set(folder: Path) -> None:
     stiffness, mass = (free.T @ matrix @ free for matrix in (model.stiffness, model.mass))
     full = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / (2 * np.pi)
     assert derive.modes(scene).frequencies[:2] == pytest.approx(full, rel=1e-4)
-    run = derive.simulate(scene, duration=1e-3)
+    run = moved(scene, duration=1e-3)
     assert [run[f"right_{axis}"][0] for axis in (1, 2, 3)] == pytest.approx([0, 0, 0], abs=1e-12)
     assert run["right_3"][-1] < -1e-7
     assert [output.name for output in scene.outputs] == [plot.name for plot in scene.plots] == ["right"]
@@ -122,7 +123,7 @@ def test_a_body_alone_vibrates_in_its_first_mode(folder: Path) -> None:
     """A specification that was just imported is simulated: five periods of the first mode, which begin at its top."""
     body = imported("--interface", "left,right", "--modes", "12")
     assert isinstance(body, NodalBody)
-    run = derive.simulate(body)
+    run = moved(body)
     first = body_properties(body).frequencies[0]
     assert run.t[-1] * first == pytest.approx(5, rel=0.01)
     assert run["alpha1"] == pytest.approx(run["alpha1"][0] * np.cos(2 * np.pi * first * run.t), abs=1e-6)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from test_instance_graphs import LATER
@@ -15,17 +17,20 @@ from derive.ir.model import Model
 from derive.ir.statements import ForEach, inside
 from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.lowering.instances.functions.compliance_loops import COLUMN, ROW
+from derive.lowering.instances.functions.local_system import LANES
 from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from some_functions import only
 
-PLACE = "derive.lowering.instances.functions.local_system.LANES"
 
-
-def looped(count: int, kinds: tuple[str, ...], alike: bool = False) -> Model:
+@cache
+def looped(count: int, kinds: tuple[str, ...], alike: bool = False, lanes: int = LANES) -> Model:
     mechanism = derive.derive(chain(count, kinds, alike))
     assert isinstance(mechanism, SpatialMechanism)
-    return lower_instances(mechanism, explicit=True)
+    with only("accel"), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("derive.lowering.instances.functions.local_system.LANES", lanes)
+        return lower_instances(mechanism, explicit=True)
 
 
 def variables(model: Model) -> list[str]:
@@ -44,13 +49,9 @@ def variables(model: Model) -> list[str]:
         pytest.param(("prismatic",), False, 0, marks=LATER),
     ],
 )
-def test_loops_over_rows_have_the_values_of_straight_lines(
-    kinds: tuple[str, ...], alike: bool, blocks: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_loops_over_rows_have_the_values_of_straight_lines(kinds: tuple[str, ...], alike: bool, blocks: int) -> None:
     """Small blocks, whose halves are stored without gaps, and rows along axes that move stay a straight line."""
-    model = looped(3, kinds, alike)
-    monkeypatch.setattr(PLACE, 0)
-    straight = looped(3, kinds, alike)
+    model, straight = looped(3, kinds, alike), looped(3, kinds, alike, lanes=0)
     used = variables(model)
     assert (used.count(COLUMN), used.count(LABEL)) == (blocks, 1)
     assert used.count(ROW) >= blocks

@@ -50,7 +50,7 @@ def test_a_rigid_mode_is_named() -> None:
         to_mean_frame(c.masses, c.positions, modes, np.eye(3))
 
 
-@pytest.mark.parametrize("n", [1, 3, 5])
+@pytest.mark.parametrize("n", [1, 3, pytest.param(5, marks=pytest.mark.long)])
 def test_couplings_vanish_and_the_points_move_as_they_must(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     c = test_cloud.cloud(n)
     spec = test_cloud.nodal(c, "mean")

@@ -41,6 +41,7 @@ from derive.spec.tables.json_schema import json_schema
 from derive.spec.toml.read import parse
 from derive.visual.mechanism import mechanism_picture
 from derive.visual.undeformed_poses import initial_poses
+from explicit_motion import moved
 
 G = 9.81
 
@@ -263,7 +264,7 @@ def test_a_joint_that_keeps_a_distance(toys):
     scene = parse(HEAD + POINT + RUN)
     assert scene.joints[0].values["distance"] == derive.Parameter("L", "m", 0.5)
     assert derive.validated(scene) == scene
-    found = derive.simulate(scene)
+    found = moved(scene)
     x, y = found["bob_c1"], found["bob_c2"]
     np.testing.assert_allclose(np.hypot(x, y), 0.5, rtol=1e-9)
     np.testing.assert_allclose(np.arctan2(x, -y), pendulum(0.5, np.arctan2(0.3, 0.4), found.t), atol=1e-8)
@@ -277,7 +278,7 @@ def test_a_joint_is_drawn_as_it_declares(toys):
     x, y, _ = initial_poses(scene)["bob"]  # closed by the equations of the joint, which the picture knows nothing of
     assert np.hypot(x, y) == pytest.approx(0.6)
     assert '<polyline class="fixed"' in mechanism_picture(scene)
-    (joint,) = player_data(derive.simulate(scene).motion, [])["joints"]
+    (joint,) = player_data(moved(scene).motion, [])["joints"]
     assert joint["lines"] == Distance.drawing.lines and "axis" not in joint
 
 
@@ -285,7 +286,7 @@ def test_a_body_that_is_described_by_its_radius(toys):
     scene = parse(HEAD + ROLLED + RUN)
     assert scene.bodies[0].kind == "disc"
     assert derive.validated(scene) == scene
-    found = derive.simulate(scene)
+    found = moved(scene)
     assert found.q.shape[1] == 1  # the revolute joint eliminates the other coordinates
     # About the rim J = 3/2 m r^2, so that the reduced length is 3/2 r.
     np.testing.assert_allclose(found["wheel_phi"], pendulum(0.3, np.pi / 2, found.t), atol=1e-8)
@@ -293,7 +294,7 @@ def test_a_body_that_is_described_by_its_radius(toys):
 
 
 def test_a_spring_with_a_cubic_law(toys):
-    found = derive.simulate(parse(HEAD + SPRUNG + RUN))
+    found = moved(parse(HEAD + SPRUNG + RUN))
     exact = solution(lambda t, y: [y[1], -250 * y[0] ** 3], [0.1, 0.7], found.t)
     np.testing.assert_allclose(found["block_s"], exact, atol=1e-8)
 
@@ -301,7 +302,7 @@ def test_a_spring_with_a_cubic_law(toys):
 def test_a_force_that_turns_with_the_body(toys):
     scene = parse(HEAD.replace(f"-{G}", "0") + PUSHED + RUN)
     assert derive.validated(scene) == scene
-    found = derive.simulate(scene)
+    found = moved(scene)
     # The spin w stays 3 rad/s, and xddot = -2 t sin(w t), from rest.
     w, t = 3.0, found.t
     np.testing.assert_allclose(found["puck_c1dot"], 2 * (t * np.cos(w * t) / w - np.sin(w * t) / w**2), atol=1e-8)
@@ -312,14 +313,14 @@ def test_a_torque_against_the_angular_velocity(toys):
     scene = parse(HEAD + BRAKED + RUN)
     assert derive.validated(scene) == scene
     assert scene.torques[0].values["drag"] == derive.Parameter("D", "N m s", 1.5)
-    found = derive.simulate(scene)
+    found = moved(scene)
     np.testing.assert_allclose(found["wheel_phidot"], 8 * np.exp(-1.5 / 0.5 * found.t), atol=1e-8)
     assert derive.scene("two", bodies=[*scene.bodies], torques=[*scene.torques], ground={"pivot": [0, 0]}).torques
 
 
 def test_an_output_of_the_speed_of_a_marker(toys):
     scene = parse(HEAD + ROLLED.replace("rim =", "hub = [0, 0], rim =") + FAST + RUN)
-    found = derive.simulate(scene)
+    found = moved(scene)
     np.testing.assert_allclose(found["fast"], 0.2 * np.abs(found["wheel_phidot"]), rtol=1e-12)
 
 

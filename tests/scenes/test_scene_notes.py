@@ -6,6 +6,7 @@ import pytest
 
 import derive
 from derive.notes.scene_notes import scene_notes
+from explicit_motion import moved
 
 BODY = {"mass": 1, "inertia": 1, "markers": {"a": [0, 0], "b": [1, 0]}}
 HINGE = {"kind": "revolute", "between": ["ground.o", "one.a"]}
@@ -39,7 +40,7 @@ def test_they_fall_where_there_is_gravity() -> None:
     assert note.endswith("so it falls freely; add a joint if this is not intended")
     assert (
         note
-        in derive.simulate(
+        in moved(
             derive.scene("falling", gravity=[0, -9.81], ground={"o": [0, 0]}, bodies={"one": BODY}),
             duration=0.1,
             output=0.1,

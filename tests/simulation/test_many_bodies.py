@@ -28,6 +28,7 @@ from derive.simulation.observables.default_plots import SELECTED, default_plots,
 from derive.simulation.validity import monitoring_outputs
 from derive.simulation.validity.monitoring_outputs import monitoring_note, with_monitors
 from derive.spec.model.scene import Scene
+from explicit_motion import moved
 
 
 def chain(count: int, kind: str = "revolute") -> Scene:
@@ -64,7 +65,7 @@ def test_the_motion_is_that_of_straight_line_code(kind: str) -> None:
 @pytest.mark.long
 def test_a_chain_of_twenty_beams_keeps_its_energy_and_its_joints() -> None:
     scene = chain(20, "weld")
-    run = derive.simulate(scene)
+    run = moved(scene)
     assert run.model.lowering == "instances"
     native, k = run.motion.native, run.motion.k
     energies = np.array([native.energy(q, v, k) for q, v in zip(run.q, run.v, strict=True)])
@@ -75,7 +76,7 @@ def test_a_chain_of_twenty_beams_keeps_its_energy_and_its_joints() -> None:
 
 def test_a_free_chain_conserves_momentum_and_energy() -> None:
     scene = chain_scene.chain(10, duration=0.01, free=True)
-    run = derive.simulate(scene, integrator="rk4", step=1e-5)
+    run = moved(scene, integrator="rk4", step=1e-5)
     native, k = run.motion.native, run.motion.k
     states = list(zip(run.q, run.v, strict=True))
     momenta = np.array([native.momentum(q, v, k) for q, v in states])
@@ -91,7 +92,7 @@ def test_more_beams_than_can_be_monitored_are_not_and_a_note_says_so(monkeypatch
     assert monitoring_note(scene) == ()
     monkeypatch.setattr(monitoring_outputs, "MOST_BEAMS", 1)
     assert with_monitors(scene) == scene
-    run = derive.simulate(scene, duration=0.01)
+    run = moved(scene, duration=0.01)
     assert run.validity == ()
     assert run.notes[0].startswith("validity: none of the 2 beams is monitored")
 

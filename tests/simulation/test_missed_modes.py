@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import derive
+from explicit_motion import moved
 from spring_lattice import lattice
 
 
@@ -25,6 +26,6 @@ def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
         bodies={"truss": body},
         joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
     )
-    run = derive.simulate(scene, duration=0.5, output=0.05)
+    run = moved(scene, duration=0.5, output=0.05)
     assert any("under the forces of its joints its 3 modes imply" in note for note in run.notes) == noted
     assert any("of its deformation" in note or "in its deformation" in note for note in run.notes) == noted

@@ -10,6 +10,7 @@ import pytest
 import derive
 from derive.runtime.native_call import Vector
 from derive.simulation.validity.monitors import Cause
+from explicit_motion import moved
 
 TORQUE, SPEED, STIFFNESS, INERTIA = 0.001, 3.0, 0.01, 0.001
 FAST = "sin(3*t)/1000"
@@ -51,7 +52,7 @@ def exact(t: Vector) -> Vector:
 @pytest.mark.parametrize(("twists", "warned"), [(1, True), (2, False)])
 def test_a_fast_torque_on_a_clamped_rod(twists: int, warned: bool) -> None:
     """One twist is wrong by a fifth, which the run says, and two by a sixtieth, of which it is silent."""
-    run = derive.simulate(shaft(twists), duration=3, output=0.02)
+    run = moved(shaft(twists), duration=3, output=0.02)
     (twisted,) = (m for m in run.validity if m.cause is Cause.TWISTING_MOMENT)
     known = exact(run.motion.t)
     error = np.sqrt(np.mean((run["end"] - known) ** 2)) / np.abs(known).max()
@@ -63,7 +64,7 @@ def test_a_fast_torque_on_a_clamped_rod(twists: int, warned: bool) -> None:
 def test_a_wrong_twist_makes_the_deflection_that_it_is_coupled_with_wrong() -> None:
     """Sections with their mass beside the axis: one twist is late, and the deflection along e3 with it."""
     scene = shaft(1, centre=[0.01, 0], ansatz=["1", "xi", "xi^2", "xi^3", "xi^4"])
-    run = derive.simulate(scene, duration=3, output=0.05)
+    run = moved(scene, duration=3, output=0.05)
     assert {(m.cause, m.axis) for m in run.validity if m.passed} == {
         (Cause.BENDING_MOMENT, 3),
         (Cause.TWISTING_MOMENT, 1),

@@ -54,6 +54,7 @@ keep_coordinates = true
 markers = { left = [-0.5, 0], right = [0.5, 0] }
 start = { position = [0.5, 0] }
 [bodies.rod]
+ansatz = ["1", "xi", "xi^2"]
 length = 1
 mass = 1
 bending_stiffness = 10
@@ -108,7 +109,10 @@ def test_generalised_alpha_passes_the_positions_in_which_all_rods_are_in_line() 
 @pytest.mark.parametrize("ida", ["ida", "c_ida"])
 def test_ida_moves_a_joint_that_is_there_twice(ida: str) -> None:
     """By a proximal term in its iteration matrix."""
-    beam = "length = 1\nmass = 1\nbending_stiffness = 10\nmarkers = { left = -1, right = 1 }"
+    beam = (
+        'ansatz = ["1", "xi", "xi^2"]\n'
+        + "length = 1\nmass = 1\nbending_stiffness = 10\nmarkers = { left = -1, right = 1 }"
+    )
     assert beam in ARM
     rigid = ARM.replace(beam, 'mass = 1\ninertia = "1/12"\nmarkers = { left = [-0.5, 0], right = [0.5, 0] }')
     two, other = (simulated(parsed(rigid + TWIN), integrator) for integrator in (ida, "adaptive"))
@@ -126,7 +130,7 @@ def test_ida_refuses_to_start_in_a_singular_position(ida: str) -> None:
         simulated(scene, ida)
 
 
-@pytest.mark.parametrize("integrator", ["adaptive", "generalised-alpha"])
+@pytest.mark.parametrize("integrator", ["adaptive", pytest.param("generalised-alpha", marks=pytest.mark.long)])
 def test_a_joint_that_no_coordinate_can_meet_has_no_reaction(integrator: str) -> None:
     """The bearing leaves the arm its rotation alone."""
     text = ARM.replace("keep_coordinates = true\n", "")
@@ -334,7 +338,12 @@ between = ["ground.beside", "arm.beside"]
 
 
 @pytest.mark.parametrize(
-    ("lowering", "integrator"), [("flat", "adaptive"), ("instances", "adaptive"), ("flat", "generalised-alpha")]
+    ("lowering", "integrator"),
+    [
+        ("flat", "adaptive"),
+        ("instances", "adaptive"),
+        pytest.param("flat", "generalised-alpha", marks=pytest.mark.long),
+    ],
 )
 def test_a_second_bearing_a_rounding_error_away_counts_as_redundant(lowering: str, integrator: str) -> None:
     """Its factors are 1e-16 m, and would stop the arm if constraints were compared with their own sizes alone."""

@@ -181,7 +181,7 @@ def test_the_inertia_that_a_truncated_beam_loses_implies_an_error_without_bound(
     trajectory = run(parse(thrown), 0.3, 0.01)
     assert not trajectory.warnings and monitor(trajectory, Cause.MASS_MATRIX).value == pytest.approx(0.545, abs=0.01)
     motion = trajectory.motion
-    scene = scene_watch(motion.scene, motion.native, motion.k, 0.0, motion.q[0])
+    scene = scene_watch(motion.scene, motion.native, motion.k, 0.0, motion.q[0], motion.v[0])
     errors = ImpliedErrors(scene.beams[0], scene.of_rows(motion.t, motion.q, motion.v))
     assert errors.of_lost_inertia(0.99) > ERROR_LIMIT > 10 * errors.of_lost_inertia(0.4)
     assert errors.of_lost_inertia(1.0) == errors.of_lost_inertia(np.nan) == np.inf

@@ -14,6 +14,7 @@ from derive.simulation.validity.lateral_buckling import lateral_monitors
 from derive.simulation.validity.monitoring_outputs import MOST_PIECES_IN_SPACE, monitoring_note, monitoring_outputs
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.beam_pieces import in_pieces
+from explicit_motion import moved
 
 ROD: dict[str, Any] = {
     "length": 1,
@@ -50,7 +51,7 @@ def test_monitors_are_those_of_the_planar_beam() -> None:
         forces={"f": {"at": "rod.right", "components": load}},
     )
     space = cantilever(forces={"f": {"at": "rod.right", "force": [*load, 0]}})
-    first, second = (derive.simulate(scene, duration=1, output=0.05) for scene in (plane, space))
+    first, second = (moved(scene, duration=1, output=0.05) for scene in (plane, space))
     own = [m for m in second.validity if m.axis == 2]
     assert [m.cause for m in own] == [m.cause for m in first.validity]
     for ours, known in zip(own, first.validity, strict=True):
@@ -64,7 +65,7 @@ def test_the_small_inertia_about_the_axis_of_a_beam_is_no_doubt() -> None:
     """A slender beam that bends loses nearly all of it at second order, but of its motion along e2 2 % alone."""
     slender = {"order": 2, "rotary_inertia": "1/100000", "start": {"amplitudes": [0.05]}}
     scene = derive.spatial_scene("free", bodies={"rod": ROD | slender})
-    run = derive.simulate(scene, duration=0.02, output=0.01)
+    run = moved(scene, duration=0.02, output=0.01)
     (along,) = (m.value for m in run.validity if m.cause is Cause.MASS_MATRIX and m.axis == 2)
     assert 0.01 < along < 0.03
 
@@ -73,7 +74,7 @@ def test_valid_models_are_silent() -> None:
     """A beam of second order with enough shapes, which bends little, has monitors in both planes and no warning."""
     force = {"f": {"at": "rod.right", "force": [0, "sin(t)/100", "t/100"]}}
     scene = cantilever(order=2, ansatz=["1", "xi", "xi^2", "xi^3", "xi^4"], forces=force)
-    run = derive.simulate(scene, duration=0.5, output=0.05)
+    run = moved(scene, duration=0.5, output=0.05)
     assert {m.axis for m in run.validity} == {2, 3}
     assert run.warnings == ()
 

@@ -10,6 +10,7 @@ import pytest
 import derive
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitors import Cause
+from explicit_motion import moved
 
 ROD: dict[str, Any] = {
     "length": 1,
@@ -38,7 +39,7 @@ def cantilever(**changes: Any) -> derive.SpatialScene:
 def causes(scene: derive.SpatialScene, load: tuple[float, float, float]) -> set[Cause]:
     """The causes that a run warns of under a load that grows for three seconds."""
     inputs = {axis: (lambda t, of=of: of * t / 3) for axis, of in zip("xyz", load, strict=True)}
-    run = derive.simulate(scene, duration=3, output=0.05, tolerance=1e-5, inputs=inputs)
+    run = moved(scene, duration=3, output=0.05, tolerance=1e-5, inputs=inputs)
     return {monitor.cause for monitor in run.validity if monitor.passed}
 
 
@@ -67,7 +68,7 @@ def test_first_order_warns_of_the_load_that_it_does_not_bear(
 def test_shapes_that_know_no_clamp_warn_in_both_planes() -> None:
     """A half sine wave has no moment at a clamped end, which polynomials have."""
     sines = cantilever(ansatz={"kind": "pinned", "count": 1}, frame="chord", order=2)
-    run = derive.simulate(sines, duration=0.5, output=0.05, inputs={a: lambda t: 0.01 * t for a in "xyz"})
+    run = moved(sines, duration=0.5, output=0.05, inputs={a: lambda t: 0.01 * t for a in "xyz"})
     assert {m.axis for m in run.validity if m.cause is Cause.BENDING_MOMENT and m.passed} == {2, 3}
 
 
@@ -75,7 +76,7 @@ def test_inertia_that_is_lost_warns_where_nothing_is_left() -> None:
     """Truncated terms leave a beam that bends by its length no inertia, and nearly all where it bends little."""
     slender = {k: v for k, v in ROD.items() if k != "lateral"} | {"order": 2, "start": {"amplitudes": [0.05]}}
     scene = derive.spatial_scene("free", bodies={"rod": slender})
-    motion = derive.simulate(scene, duration=0.002, output=0.001).motion
+    motion = moved(scene, duration=0.002, output=0.001).motion
     for factor, passed in ((1, False), (20, True)):
         bent = motion.q.copy()
         bent[:, 7:] *= factor
@@ -94,6 +95,6 @@ def test_vibrations_that_a_joint_couples_are_late_in_both_planes() -> None:
         joints={"h": {"kind": "revolute", "between": ["ground.o", "rod.left"]}},
         forces={"f": {"at": "rod.right", "force": [0, "sin(20*t)", 0]}},
     )
-    run = derive.simulate(oblique, duration=0.5, output=0.02)
+    run = moved(oblique, duration=0.5, output=0.02)
     (along,) = (m.error for m in run.validity if m.cause is Cause.BENDING_MOMENT and m.axis == 3)
     assert 0.05 < along < 1

@@ -23,6 +23,7 @@ from derive.study.accuracy.spatial_ladder import linear_reference
 from derive.study.accuracy.spatial_models import can_have
 from derive.study.choice.modes_of_bodies import ModesOfBodies
 from derive.study.study_options import LadderRange
+from explicit_motion import moved
 
 SIDES = (1.0, 0.02, 0.01)
 FEW = LadderRange(("first", "truncated"), component_modes=("craig_bampton",), component_counts=(2,))
@@ -75,7 +76,7 @@ def test_models_that_are_chosen_have_second_order_where_elements_give_it(order: 
 def test_spin_stiffens_models_of_second_order_alone() -> None:
     """A blade that turns sinks less than its modes of first order say."""
     scene = blade()
-    run = derive.simulate(model_scene(scene, LadderModel(Shapes.CRAIG_BAMPTON, 4, SECOND)))
+    run = moved(model_scene(scene, LadderModel(Shapes.CRAIG_BAMPTON, 4, SECOND)))
     rows = tuple(zip(run.t.tolist(), run["tip_3"].tolist(), strict=True))
     (plot,) = scene.plots
     known = replace(scene, plots=(replace(plot, reference=ReferenceCurve("finer.csv", "t", "y", rows)),))

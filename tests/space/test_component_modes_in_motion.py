@@ -10,6 +10,7 @@ import pytest
 
 import derive
 from conftest import ROOT
+from explicit_motion import moved
 
 EXAMPLES = ROOT / "examples"
 
@@ -28,7 +29,7 @@ def path_of_the_middle(kind: str, modes: int) -> np.ndarray:
     tables["drives"] = {"motor": {"joint": "bearing", "speed": "3000*t"}}
     tables["outputs"] = {"m": {"kind": "position", "marker": "rod.middle"}}
     tables["simulation"] = {"duration": 0.04, "output": 2e-4, "tolerance": 1e-7}
-    motion = derive.simulate(derive.spatial_scene(tables))
+    motion = moved(derive.spatial_scene(tables))
     return np.array([motion[f"m_{axis}"] for axis in (1, 2, 3)])
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-import derive
 from derive.errors import SpecError
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 HINGE = """
 name = "hinge"
@@ -40,15 +40,15 @@ OTHERS = ((1, "true"), (-1, "false"))
 def test_turns_beyond_a_limit(kept: str, sign: int) -> None:
     """Also beyond half a turn, with the sign of the second body against the first."""
     text = HINGE.format(kept=kept, kind="revolute", first=ORDERS[sign], limits="-4, 3.9", speed=2)
-    notes = derive.simulate(parse(text)).notes
+    notes = moved(parse(text)).notes
     assert "joints.axle: passes its limit of 3.9 rad by t = 2 s and reaches 4 rad; nothing enforces limits" in notes
-    assert not any("limits" in note for note in derive.simulate(parse(text.replace("3.9", "4.1"))).notes)
+    assert not any("limits" in note for note in moved(parse(text.replace("3.9", "4.1"))).notes)
 
 
 @pytest.mark.parametrize("kept", ["true", "false"])
 def test_displacements_beyond_a_limit(kept: str) -> None:
     text = HINGE.format(kept=kept, kind="prismatic", first=ORDERS[1], limits="-0.7, 5", speed=-1)
-    notes = derive.simulate(parse(text)).notes
+    notes = moved(parse(text)).notes
     assert "joints.axle: passes its limit of -0.7 m by t = 0.75 s and reaches -2 m; nothing enforces limits" in notes
 
 
@@ -56,7 +56,7 @@ def test_displacements_beyond_a_limit(kept: str) -> None:
 def test_rounding_errors_pass_no_limit(speed: str) -> None:
     """A joint that stays at a limit is beyond it by the rounding of its position."""
     text = HINGE.format(kept="false", kind="prismatic", first=ORDERS[1], limits="0, 5", speed=speed)
-    assert any("limits" in note for note in derive.simulate(parse(text)).notes) == (speed == "-1e-8")
+    assert any("limits" in note for note in moved(parse(text)).notes) == (speed == "-1e-8")
 
 
 def test_limits_in_the_wrong_order_and_of_other_joints() -> None:

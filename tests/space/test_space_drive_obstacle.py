@@ -27,7 +27,7 @@ def obstacle(rod: float, motion: str, angle: float, keep: str = "") -> DriveObst
     text = text.replace("position = [0.2, 0, 0]", "position = [0.1, 0, 0]")
     scene = parse(text + f'[drives.motor]\njoint = "bearing"\n{motion}\n')
     assert isinstance(scene, SpatialScene)
-    native = InterpretedScene(derive.lower(derive.derive(scene)))
+    native = InterpretedScene(derive.lower(derive.derive(scene), explicit=True))
     k = native.setup()
     return drive_obstacle(scene, native, k, state_of(scene, native, k).q, spatial_scene_size(scene))
 

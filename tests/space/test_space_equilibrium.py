@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import derive
 from conftest import ROOT
 from derive.simulation.linear.modes import modes
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 BAR = """
 name = "space_bar_on_a_spring"
@@ -54,7 +54,7 @@ def test_a_bar_on_a_hinge_and_a_spring() -> None:
 
     angle = brentq(slope, -1.5, 0.1, xtol=1e-14)
     curvature = (slope(angle + 1e-3) - slope(angle - 1e-3)) / 2e-3
-    run, found = derive.simulate(parse(BAR)), modes(parse(BAR))
+    run, found = moved(parse(BAR)), modes(parse(BAR))
     assert run["bar_phi"] == pytest.approx(np.full(11, angle), abs=1e-9)
     expected = np.sqrt(curvature / (0.04 + 2 * 0.25**2)) / (2 * np.pi)
     assert found.frequencies == pytest.approx([expected], rel=1e-5)
@@ -113,7 +113,7 @@ def cantilever_tip() -> np.ndarray:
 @pytest.mark.long
 def test_the_tip_of_a_finite_element_cantilever() -> None:
     """Linear statics of its modes; few modes of a free rod are stiffer than the clamped beam, by a third across."""
-    run, expected = derive.simulate(parse(CANTILEVER)), cantilever_tip()
+    run, expected = moved(parse(CANTILEVER)), cantilever_tip()
     # the mean of the left section is at the wall, and so the tip at rest at 0.3 m along it
     found = np.array([run["tip_1"][0] - 0.3, run["tip_2"][0], run["tip_3"][0]])
     assert found[1:] == pytest.approx(expected[1:], rel=1e-5)

@@ -139,6 +139,18 @@ def test_generated_code_is_that_of_the_oracle(case: str, tmp_path: Path) -> None
     assert disagreements(model, 1) == [] and disagreements(model, 2) == []
 
 
+@pytest.mark.parametrize(
+    "case", ["cylindrical and planar", *(pytest.param(c, marks=pytest.mark.long) for c in ("two rotations", "screws"))]
+)
+def test_loops_over_bodies_are_those_of_the_oracle(case: str, tmp_path: Path) -> None:
+    """Explicit functions in C, of two rotations all of them and the Python as well."""
+    of, _ = CASES[case]
+    path = tmp_path / "scene.toml"
+    path.write_text(of.replace("[scene]", '[scene]\nlowering = "instances"'))
+    model = space_model(path, complete=case == "two rotations")
+    assert disagreements(model, 1) == [] and disagreements(model, 2) == []
+
+
 SAME = (
     "tip_1",
     "tip_2",
@@ -148,7 +160,9 @@ SAME = (
 
 
 @pytest.mark.parametrize("keep", ["pinion", pytest.param("wheel pinion", marks=pytest.mark.long)])
-@pytest.mark.parametrize("kinds", [("revolute", "revolute"), ("screw", "prismatic")])
+@pytest.mark.parametrize(
+    "kinds", [("screw", "prismatic"), pytest.param(("revolute", "revolute"), marks=pytest.mark.long)]
+)
 def test_minimal_coordinates_and_constraints_are_one_motion(kinds: tuple[str, str], keep: str) -> None:
     """With the reactions of the joints; the wheel turns more than once."""
     ratio = "-3/2" if kinds[1] == "revolute" else "0.01"

@@ -255,7 +255,7 @@ DISSIPATED = {"c_ida": 3e-5}
 def test_no_integrator_drifts(integrator: str, duration: float) -> None:
     """In all rows constraints and the length of quaternions are met to rounding, and energy is conserved."""
     spec = parse(turned_double_pendulum_scene(1.2, -0.8))
-    found = derive.simulate(spec, duration=duration, output=duration / 50, integrator=integrator, tolerance=1e-8)
+    found = moved(spec, duration=duration, output=duration / 50, integrator=integrator, tolerance=1e-8)
     native, k, limit = found.motion.native, found.motion.k, INTERPOLATED.get(integrator, 5e-15)
     for t, q, v in zip(found.t, found.q, found.v, strict=True):
         assert np.abs(native.constraints(t, q, k)).max() < limit

@@ -143,7 +143,7 @@ def two_hinges(kind: str) -> tuple[str, str]:
 @pytest.mark.parametrize("kind", ["revolute", "point_on_line"])
 def test_a_door_on_two_hinges_turns_as_on_one(kind: str) -> None:
     """The first hinge leaves an angle, whose factors in the second one are zero but for rounding errors."""
-    one, two = (derive.simulate(parse(text)) for text in two_hinges(kind))
+    one, two = (moved(parse(text)) for text in two_hinges(kind))
     assert np.ptp(one["door_phi"]) > 0.3
     assert np.allclose(two["door_phi"], one["door_phi"], rtol=0, atol=1e-8)
     (note,) = (note for note in two.notes if "redundant" in note)

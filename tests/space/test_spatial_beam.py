@@ -29,6 +29,7 @@ from derive.mechanics.bodies.spatial_beam import cubic_stiffness, stiffness_cons
 from derive.mechanics.symbols import Family
 from derive.runtime.interpreted_scene import InterpretedFunction
 from derive.spec.model.spatial_beam import SpatialBeam
+from some_functions import only
 
 SHAPES = ["1", "xi", "xi^2", "xi^3", "xi^4"]
 ROD: dict[str, Any] = {
@@ -306,7 +307,8 @@ OTHERS = {"rotary_inertia": "1/1000", "torsion": {"ansatz": ["xi"], "stiffness":
 
 def accelerations(scene: Any, q: Any, v: Any) -> Any:
     """The accelerations of a scene, by the interpreter."""
-    model = derive.lower(derive.derive(scene), explicit=True)
+    with only("accel"):
+        model = derive.lower(derive.derive(scene), explicit=True)
     run = {k.name: InterpretedFunction(model, k) for k in model.kernels if k.name in ("setup", "accel")}
     return run["accel"].at(0.0, q, v, run["setup"]((np.array(model.defaults),)))
 

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 import derive
 from derive.runtime.interpreted_scene import InterpretedFunction
+from some_functions import only
 
 ROD: dict[str, Any] = {
     "length": "3/2",
@@ -24,7 +25,8 @@ CLAMPED: dict[str, Any] = {"frame": {"kind": "tangent", "at": -1}, "markers": {"
 
 def accelerations(scene: Any, q: Any, v: Any) -> Any:
     """The accelerations of a scene, by the interpreter."""
-    model = derive.lower(derive.derive(scene), explicit=True)
+    with only("accel"):
+        model = derive.lower(derive.derive(scene), explicit=True)
     run = {k.name: InterpretedFunction(model, k) for k in model.kernels if k.name in ("setup", "accel")}
     return run["accel"].at(0.7, q, v, run["setup"]((np.array(model.defaults),)))
 

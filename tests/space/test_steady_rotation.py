@@ -23,6 +23,7 @@ from derive.simulation.linear.rotating_field import RotatingField
 from derive.simulation.linear.steady_motion import NoSteadyMotion
 from derive.spec.toml.read import parse
 from derive.visual.mode_pages import modes_page, modes_picture
+from explicit_motion import moved
 
 
 def steady(text: str) -> str:
@@ -76,7 +77,7 @@ def test_regular_precession_of_a_symmetric_top(number: int) -> None:
 
 def test_a_simulation_stays_in_steady_precession() -> None:
     precession = float(steady_precession(*MOMENTS, MGL, INCLINED, FAST)[0])
-    found = derive.simulate(parse(top(precession, INCLINED + 0.06)))
+    found = moved(parse(top(precession, INCLINED + 0.06)))
     vertical = 1 - 2 * (found["top_e1"] ** 2 + found["top_e2"] ** 2)
     assert vertical == pytest.approx(np.full(6, np.cos(INCLINED)), abs=1e-8)
     assert np.ptp(found["top_e3"]) > 0.1

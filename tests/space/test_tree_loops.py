@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -154,8 +155,9 @@ def _tree(lowering: str, free: bool) -> str:
     return "".join(parts) + LOADS
 
 
-def _model(text: str, explicit: bool = True) -> Model:
-    return lower(derive(parse(text)), explicit=explicit)
+@cache
+def _model(text: str) -> Model:
+    return lower(derive(parse(text)), explicit=True)
 
 
 def _mechanism(text: str) -> SpatialMechanism:
@@ -192,7 +194,7 @@ def _differences(first: Model, second: Model) -> dict[str, float]:
     return result
 
 
-@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("free", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_loops_over_links_have_the_values_of_straight_line_code(free: bool) -> None:
     """All functions for explicit integration of a tree with every kind of joint and load."""
     loops, flat = (_model(_tree(lowering, free)) for lowering in ("instances", "flat"))

@@ -14,6 +14,7 @@ from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.configurations import normalised
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.spatial_scene import SpatialScene
+from some_functions import only
 
 Table = dict[str, Any]
 Array = NDArray[np.float64]
@@ -110,7 +111,10 @@ class Lowered:
 
 def lowered(scene: SpatialScene) -> Lowered:
     """A scene as straight-line code for the interpreter."""
-    native = InterpretedScene(derive.lower(derive.derive(replace(scene, lowering="flat")).expanded(), explicit=True))
+    with only("solve", "outputs", "poses"):
+        equations = derive.derive(replace(scene, lowering="flat")).expanded()
+        model = derive.lower(replace(equations, markers=()), explicit=True)
+    native = InterpretedScene(model)
     return Lowered(scene, native, native.setup())
 
 

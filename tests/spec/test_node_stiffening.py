@@ -20,6 +20,7 @@ from derive.spec.as_tables import specification_tables
 from derive.spec.construction.bodies import nodal_body
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.toml.read import read
+from explicit_motion import moved
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
 import bodies_of_nodes as truss
@@ -168,6 +169,6 @@ def test_a_run_notes_a_body_whose_tables_lack_those_of_its_spin() -> None:
     times = {"duration": 1e-4, "output": 1e-4}
     for data, spin, noted in ((few, 60, True), (arrays, 60, False), (few, 0, False)):
         body = {"nodes": data, "units": "SI", "start": {"angular_velocity": [0, spin, 0]}}
-        run = derive.simulate(derive.spatial_scene("free", bodies={"beam": body}, simulation=times))
+        run = moved(derive.spatial_scene("free", bodies={"beam": body}, simulation=times))
         notes = [note for note in run.notes if "its files lack K0omega, its centrifugal stiffening" in note]
         assert len(notes) == noted

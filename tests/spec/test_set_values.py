@@ -109,6 +109,11 @@ def test_parameters_that_nothing_uses_any_more_are_left_out_with_a_note() -> Non
         with_values(RAMP, {"drives.motor.speed": "8", "rise": "1"})
 
 
+def test_the_default_of_a_parameter_of_functions_is_a_key() -> None:
+    _, changes = with_values(RAMP, {"parameters.rise.default": "0.5"})
+    assert str(changes[0]) == "parameters.rise.default: 0.3 -> 0.5"
+
+
 def test_all_unknown_names_are_reported_with_suggestions() -> None:
     with pytest.raises(derive.SpecError) as error:
         with_values(SPINNING, {"Ei": "3", "bodies.beam.mas": "3", "simulation.duration": "1", "zzz": "1"})

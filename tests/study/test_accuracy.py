@@ -213,6 +213,7 @@ def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -
     page = accuracy_html(replace(a_chart(), lines=(*LINES, doubted)))
     row = next(row for row in re.findall("<tr>.*?</tr>", page) if reason in row)
     assert "<td>0.94 %</td>" in row and "<td>31 %</td>" in row
+    assert page.count(f"<li>{doubted.label}: ") == 1, "a warning names its model"
 
 
 def test_an_implied_error_beyond_all_bounds_is_no_number() -> None:

@@ -135,9 +135,10 @@ def test_references_in_space_are_refined_in_pieces_shapes_and_modes() -> None:
         "2 beams, P2, P3, 1 twist, truncated",
     ]
     assert beams.finer(beams.first, True) == replace(beams.first, pieces=3)
-    few, full = (of.label for of in beams.truncated(beams.first, 1) or ())
-    assert few == "1 beam, P2, P3, 1 twist, truncated" and full == "1 beam, P2, P3, 1 twist, full"
-    assert beams.truncated(beams.first, 2) is None and nodes.truncated(nodes.first, 1) is None
+    for pieces, text in ((1, "1 beam"), (2, "2 beams")):
+        few, full = (of.label for of in beams.truncated(beams.first, pieces) or ())
+        assert few == f"{text}, P2, P3, 1 twist, truncated" and full == f"{text}, P2, P3, 1 twist, full"
+    assert nodes.truncated(nodes.first, 1) is None
     assert nodes.first == LadderModel(Shapes.CRAIG_BAMPTON, 6)
     others = [way.coarser(nodes.first) for way in nodes.directions]
     assert others == [replace(nodes.first, count=2), LadderModel(Shapes.ATTACHMENT, 6)]

@@ -28,6 +28,7 @@ from derive.study.sweep.run import SweepFailed, sweep
 from derive.study.sweep.samples import Samples, SamplesError, grid, listed, random_samples, uniform
 from derive.study.sweep.store import SampleStore, StaleStore
 from derive.study.sweep.worker import ModelCode
+from explicit_motion import moved
 
 OUTPUTS = ("peak", "rms:slider_s", "final:rod_phi", "peak:lambda_slider_pin_1", "final:motor")
 GRID = grid({"EI": [8, 12, 20], "speed": [100, 150, 170]})
@@ -47,7 +48,7 @@ def same(a: SweepResult, b: SweepResult) -> bool:
 def simulated(values: dict[str, str], duration: float | None = None, until: str | None = None) -> tuple[float, ...]:
     """The outputs of a run by `simulate`, from its columns."""
     scene, _ = with_values(slider(), values)
-    run = derive.simulate(scene, duration=duration, until=until)
+    run = moved(scene, duration=duration, until=until)
     quantity = scene.plots[0].quantity
     assert isinstance(quantity, Deflection)
     square = run["slider_s"] ** 2
@@ -92,7 +93,7 @@ def test_breaks_follow_the_parameters(threads: Executor) -> None:
     """A torque that begins at a time which is a parameter: the integrator stops there and starts anew."""
     samples = grid({"jump": [0.02, 0.07], "c": [50], "arm": [0.6]})
     result = sweep(pendulum(), samples, ["final:bob_phi", "peak:bob_phidot"], executor=threads)
-    run = derive.simulate(with_values(pendulum(), {"jump": "0.07", "c": "50", "arm": "0.6"})[0])
+    run = moved(with_values(pendulum(), {"jump": "0.07", "c": "50", "arm": "0.6"})[0])
     assert result.values[1].tolist() == [run["bob_phi"][-1], np.abs(run["bob_phidot"]).max()]
 
 
@@ -266,7 +267,7 @@ def test_initial_values_need_no_further_model(threads: Executor) -> None:
     assert (result.models, result.initial_states) == (1, 2)
     for number in (1, 2):
         values = {name: repr(value) for name, value in result.sample(number).items()}
-        run = derive.simulate(with_values(beam, values)[0], duration=0.5, output=0.1, tolerance=1e-8)
+        run = moved(with_values(beam, values)[0], duration=0.5, output=0.1, tolerance=1e-8)
         assert result.values[number].tolist() == [run["beam_phi"][-1], np.abs(run["beam_alpha1"]).max()]
 
 
@@ -293,7 +294,7 @@ def test_without_a_name_an_output_is_of_the_first_plot_even_if_a_column_has_its_
 
 def test_what_the_monitors_warn_of_in_the_sample_with_the_largest_output(threads: Executor) -> None:
     result = sweep(slider(), grid({"EI": [40, 12, 20], "speed": [150]}), ["peak"], executor=threads)
-    run = derive.simulate(slider())
+    run = moved(slider())
     assert result.warnings == {1: run.warnings} and "axial force" in run.warnings[0]
 
 
@@ -354,6 +355,6 @@ def test_a_beam_in_space_is_swept_with_its_pieces(threads: Executor) -> None:
     samples = grid({"bodies.rod.bending_stiffness": [1, 3]})
     heights = sweep(scene, samples, "final:tip_2", duration=0.1, interval=0.1, executor=threads)["final:tip_2"]
     run = replace(scene, simulation=derive.Simulation(duration=0.1, output=0.1))
-    own = derive.simulate(with_values(run, {"bodies.rod.bending_stiffness": "3"})[0])["tip_2"][-1]
+    own = moved(with_values(run, {"bodies.rod.bending_stiffness": "3"})[0])["tip_2"][-1]
     assert heights[1] == pytest.approx(own, rel=1e-6)
     assert abs(heights[0] - heights[1]) > 1e-3

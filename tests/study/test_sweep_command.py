@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from sweep_scenes import SLIDER, kill_at_seven, slider
 
-import derive
 from derive.cli.main import main
 from derive.spec.toml.read import parse
 from derive.study.sweep import executors
@@ -23,6 +22,7 @@ from derive.study.sweep.picture import sweep_svg
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import sweep
 from derive.study.sweep.samples import Samples, grid, random_samples, uniform
+from explicit_motion import moved
 
 
 @pytest.fixture
@@ -257,7 +257,7 @@ def test_numbers_of_instances_are_swept(tmp_path: Path, capsys: pytest.CaptureFi
     for given_count, given_joints, value, failure in rows[1:]:
         count, joints = (int(float(text)) for text in (given_count, given_joints))
         text = CHAIN.replace("count = 4", f"count = {count}").replace("count = 3", f"count = {joints}")
-        assert float(value) == derive.simulate(parse(text))["link[1]_phi"][-1] and not failure
+        assert float(value) == moved(parse(text))["link[1]_phi"][-1] and not failure
 
 
 def test_counts_that_do_not_go_together_have_the_lines_of_the_file(

@@ -71,6 +71,8 @@ class CNests(ValuesInLanes):
     """The arrays that are declared."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
+    _in_step: bool = False
+    """Whether loops are inside of a loop over the steps from both ends of a path."""
     _is_coded: bool = False
     """Whether the states of a batch have got codes."""
     _finite: Iterator[str] = field(default_factory=lambda: names_in_order("finite"))
@@ -251,8 +253,11 @@ class CNests(ValuesInLanes):
             case LoopKind.STATES:
                 body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
-                short = self._vectors is None or self._lane == LANE  # rows of vectors written out run no faster
+                in_ends = self._vectors is not None and self._lane != LANE  # steps written out run no faster
+                short, before = self._in_step or not in_ends, self._in_step
+                self._in_step = in_ends
                 body, head = self._body(node.body), loop_head(node, self.counter, short)
+                self._in_step = before
                 last = last_block(node)
                 if last is not None:
                     block = block_name(node.variable)

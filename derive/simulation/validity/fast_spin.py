@@ -73,7 +73,7 @@ def fast_spin_notes(
             result[of.spec.name] = (
                 f"{of.spec.name}: it spins at up to {spin:.4g} rad/s about axes of large inertia, "
                 f"{percent(spin / lowest)} of its lowest natural frequency of {lowest:.4g} rad/s ({where}), and its "
-                f"{_lack(of.spec)}: {_remedy(of.spec)}"
+                f"{_lack(of.spec)}: {remedy_of(of.spec)}"
             )
     return result
 
@@ -88,7 +88,8 @@ def _lacks_stiffening(spec: NodalBody) -> bool:
     return not spec.computes_geometric_stiffness and (not spec.second_order or spec.data.K0omega is None)
 
 
-def _remedy(spec: NodalBody | SpatialBeam) -> str:
+def remedy_of(spec: NodalBody | SpatialBeam) -> str:
+    """What gives a body of first order its geometric stiffness."""
     if isinstance(spec, SpatialBeam):
         return "write order = 2, with which it shortens as it bends"
     if spec.second_order:

@@ -30,10 +30,14 @@ APART = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class HeldMode:
-    """A vibration of a beam: its frequency, rad/s, and the motion (nq,) of all coordinates of the scene."""
+    """A vibration of a beam: its frequency, rad/s, and the motion (nq,) of all coordinates of the scene.
+
+    velocities (nv,): those of this motion, with a kinetic energy of 1/2 J.
+    """
 
     frequency: float
     motion: Vector
+    velocities: Vector
 
 
 def held_modes(
@@ -68,9 +72,10 @@ def admitted_modes(
         squares, modes = eigh(*(admitted.T @ x @ admitted for x in (K, mass_matrix(native, q, k))))
     except np.linalg.LinAlgError:  # a velocity without inertia
         return ()
-    motions = (admitted @ modes).T @ _moved_by_velocities(native, q, k).T
     elastic = squares > RIGID * squares[-1]
-    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic]))
+    velocities = (admitted @ modes[:, elastic]).T
+    motions = velocities @ _moved_by_velocities(native, q, k).T
+    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions, velocities))
 
 
 def admitted_velocities(native: NativeScene, k: Vector, t: float, q: Vector, own: Sequence[int]) -> Matrix:
@@ -108,12 +113,14 @@ class StaticResponse:
     def __call__(self, motion: Vector) -> Vector:
         """The change of z = [q; v; outputs; t] for a motion (nq,); zero where the model has no accelerations."""
         step = SMALL * max(1.0, float(np.abs(self.q).max())) / float(np.abs(motion).max())
+        still = np.zeros(self.native.nv)
         try:
-            ahead, behind = (self._outputs(self.q + sign * step * motion) for sign in (1, -1))
+            ahead, behind = (self.outputs(self.q + sign * step * motion, still) for sign in (1, -1))
         except ModelError:
             return np.zeros(self.native.nq + self.native.nv + len(self.native.outputs) + 1)
         return np.concatenate([motion, np.zeros(self.native.nv), (ahead - behind) / (2 * step), [0.0]])
 
-    def _outputs(self, q: Vector) -> Vector:
-        native, v = self.native, np.zeros(self.native.nv)
+    def outputs(self, q: Vector, v: Vector) -> Vector:
+        """The outputs (nout,) of a state."""
+        native = self.native
         return native.evaluate_outputs(self.t, q, v, *native.solve(self.t, q, v, self.k), self.k)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.runtime.integrators.watch import Watched
-from derive.simulation.validity.watched_beam import WatchedBeam
+from derive.simulation.validity.watched_beam import WatchedBeam, WatchedVibration
 from derive.spec.model.body import DisplacementOrder
 
 FIRST, TRUNCATED, FULL = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED, DisplacementOrder.FULL
@@ -93,20 +93,31 @@ class ImpliedErrors:
         the others have half of their mean squares. The stiffness that axial forces add at second order is
         not affected. Of a beam that never bends, since joints admit none of its shapes, all is missed.
         """
-        watched, seen = self.watched, self.seen
+        watched = self.watched
         missed, rms = self._rms(watched.missed), self._rms(watched.deflection)
         if self.straight:
             return missed / (rms + missed)
-        flexibility = 1.0
-        if watched.beam.beam.order is not FIRST:
-            flexibility = 1 / max(1 + float(seen.means[watched.axial]), NEARLY_BUCKLED)
-        share = missed / (rms + missed)
-        late = sorted(
-            min(flexibility * of.missed / 2 * self._rms(of.late), np.sqrt(2) * self._rms(of.rate) / of.frequency)
-            for of in watched.vibrations
-        )
+        flexibility, share = 1 / self._stiffness(watched.axial), missed / (rms + missed)
+        late = sorted(map(self._late, watched.vibrations))
         together = np.hypot(late[-1], np.linalg.norm(late[:-1]) / np.sqrt(2)) if late else 0.0
         return float(np.hypot(flexibility * share * rms, together) / self.peak)
+
+    def _late(self, of: WatchedVibration) -> float:
+        """The lateness of a vibration (rms, m), which is at most that of one that is never in phase."""
+        stiffness = self._stiffness(of.axial)
+        frequency = of.frequency * np.sqrt(stiffness)
+        return float(
+            min(
+                of.missed / (stiffness + of.missed) / 2 * self._rms(of.late),
+                np.sqrt(2) * self._rms(of.rate) / frequency,
+            )
+        )
+
+    def _stiffness(self, axial: int) -> float:
+        """The stiffness with the axial force, whose mean adds a part at second order, relative to that without it."""
+        if self.watched.beam.beam.order is FIRST:
+            return 1.0
+        return max(1 + float(self.seen.means[axial]), NEARLY_BUCKLED)
 
     def of_lost_inertia(self, lost: float) -> float:
         """The error from the largest fraction of kinetic energy that deflections remove; it affects vibrations only."""

@@ -25,7 +25,7 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
 
     seen: what was seen after each step; without it the rows of the motion are looked at.
     """
-    scene = scene_watch(motion.scene, motion.native, motion.k, float(motion.t[0]), motion.q[0])
+    scene = scene_watch(motion.scene, motion.native, motion.k, float(motion.t[0]), motion.q[0], motion.v[0])
     if not scene.beams:
         return ()
     if seen is None:

@@ -9,7 +9,7 @@ stiffness matrix nothing is known.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -49,7 +49,7 @@ class MissedModes:
 
     def error(self, t: Vector, q: Matrix, v: Matrix) -> float:
         """The implied error of the deformation in the states q (n, nq), v (n, nv) at t (n,), over its peak."""
-        some = np.unique(np.linspace(0, len(t) - 1, min(len(t), MOST_ROWS)).round().astype(int))
+        some = rows_of_run(len(t))
         t, q, v = t[some], q[some], v[some]
         try:
             loads = np.array([self._loads(*state) for state in zip(t, q, v, strict=True)])
@@ -89,22 +89,38 @@ class MissedModes:
         driven = sum(drive.joint == joint.name for drive in self.scene.drives)
         return len(SPATIAL_JOINTS[joint.kind].rows(joint)) + driven
 
+    @property
+    def markers(self) -> set[str]:
+        """The markers at which joints hold the body."""
+        return {name for name, _ in self._held}
+
+    def forces(self, t: float, q: Vector, v: Vector) -> dict[str, Vector]:
+        """The forces (3,), N, of the joints at each of these markers, in the axes of the body."""
+        result = {name: np.zeros(3) for name in self.markers}
+        for name, wrench, Q in self._wrenches(t, q, self.native.solve(t, q, v, self.k)[1]):
+            result[name] += Q.T @ wrench[:3]
+        return result
+
     def _loads(self, t: float, q: Vector, v: Vector) -> Vector:
         """The forces and moments of joints at their markers, in the axes of the body, and accelerations of modes."""
         vdot, multipliers = self.native.solve(t, q, v, self.k)
-        first = self.rates[0] - RIGID
-        G = constraint_matrix(self.native, t, q, self.k)[:, first : first + RIGID] if len(multipliers) else None
-        quaternion = q[self.columns[0] - 4 : self.columns[0]]
-        Q = rotation_matrix(quaternion / np.linalg.norm(quaternion))
         result = list[Vector]()
-        for name, rows in self._held:
-            assert G is not None
-            wrench = G[rows].T @ multipliers[rows]
+        for name, wrench, Q in self._wrenches(t, q, multipliers):
             force, frame = Q.T @ wrench[:3], modal_frames_of(self.body)[name]
             result.append(force)
             if len(next(m for m in self.body.markers if m.name == name).nodes) > 1:
                 result.append(wrench[3:] - np.cross(frame.point.position, force))
         return np.concatenate([*result, vdot[self.rates]])
+
+    def _wrenches(self, t: float, q: Vector, multipliers: Vector) -> Iterator[tuple[str, Vector, Matrix]]:
+        """The force in the inertial axes and the moment in those of the body (6,) of each joint, and these axes."""
+        first = self.rates[0] - RIGID
+        G = constraint_matrix(self.native, t, q, self.k)[:, first : first + RIGID] if len(multipliers) else None
+        quaternion = q[self.columns[0] - 4 : self.columns[0]]
+        Q = rotation_matrix(quaternion / np.linalg.norm(quaternion))
+        for name, rows in self._held:
+            assert G is not None
+            yield name, G[rows].T @ multipliers[rows], Q
 
     def _mass(self, q: Vector) -> Matrix:
         straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
@@ -134,6 +150,12 @@ class MissedModes:
         still = np.zeros(self.native.nv)
         ahead, behind = (self._loads(t, straight + sign * step * motion, still) for sign in (1, -1))
         return (ahead - behind) / (2 * step)
+
+
+def rows_of_run(count: int) -> Vector:
+    """The numbers of the states of a run that are looked at."""
+    result: Vector = np.unique(np.linspace(0, count - 1, min(count, MOST_ROWS)).round().astype(int))
+    return result
 
 
 def _sizes(values: Matrix, products: Matrix) -> Vector:

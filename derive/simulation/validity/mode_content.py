@@ -74,7 +74,7 @@ def mode_errors(
         return
     bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
     for body in bodies:
-        columns, rows = _own(body.name, native)
+        columns, rows = own_amplitudes(body.name, native)
         if not columns:
             continue
         frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
@@ -93,7 +93,7 @@ def mode_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Ma
     return (of.note for of in mode_errors(scene, native, k, t, q, v) if of.error > ERROR_LIMIT)
 
 
-def _own(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:
+def own_amplitudes(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:
     """The numbers of the amplitudes of a body among the coordinates and the velocities."""
     columns, rows = list[int](), list[int]()
     while (own := amplitude_of(name, len(columns) + 1).shown) in native.coordinates:
@@ -102,17 +102,23 @@ def _own(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:
     return columns, rows
 
 
-def _vibrations(
-    native: ConstrainedSystem, k: Vector, q: Matrix, columns: list[int], rows: list[int]
-) -> tuple[Vector, Matrix]:
-    """The frequencies (rad/s) of the modes with the frame held, and their amplitudes (n, modes) in the mass norm."""
-    rest, still = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q[0]), np.zeros(native.nv)
+def modal_stiffness(native: ConstrainedSystem, k: Vector, rest: Vector, columns: list[int], rows: list[int]) -> Matrix:
+    """The stiffness of the amplitudes of a body, from its forces in the undeformed configuration `rest` (nq,)."""
+    still = np.zeros(native.nv)
     unloaded = native.force(0.0, rest, still, k)[rows]
     stiffness = np.empty((len(rows),) * 2)
     for i, column in enumerate(columns):
         bent = rest.copy()
         bent[column] = 1.0
         stiffness[:, i] = native.force(0.0, bent, still, k)[rows] - unloaded
+    return (stiffness + stiffness.T) / 2
+
+
+def _vibrations(
+    native: ConstrainedSystem, k: Vector, q: Matrix, columns: list[int], rows: list[int]
+) -> tuple[Vector, Matrix]:
+    """The frequencies (rad/s) of the modes with the frame held, and their amplitudes (n, modes) in the mass norm."""
+    rest = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q[0])
     mass = mass_matrix(native, rest, k)[np.ix_(rows, rows)]
-    squares, shapes = eigh((stiffness + stiffness.T) / 2, mass)
+    squares, shapes = eigh(modal_stiffness(native, k, rest, columns, rows), mass)
     return np.sqrt(np.maximum(squares, 0.0)), q[:, columns] @ mass @ shapes

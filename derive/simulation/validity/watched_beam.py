@@ -8,7 +8,7 @@ further part, the integral of 1/2 EI v''^2 v'^2.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -20,6 +20,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places, twists_along
+from derive.simulation.validity.beam_vibrations import Vibration, vibrations_of
 from derive.simulation.validity.bending_planes import bending_planes
 from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_modes
 from derive.simulation.validity.known_gaps import known_gaps
@@ -28,6 +29,7 @@ from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.simulation.validity.surroundings import Surroundings, surroundings
 from derive.simulation.validity.watched_forms import WatchedForms
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.specification import AnyScene
 
@@ -39,11 +41,13 @@ SLOPE = 1e-9
 class WatchedVibration:
     """A vibration of a beam: its rate, as the deflection where that is largest, m/s, and the rate times the time, m.
 
-    frequency: its own, rad/s. missed: the share of its strain energy that the shapes miss, by which it is too stiff.
+    frequency: that of its strain energy alone, rad/s. missed: the strain energy that the shapes miss, relative to it.
+    axial: the stiffness that the axial force adds, relative to that of the strain energy.
     """
 
     rate: int
     late: int
+    axial: int
     frequency: float
     missed: float
 
@@ -111,11 +115,12 @@ class SceneWatch:
         return self.watch.of_rows(t, np.hstack([q, v, outputs]), native.nq)
 
 
-def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
-    """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
+def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> SceneWatch:
+    """The watch of a scene compiled with the outputs of `with_monitors`; q (nq,), v (nv,): its state at t (s)."""
     forms = WatchedForms(native)
     beams = list[WatchedBeam]()
     response = StaticResponse(native, k, t, q)
+    start = np.concatenate([q, v, response.outputs(q, v), [0.0]])
     for _, of_beam in groupby(bending_planes(scene) if is_monitored(scene) else (), lambda shapes: shapes.beam.name):
         planes = list[_BeamForms]()
         for shapes in of_beam:
@@ -123,35 +128,10 @@ def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Ve
             planes.append(_BeamForms(surroundings(scene, shapes), forms, shapes, modes))
         if len(planes) > 1:
             modes = held_modes([plane.shapes for plane in planes], native, k, t, q)
-        vibrations = [_Vibration.of(mode, planes, response) for mode in modes]
-        beams += [plane.watched(vibrations) for plane in planes]
+        vibrations = vibrations_of(modes, planes, response, start)
+        axial = [forms.add([*of.axial], np.array([[*of.axial.values()]])) for of in vibrations]
+        beams += [plane.watched([*zip(vibrations, axial, strict=True)]) for plane in planes]
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
-
-
-@dataclass(frozen=True, eq=False)
-class _Vibration:
-    """A vibration of a beam in all planes in which it bends.
-
-    columns: the numbers of the rates of all its amplitudes; part: the factors of these that give how much of the motion
-    it is, by the strain energy, with respect to which vibrations are orthogonal. missed: the share of its strain energy
-    that the shapes miss.
-    """
-
-    mode: HeldMode
-    columns: list[int]
-    part: Matrix
-    missed: float
-
-    @staticmethod
-    def of(mode: HeldMode, planes: Sequence[_BeamForms], response: StaticResponse) -> _Vibration:
-        """The vibration with a mode."""
-        amplitudes = [mode.motion[plane.amplitudes] for plane in planes]
-        forces = [(a @ plane.shapes.stiffness).ravel() for a, plane in zip(amplitudes, planes, strict=True)]
-        kept = sum(float(f @ a.ravel()) for f, a in zip(forces, amplitudes, strict=True)) / 2
-        change = response(mode.motion)
-        missed = sum(float(np.sum((plane.missed[2] @ change) ** 2)) for plane in planes)
-        columns = [column for plane in planes for column in plane.rates]
-        return _Vibration(mode, columns, np.concatenate(forces)[None] / (2 * kept), missed / (missed + kept))
 
 
 class _BeamForms:
@@ -176,8 +156,8 @@ class _BeamForms:
             np.abs(shapes.slopes(np.array([float(end)])) * shapes.length).max() > SLOPE for end in ends
         )
 
-    def watched(self, vibrations: Sequence[_Vibration]) -> WatchedBeam:
-        """The numbers of the quantities; vibrations: those of the beam in all planes."""
+    def watched(self, vibrations: Sequence[tuple[Vibration, int]]) -> WatchedBeam:
+        """The numbers of the quantities; vibrations: those of the beam in all planes, with what axial forces add."""
         forms, shapes, columns = self.forms, self.shapes, self.columns
         rates = self.rates
         bent = self.along(shapes.values(places()), shapes.slopes(ENDS))
@@ -203,7 +183,7 @@ class _BeamForms:
             forms.add(columns, every_section),
             forms.add(range(forms.size), moments),
             forms.add(range(forms.size), deflections),
-            tuple(self.vibration(of, bent) for of in vibrations),
+            tuple(self.vibration(of, axial, bent) for of, axial in vibrations),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.frequency,
@@ -211,12 +191,12 @@ class _BeamForms:
             self.rotations_act,
         )
 
-    def vibration(self, of: _Vibration, bent: Matrix) -> WatchedVibration:
+    def vibration(self, of: Vibration, axial: int, bent: Matrix) -> WatchedVibration:
         """The quantities of a vibration, whose size is that of the deflection in this plane."""
-        size = float(np.abs(bent @ of.mode.motion[self.amplitudes].ravel()).max())
+        size = float(np.abs(bent @ of.motion[self.amplitudes].ravel()).max())
         rate = self.forms.add(of.columns, size * of.part)
         late = self.forms.add([self.forms.size - 1], np.eye(1), rate)
-        return WatchedVibration(rate, late, of.mode.frequency, of.missed)
+        return WatchedVibration(rate, late, axial, of.frequency, of.missed)
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
         """The deflection of the beam per unit of fields of its pieces; of torsion see `twists_along`."""
@@ -253,15 +233,38 @@ class _BeamForms:
         return added / float(np.abs(bent @ a.ravel()).max()) ** 2
 
     def axial(self) -> tuple[list[int], Matrix]:
-        """The relative stiffness that the axial force adds; pieces that are not monitored have that of the nearest."""
+        """The relative stiffness that the axial force adds to the lowest mode."""
+        columns, factors = list[int](), list[float]()
+        for column, power, near in self.axial_forces():
+            a = self.lowest[near]
+            columns.append(column)
+            factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
+        return columns, np.array([factors])
+
+    def stiffened(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
+        """The numbers in z of axial forces, and what each unit of them adds to the stiffness for motions (n, nv).
+
+        It is that of second order, which a model of first order does not have.
+        """
+        if self.shapes.beam.beam.order is DisplacementOrder.FIRST_ORDER:
+            return
+        xi, weights = gauss_points()
+        for column, power, near in self.axial_forces():
+            slopes = [self.shapes.total_slopes(self.forms.native, self.pieces[i], velocities, xi) for i in near]
+            weighted = np.tile(self.shapes.length / 2 * weights * xi**power, len(near))
+            along = np.hstack(slopes)
+            yield column, (along * weighted) @ along.T
+
+    def axial_forces(self) -> Iterator[tuple[int, int, list[int]]]:
+        """The factors of xi^power in axial forces: their numbers in z, the powers, and the pieces that have them.
+
+        Pieces that are not monitored have the force of the nearest.
+        """
         if not self.around.axial:
-            return [], np.zeros((1, 0))
+            return
         where = np.array([self.pieces.index(piece) for piece in self.around.axial])
         nearest = [int(np.abs(where - i).argmin()) for i in range(len(self.pieces))]
-        columns, factors = list[int](), list[float]()
         for number, outputs in enumerate(self.around.axial.values()):
-            a = self.lowest[[i for i, near in enumerate(nearest) if near == number]]
+            near = [i for i, of in enumerate(nearest) if of == number]
             for power, output in enumerate(outputs):
-                columns.append(self.forms.output(output))
-                factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
-        return columns, np.array([factors])
+                yield self.forms.output(output), power, near

@@ -64,7 +64,10 @@ def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
     if given.get("weights") and len(given["weights"]) != len(own):
         raise WrongValueError(f"there are {len(own)} nodes and {len(given['weights'])} weights; give a weight for each")
     if node is None and len(own) < LEAST_NODES:
-        raise WrongValueError("a set of nodes needs three, not on a line, to have a rotation; or write node = 17")
+        single = own[0] if own else 17
+        raise WrongValueError(
+            f"a set of nodes needs three, not on a line, to have a rotation; or write node = {single}"
+        )
     return NodeFrame("", own, **given)
 
 

@@ -34,7 +34,7 @@ from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.trajectory import RunSettings, Trajectory
-from derive.simulation.validity.fast_spin import fast_spin_notes
+from derive.simulation.validity.axial_loads import missing_stiffness_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import with_monitors
 from derive.simulation.validity.monitors import Monitor
@@ -171,7 +171,7 @@ def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -
     """The motion over the time of the simulation, with the monitors of its validity. Raises SimulationError."""
     simulation = of.scene.simulation
     assert simulation is not None
-    watch = scene_watch(of.scene, of.native, of.k, 0.0, of.start.q).watch if monitored else None
+    watch = scene_watch(of.scene, of.native, of.k, 0.0, of.start.q, of.start.v).watch if monitored else None
     settings = Settings(tolerance=tolerance, size=size_of(of.scene), breaks=breaks(of.scene), watch=watch)
     integrator = adaptive(of.native, through_python=_no_python)
     times = output_times(simulation)
@@ -298,7 +298,7 @@ def measured(
             warning, failure = None, f"tolerance {tolerance:g}: {first_line(error)}"
             break
         q, v, curves = moved.solution.q, moved.solution.v, curves_of(plots, moved)
-        spins = fast_spin_notes(of.scene, of.native, of.k, q, v, beams=False)
+        spins = missing_stiffness_notes(of.scene, of.native, of.k, moved.solution.t, q, v, beams=False)
         cost = run.counts["accelerations"], of.operations(run.counts)
         points.append(Point(tolerance, rms, worst, (run.seconds,) * 3, *cost))
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)

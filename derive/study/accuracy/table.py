@@ -89,7 +89,11 @@ def accuracy_html(chart: LadderChart) -> str:
         "headline": headline_texts(chart.headline, chart.shown),
         "picture": accuracy_svg(chart, alone=False),
         "table": model_table(chart).only(ON_PAGE),
-        "warnings": list(dict.fromkeys(line.warning.warning for line in chart.drawn if line.warning)),
+        "warnings": [
+            f"{line.label}: {line.warning.warning}"
+            for line in chart.drawn
+            if line.warning and line.integrator == "adaptive"
+        ],
         "notes": chart.notes,
         "failed": [(line.label, line.failure) for line in chart.lines if not line.points],
     }

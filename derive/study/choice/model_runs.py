@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.runtime.compiler import QUICK_FLAGS, UNOPTIMISED
-from derive.simulation.validity.fast_spin import fast_spin_notes
+from derive.simulation.validity.axial_loads import missing_stiffness_notes
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.specification import AnyScene
@@ -98,8 +98,8 @@ class ModelRuns:
             self.progress(f"running {model.label} ...")
             moved = motion(of, tolerance)
             self._seconds[model] = moved.solution.cost.seconds
-            q, v = moved.solution.q, moved.solution.v
-            self.spins[model.label] = fast_spin_notes(of.scene, of.native, of.k, q, v, beams=False)
+            t, q, v = moved.solution.t, moved.solution.q, moved.solution.v
+            self.spins[model.label] = missing_stiffness_notes(of.scene, of.native, of.k, t, q, v, beams=False)
             self._curves[model, tolerance] = curves_of(self.bare, moved)
         return self._curves[model, tolerance]
 

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.specification import AnyScene
@@ -84,11 +83,8 @@ class ReferenceModels:
         return next((of for of in (reversed(finer) if beams_first else finer) if of is not None), None)
 
     def truncated(self, model: LadderModel, pieces: int) -> tuple[LadderModel, LadderModel] | None:
-        """A model whose beams have few shapes in pieces, and one with nothing truncated; None where there is no such.
-
-        Those of beams in space have one piece alone: in more pieces they take long to derive.
-        """
-        if not self._beams or (pieces > 1 and not all(isinstance(body, BeamBody) for body in self._bodies)):
+        """A model whose beams have few shapes in pieces, and one with nothing truncated; None without beams."""
+        if not self._beams:
             return None
 
         def changed(order: DisplacementOrder) -> Callable[[Flexible], LadderModel]:

@@ -26,7 +26,7 @@ from derive.simulation.output_times import output_times
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import column_values
-from derive.simulation.validity.fast_spin import fast_spin_notes
+from derive.simulation.validity.axial_loads import missing_stiffness_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.simulation.validity.monitors import warnings
@@ -164,7 +164,8 @@ def _warnings(chunk: Chunk, sample: Sample) -> tuple[str, ...]:
     start = _computed_start(code, case, values)
     solution = _solution(code, native, integrator, start, k, watched=True)
     motion = SceneMotion(start.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
-    spins = fast_spin_notes(start.scene, native, k, solution.q, solution.v, beams=not is_monitored(start.scene))
+    motions, beams = (solution.t, solution.q, solution.v), not is_monitored(start.scene)
+    spins = missing_stiffness_notes(start.scene, native, k, *motions, beams=beams)
     return (*warnings(validity(motion, solution.watched)), *spins.values())
 
 
@@ -222,7 +223,7 @@ def _solution(
         until=stop_event(
             condition, row, native, k, state_columns(start.scene, native, code.columns) if condition else {}
         ),
-        watch=scene_watch(start.scene, native, k, 0.0, start.q).watch if watched else None,
+        watch=scene_watch(start.scene, native, k, 0.0, start.q, start.v).watch if watched else None,
         interruptible=False,
     )
     return integrator.integrate(k, start.q, start.v, output_times(simulation), settings)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
-from typing import Any
 
 from derive.algebra import sp
-from derive.lowering.instances.classes.dimension import AnyJoint
+from derive.lowering.instances.classes.dimension import AnyJoint, plain_joint
 from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
@@ -17,14 +16,14 @@ from derive.lowering.instances.classes.force_numbers import (
     force_form,
     moving_bodies,
 )
+from derive.lowering.instances.classes.gears import Constraining, CoupledJoints, constraining, gears_of
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
-from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.markers import GROUND
 
 NO_JOINT = -1
 """The number of the joint at a handle that the members of a class have, besides this one."""
@@ -32,11 +31,20 @@ NO_JOINT = -1
 
 @dataclass(frozen=True)
 class Handle:
-    """A joint at a marker of a body: its number among the constraints, and whether the body is its first one."""
+    """A joint at a marker of a body: its number among the joints and gears, and the number of the body at it.
+
+    A body has one handle at a gear, and no marker there.
+    """
 
     joint: int
-    is_first: bool
+    side: int
     marker: str
+    is_gear: bool = False
+
+    @property
+    def is_first(self) -> bool:
+        """Whether the body is the first one of the joint."""
+        return self.side == 0
 
 
 @dataclass(frozen=True)
@@ -101,9 +109,12 @@ def body_classes(mechanism: AnyMechanism) -> tuple[BodyClass, ...]:
     handles: dict[str, list[Handle]] = {instance.name: [] for instance in mechanism.instances}
     joints: Sequence[AnyJoint] = mechanism.joints
     for number, joint in enumerate(joints):
-        for marker, is_first in ((joint.joint.first, True), (joint.joint.second, False)):
+        for side, marker in enumerate((joint.joint.first, joint.joint.second)):
             if marker.body != GROUND:
-                handles[marker.body].append(Handle(number, is_first, marker.marker))
+                handles[marker.body].append(Handle(number, side, marker.marker))
+    for number, gear in enumerate(gears_of(mechanism), len(joints)):
+        for side, name in enumerate(gear.bodies):
+            handles[name].append(Handle(number, side, "", is_gear=True))
     forces: dict[str, list[ForceForm]] = {instance.name: [] for instance in mechanism.instances}
     if isinstance(mechanism, Mechanism):  # in space groups have all of them
         for force in mechanism.forces:
@@ -143,6 +154,13 @@ def force_keys(member: Member) -> tuple[Hashable, ...]:
     return tuple(force.key for force in member.forces)
 
 
+def handles_of(members: Iterable[Member]) -> tuple[list[list[tuple[int, bool]]], list[list[int]]]:
+    """For each body the numbers of its joints, with whether it is their first body, and of its gears."""
+    own = [member.handles for member in members]
+    joints = [[(h.joint, h.is_first) for h in handles if not h.is_gear] for handles in own]
+    return joints, [[h.joint for h in handles if h.is_gear] for handles in own]
+
+
 def marker_classes(mechanism: AnyMechanism) -> dict[str, BodyClass]:
     """The classes of the bodies with markers, whose joints and forces do not matter, by their names.
 
@@ -165,10 +183,16 @@ def marker_classes(mechanism: AnyMechanism) -> dict[str, BodyClass]:
 
 def _key(member: Member, mechanism: AnyMechanism) -> Hashable:
     """All that the code of a body depends on, besides numbers and the forces on it."""
-    joints = mechanism.joints
-    of = ((h, joints[h.joint]) for h in member.handles)  # a drive adds a multiplier, and codes differ by it
-    at = tuple((h.is_first, h.marker, joint.type, joint.multipliers, plain_joint(joint)) for h, joint in of)
-    return body_key(member), at
+    of = constraining(mechanism)
+    return body_key(member), tuple(_of_handle(member, h, of[h.joint]) for h in member.handles)
+
+
+def _of_handle(member: Member, h: Handle, of: Constraining) -> Hashable:
+    """All that a body's rows of a joint or of a gear depend on, besides its motion and numbers."""
+    if isinstance(of, CoupledJoints):
+        own = tuple(marker.marker if marker.body == member.instance.name else None for marker in of.markers)
+        return h.side, own, of.form
+    return h.side, h.marker, of.type, of.multipliers, plain_joint(of)  # a drive adds a multiplier
 
 
 def body_key(member: Member) -> Hashable:
@@ -186,16 +210,9 @@ def fixed_values(constants: Iterable[ModelConstant]) -> tuple[sp.Expr | None, ..
     return tuple(None if c.value.is_Rational else c.value for c in constants)
 
 
-def plain_joint(joint: AnyJoint | SpatialEliminatedJoint) -> Hashable:
-    """A joint without its name and the bodies that it connects."""
-    nowhere, of = MarkerRef(GROUND, ""), joint.joint
-    start: Any = type(of.start)()
-    return replace(of, name="", first=nowhere, second=nowhere, start=start)
-
-
 def _without_values(section: CrossSection) -> CrossSection:
     def plain(constants: tuple[ModelConstant, ...]) -> tuple[ModelConstant, ...]:
         return tuple(replace(c, value=sp.S.Zero) for c in constants)
 
     point = replace(section.point, coefficients=plain(section.point.coefficients))
-    return replace(section, point=point, rotations=plain(section.rotations))
+    return replace(section, point=point, rotations=plain(section.rotations), stresses=())

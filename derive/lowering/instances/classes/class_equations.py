@@ -16,9 +16,10 @@ from typing import Any
 from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import BodyClass, Handle, Member
 from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
+from derive.lowering.instances.classes.gears import CoupledJoints, constraining
 from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.lowering.instances.classes.varying_joints import at_rest, varies
-from derive.lowering.instances.classes.varying_parts import VaryingPart, varying_part
+from derive.lowering.instances.classes.varying_parts import VaryingPart, gear_part, varying_part
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
@@ -58,10 +59,14 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
     forces = _forces(of.first, own, known)
     definitions = [d for d in own.definitions if d.symbol not in known.symbols]
     definitions += [d for force in forces for d in force.definitions]
+    elements = constraining(mechanism)
     parts, varying = list[tuple[Constraint, ...]](), dict[int, VaryingPart]()
     for h, handle in enumerate(of.first.handles):
-        joint = mechanism.joints[handle.joint]
-        if varies(joint):
+        joint = elements[handle.joint]
+        if isinstance(joint, CoupledJoints):
+            part = varying[h] = gear_part(joint, instance.name, own)
+            defined, contributed = part.definitions, part.constraints
+        elif varies(joint):
             part = varying[h] = varying_part(joint, handle.marker, handle.is_first, own)
             defined, contributed = part.definitions, part.constraints
         else:

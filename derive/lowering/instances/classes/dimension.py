@@ -1,8 +1,9 @@
-"""Motions of markers that stand for others in loops over instances, which depend on the dimension of a mechanism."""
+"""Joints and the motions of markers that stand for others in loops over instances, in the plane or in space."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, TypeAlias
 
@@ -10,9 +11,10 @@ from derive.algebra import sp
 from derive.mechanics.multibody.kinds import JointInstance
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_axes, fixed_frame, still
-from derive.mechanics.multibody.space.joints import SpatialJointInstance
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
+from derive.spec.model.markers import GROUND, MarkerRef
 
 AnyJoint: TypeAlias = "JointInstance | SpatialJointInstance"
 """A joint of a mechanism in the plane or in space."""
@@ -70,3 +72,10 @@ def dimension_of(mechanism: AnyMechanism) -> Dimension:
 def of_joint(joint: AnyJoint) -> Dimension:
     """The dimension of the mechanism of a joint."""
     return space() if isinstance(joint, SpatialJointInstance) else plane()
+
+
+def plain_joint(joint: AnyJoint | SpatialEliminatedJoint) -> Hashable:
+    """A joint without its name and the bodies that it connects."""
+    nowhere, of = MarkerRef(GROUND, ""), joint.joint
+    start: Any = type(of.start)()
+    return replace(of, name="", first=nowhere, second=nowhere, start=start)

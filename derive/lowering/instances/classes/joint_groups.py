@@ -1,11 +1,12 @@
-"""Groups of varying joints, which have one code: it computes their constraints from both of their bodies."""
+"""Groups of varying joints and of gears, with one code each: it computes the constraints from all of their bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
+from typing import Any
 
-from derive.lowering.instances.classes.body_classes import plain_joint
-from derive.lowering.instances.classes.dimension import AnyJoint
+from derive.lowering.instances.classes.dimension import AnyJoint, plain_joint
+from derive.lowering.instances.classes.gears import CoupledJoints, constraining, gears_of
 from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
 from derive.lowering.instances.classes.varying_joints import drive_of, varies
 from derive.mechanics.equations import Equations
@@ -24,17 +25,34 @@ def joint_groups(bodies: Bodies) -> tuple[Group, ...]:
             key = joint.type, plain_joint(joint), joint.multipliers, prescribed, ends, fixed_of(bodies, names)
             element = GroupElement(number, tuple(bodies.members[name] for name in names))
             groups.setdefault(key, []).append(element)
-    return tuple(Group("joint", tuple(members)) for members in groups.values())
+    joints = tuple(Group("joint", tuple(members)) for members in groups.values())
+    return (*joints, *_gear_groups(bodies))
+
+
+def _gear_groups(bodies: Bodies) -> Iterator[Group]:
+    """Yield the groups of the gears that have a body with coordinates."""
+    groups: dict[Hashable, list[GroupElement]] = {}
+    for number, gear in enumerate(gears_of(bodies.mechanism), len(bodies.mechanism.joints)):
+        if names := gear.bodies:
+            order = tuple(names.index(m.body) if m.body in names else -1 for m in gear.markers)
+            key = gear.form, order, tuple(map(bodies.form, gear.markers)), fixed_of(bodies, names)
+            element = GroupElement(number, tuple(bodies.members[name] for name in names))
+            groups.setdefault(key, []).append(element)
+    yield from (Group("gear", tuple(members)) for members in groups.values())
 
 
 def joint_equations(bodies: Bodies, group: Group) -> Equations:
-    """The equations of the first joint of a group: its constraints, with the drive of `drive_of`."""
-    joint = bodies.mechanism.joints[group.first.number]
+    """The equations of the first joint or gear of a group: its constraints, with the drive of `drive_of`."""
+    joint = constraining(bodies.mechanism)[group.first.number]
     own = {m.instance.name: bodies.equations(m.instance.name) for m in group.first.bodies}
     rows = tuple(row for body in own.values() for row in body.rows)
-    first, second = (
-        own[m.body].motions[m.marker] if m.body in own else bodies.known.point(m) for m in markers_of(joint)
-    )
+
+    def at(marker: MarkerRef) -> Any:
+        return own[marker.body].motions[marker.marker] if marker.body in own else bodies.known.point(marker)
+
+    if isinstance(joint, CoupledJoints):
+        return group_equations(bodies, own, GeneralisedForce((), ()), conditions=(joint.constraint(at, rows),))
+    first, second = map(at, markers_of(joint))
     definitions, conditions = joint.constraints(first, second, drive_of(joint), rows)
     return group_equations(bodies, own, GeneralisedForce((), definitions), conditions=conditions)
 

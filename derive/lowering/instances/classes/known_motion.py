@@ -18,6 +18,7 @@ from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
 from derive.lowering.instances.classes.dimension import AnyJoint, dimension_of
+from derive.lowering.instances.classes.gears import gears_of
 from derive.lowering.instances.classes.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.fixed_symbols import t
@@ -69,6 +70,9 @@ class KnownMotion:
             defined, conditions = self._known_part(joint)
             self.constraints.append(conditions)
             definitions += [*defined, *_named(conditions)]
+        for gear in gears_of(mechanism):
+            self.constraints.append((gear.known_part(self.point),))
+            definitions += _named(self.constraints[-1])
         self._potentials: list[Intermediate] = []
         for force in mechanism.forces:
             if all(map(self.is_known, force.markers)):

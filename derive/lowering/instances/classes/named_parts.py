@@ -7,12 +7,14 @@ from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 from derive.algebra import sp
+from derive.lowering.instances.classes.gears import gears_of
 from derive.lowering.instances.classes.groups import Bodies
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.component_damping import damping_force
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
+from derive.mechanics.multibody.space.gears import gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, joint_motion
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism, joint_loads
 from derive.mechanics.multibody.space.output_parts import SpatialParts
@@ -26,8 +28,7 @@ T = TypeVar("T")
 class NamedParts:
     """The markers, actions and joints that an output asks for, in their order, and the definitions in their loads.
 
-    constants: those of the dampings that it asks for.
-    names_all: whether it asks for all loads of joints, so that nothing else is like it.
+    constants: those of the dampings that it asks for, and its own.
     """
 
     def __init__(self, of: Bodies) -> None:
@@ -37,7 +38,6 @@ class NamedParts:
         self.definitions: dict[sp.Symbol, Intermediate] = {}
         self.constants: list[ModelConstant] = []
         self.own: dict[str, None] = {}
-        self.names_all = False
 
     def of_scene(
         self,
@@ -49,7 +49,7 @@ class NamedParts:
         """The parts of the mechanism, with some bodies, actions, dampings and the drives of a scene in sums."""
         mechanism, known = self.mechanism, self.of.known
         every = [i.name for i in mechanism.instances] if bodies is None else bodies
-        multipliers = {j.joint.name: c for j, c in zip(mechanism.joints, known.constraints, strict=True)}
+        multipliers = {j.joint.name: c for j, c in zip(mechanism.joints, known.constraints, strict=False)}
         drives = {
             c.shown: (name, c.multiplier) for name, of in multipliers.items() for c in of if c.shown in self._drives
         }
@@ -59,12 +59,12 @@ class NamedParts:
             at=self.at,
             instances=_Lazy(every, self.instance),
             actions=named,
-            joint_loads=_Lazy(multipliers, self.joint_load, self._asked_for_all),
+            joint_loads=_Lazy(multipliers, self.joint_load),
             supports={j.joint.name: j.own for j in mechanism.eliminated_joints},
             joints=mechanism.joints_by_name,
             drive_multipliers=_Lazy(drives, lambda name: self._multiplier(*drives[name])),
             motion=self.motion,
-            gear_loads=(),
+            gear_loads=self.gear_loads,
             dissipations=map(self.dissipation, mechanism.dampings if dampings is None else dampings),
         )
 
@@ -120,6 +120,14 @@ class NamedParts:
         rows = tuple(row for name in names for row in self.mechanism.instance(name).coordinates.rows)
         return joint_motion(of, self.at, self.mechanism.instances_by_name, rows)
 
+    def gear_loads(self, body: str) -> Iterator[MarkerLoad]:
+        """Yield the loads of gears on a body."""
+        conditions = self.of.known.constraints[len(self.mechanism.joints) :]
+        for gear, (condition,) in zip(gears_of(self.mechanism), conditions, strict=True):
+            if any(marker.body == body for marker in gear.markers):
+                loads = gear_loads(gear.instance, condition.multiplier, self.motion)
+                yield from (load for load in loads if load.marker.body == body)
+
     def _multiplier(self, joint: str, multiplier: sp.Symbol) -> sp.Symbol:
         """The multiplier of a drive, whose joint its bodies have."""
         self.joints.append(joint)
@@ -127,17 +135,12 @@ class NamedParts:
         self.own |= dict.fromkeys(marker.body for marker in (of.first, of.second))
         return multiplier
 
-    def _asked_for_all(self) -> None:
-        self.names_all = True
-
 
 class _Lazy(Mapping[str, T], Generic[T]):
-    """Values that are computed when they are asked for; `before` is called where somebody asks for all of them."""
+    """Values that are computed when they are asked for."""
 
-    def __init__(
-        self, names: Iterable[str], value: Callable[[str], T], before: Callable[[], None] = lambda: None
-    ) -> None:
-        self._names, self._value, self._before = (*names,), value, before
+    def __init__(self, names: Iterable[str], value: Callable[[str], T]) -> None:
+        self._names, self._value = (*names,), value
 
     def __getitem__(self, name: str) -> T:
         if name not in self._names:
@@ -148,7 +151,6 @@ class _Lazy(Mapping[str, T], Generic[T]):
         return name in self._names
 
     def __iter__(self) -> Iterator[str]:
-        self._before()
         return iter(self._names)
 
     def __len__(self) -> int:
@@ -160,6 +162,10 @@ class _Action:
 
     def __init__(self, of: NamedParts, instance: SpatialActionInstance) -> None:
         self._of, self._instance, self.element = of, instance, instance.element
+
+    def on(self, body: str) -> Iterable[MarkerLoad]:
+        """Its loads on a body."""
+        return self._made.on(body) if any(marker.body == body for marker in self._instance.markers) else ()
 
     @cached_property
     def _made(self) -> ActionLoads:

@@ -9,7 +9,7 @@ from collections.abc import Hashable, Iterator
 from dataclasses import fields
 
 from derive.algebra import sp
-from derive.lowering.instances.classes.body_classes import plain_joint
+from derive.lowering.instances.classes.dimension import plain_joint
 from derive.lowering.instances.classes.force_numbers import moving_bodies
 from derive.lowering.instances.classes.groups import (
     Bodies,

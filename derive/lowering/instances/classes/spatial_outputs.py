@@ -6,8 +6,7 @@ from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-from derive.errors import Problem
-from derive.lowering.instances.classes.body_classes import plain_joint
+from derive.lowering.instances.classes.dimension import plain_joint
 from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
 from derive.lowering.instances.classes.named_parts import NamedParts
 from derive.lowering.instances.classes.spatial_actions import action_key
@@ -16,21 +15,21 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.multibody.space.output_parts import SpatialParts
-from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS, spatial_output_equations
+from derive.mechanics.multibody.space.outputs import spatial_output_equations, spatial_output_type
 from derive.mechanics.terms import OutputEquation
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_scene import SpatialScene
-
-INSTEAD = '; use lowering = "flat" or "auto"'
-"""The advice at the end of messages on functions that loops do not have."""
+from derive.spec.model.spatial_start import NOT_GIVEN_IN_SPACE
 
 
 @dataclass(frozen=True)
 class _Part:
     """An output, or a term of one that is a sum: the number of its first component, and what its code depends on.
 
-    key: besides the bodies, the joints and the actions that it asks for.
+    key: besides the bodies, the joints and the actions that it asks for. body: the one that it asks for, if that is
+    known to be all.
     """
 
     output: SceneOutput
@@ -38,6 +37,7 @@ class _Part:
     key: Hashable
     make: Callable[[NamedParts], tuple[OutputEquation, ...]]
     adds: bool = False
+    body: str = ""
 
 
 def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
@@ -46,15 +46,15 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
     made: dict[Hashable, Equations] = {}
     for number, part in enumerate(_parts(bodies)):
         named = NamedParts(bodies)
-        components = part.make(named)
-        names = named.bodies
+        components = () if part.body else part.make(named)
+        names = (part.body,) if part.body in bodies.members else named.bodies
         members = tuple(bodies.members[name] for name in names)
         element = GroupElement(number, members, part.first, part.adds, named.idle_joints)
-        key: Hashable = (
-            number if named.names_all else (part.key, _asked_for(named), element.sharing, fixed_of(bodies, names))
-        )
+        like = part.key, _asked_for(named), _numbers(named, part.output), element.sharing, fixed_of(bodies, names)
+        key: Hashable = number if named.constants else like
         groups.setdefault(key, []).append(element)
         if key not in made:
+            components = components or part.make(named)
             own = {name: bodies.equations(name) for name in names}
             conditions = tuple(c for k in element.joints for c in bodies.known.constraints[k])
             loads = GeneralisedForce((), tuple(named.definitions.values()))
@@ -65,24 +65,12 @@ def spatial_output_groups(bodies: Bodies) -> Iterator[tuple[Group, Equations]]:
 
 def output_components(bodies: Bodies) -> tuple[OutputEquation, ...]:
     """The components of all outputs, of which the groups have the values."""
-    outputs = bodies.mechanism.scene.outputs
-    return tuple(c for output in outputs for c in _components(output, NamedParts(bodies)))
+    return tuple(c for output in bodies.mechanism.scene.outputs for c in _described(output, bodies))
 
 
 def spatial_sums(bodies: Bodies) -> list[tuple[int, int]]:
     """The numbers of the first component of each output that is a sum, and of its components."""
-    return [(part.first, len(SPATIAL_OUTPUTS[part.output.kind].labels)) for part in _outputs(bodies) if part.adds]
-
-
-def missing_in_space(bodies: Bodies) -> Iterator[Problem]:
-    """Yield a problem for each gear, which couples bodies of two joints, and each output with its own constants."""
-    for gear in bodies.mechanism.gears:
-        yield Problem(f"gears.{gear.gear.name}", f"loops over bodies in space have no gears{INSTEAD}")
-    for output in bodies.mechanism.scene.outputs:
-        own = spatial_output_equations((output,), NamedParts(bodies).of_scene())[1]
-        if own or SPATIAL_OUTPUTS[output.kind].of_numbers:
-            text = f"loops over bodies in space have no outputs of the kind {output.kind}{INSTEAD}"
-            yield Problem(f"outputs.{output.name}", text)
+    return [(part.first, len(spatial_output_type(part.output.kind).labels)) for part in _outputs(bodies) if part.adds]
 
 
 def _parts(bodies: Bodies) -> Iterator[_Part]:
@@ -94,13 +82,23 @@ def _parts(bodies: Bodies) -> Iterator[_Part]:
 def _outputs(bodies: Bodies) -> Iterator[_Part]:
     first = 0
     for output in bodies.mechanism.scene.outputs:
-        make = partial(_components, output)
-        yield _Part(output, first, (output.kind, _plain(output, bodies)), make, SPATIAL_OUTPUTS[output.kind].adds)
-        first += len(make(NamedParts(bodies)))
+        make, adds = partial(_components, output), spatial_output_type(output.kind).adds
+        yield _Part(output, first, (output.kind, _plain(output, bodies)), make, adds)
+        first += len(_described(output, bodies))
 
 
 def _components(output: SceneOutput, named: NamedParts) -> tuple[OutputEquation, ...]:
-    return spatial_output_equations((output,), named.of_scene())[0]
+    components, constants = spatial_output_equations((output,), named.of_scene())
+    named.constants += constants
+    return components
+
+
+def _described(output: SceneOutput, bodies: Bodies) -> tuple[OutputEquation, ...]:
+    """The components of an output, of a sum without its terms."""
+    named, scene = NamedParts(bodies), bodies.mechanism.scene
+    if spatial_output_type(output.kind).adds:
+        return spatial_output_equations((output,), named.of_scene(replace(scene, drives=()), (), (), ()))[0]
+    return _components(output, named)
 
 
 def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
@@ -108,13 +106,14 @@ def _terms(bodies: Bodies, of: _Part) -> Iterator[_Part]:
     mechanism: SpatialMechanism = bodies.mechanism
     still = replace(mechanism.scene, drives=())
 
-    def term(key: Hashable, parts: Callable[[NamedParts], SpatialParts]) -> _Part:
-        return replace(
-            of, key=(of.key, key), make=lambda named: spatial_output_equations((of.output,), parts(named))[0]
-        )
+    def term(key: Hashable, parts: Callable[[NamedParts], SpatialParts], body: str = "") -> _Part:
+        def make(named: NamedParts) -> tuple[OutputEquation, ...]:
+            return spatial_output_equations((of.output,), parts(named))[0]
+
+        return replace(of, key=(of.key, key), make=make, body=body)
 
     for name in (instance.name for instance in mechanism.instances):
-        yield term(bodies.key(name), lambda named, name=name: named.of_scene(still, (name,), (), ()))  # type: ignore[misc]
+        yield term(bodies.key(name), lambda named, name=name: named.of_scene(still, (name,), (), ()), name)  # type: ignore[misc]
     for action in mechanism.forces:
         yield term("action", lambda named, action=action: named.of_scene(still, (), (action,), ()))  # type: ignore[misc]
     for damping in mechanism.dampings:
@@ -142,6 +141,17 @@ def _asked_for(named: NamedParts) -> Hashable:
     order = tuple(names.index(m.body) if m.body in names else -1 for m in named.markers)
     actions = tuple(action_key(of, action, names) for action in named.actions)
     return order, tuple(map(of.key, names)), tuple(map(of.end, named.markers)), actions
+
+
+def _numbers(named: NamedParts, output: SceneOutput) -> Hashable:
+    """The numbers of bodies that an output contains: stresses by unit amplitudes at markers, and all of its beams."""
+    if not spatial_output_type(output.kind).of_numbers:
+        return None
+    members = ((named.of.members.get(m.body), m.marker) for m in named.markers)
+    sections = (m.instance.component.sections[marker] for m, marker in members if m)
+    beams = (body for body in named.mechanism.scene.bodies if isinstance(body, SpatialBeam) and body.name in named.own)
+    plain = (replace(beam, name="", start=NOT_GIVEN_IN_SPACE) for beam in beams)
+    return tuple(section.stresses for section in sections), tuple(plain)
 
 
 def _plain(output: SceneOutput, bodies: Bodies) -> Hashable:

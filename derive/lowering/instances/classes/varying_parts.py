@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from derive.algebra import sp
-from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
+from derive.lowering.instances.classes.dimension import AnyJoint, of_joint, space
+from derive.lowering.instances.classes.gears import CoupledJoints
 from derive.lowering.instances.classes.known_motion import moving_symbols
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.classes.varying_joints import drive_of
@@ -41,7 +42,23 @@ def varying_part(joint: AnyJoint, marker: str, is_first: bool, own: InstanceEqua
     of, motion = of_joint(joint), own.motions[marker]
     ends = (motion, of.other) if is_first else (of.other, motion)
     definitions, conditions = joint.constraints(*ends, drive_of(joint), own.rows)
-    others = moving_symbols(definitions, of.symbols)
+    return _part(definitions, conditions, moving_symbols(definitions, of.symbols), own)
+
+
+def gear_part(gear: CoupledJoints, body: str, own: InstanceEquations) -> VaryingPart:
+    """The row of a body in the constraint of a gear, whose joints have it and up to three others."""
+    of = space()
+    condition = gear.constraint(lambda m: own.motions[m.marker] if m.body == body else of.other, own.rows)
+    return _part((), (condition,), frozenset(of.symbols), own)
+
+
+def _part(
+    definitions: tuple[Intermediate, ...],
+    conditions: tuple[Constraint, ...],
+    others: frozenset[sp.Symbol],
+    own: InstanceEquations,
+) -> VaryingPart:
+    """The rows of a body in constraints; others: the symbols that depend on other bodies."""
     number = {row.name: j for j, row in enumerate(own.rows)}
     constants = constants_of_modes(c.symbol for c in own.coefficients)
     factors: dict[FactorPlace, sp.Symbol] = {}

@@ -115,7 +115,7 @@ class BlockBody:
             for i in range(k + 1, self.size):
                 lower[i][k] = work[i][k] * inverses[k]
                 for j in range(k + 1, i + 1):
-                    work[i][j] = work[i][j] - lower[i][k] * work[j][k]
+                    work[i][j] = work[i][j] - lower[j][k] * work[i][k]
         return Factors(lower, inverses)
 
     def _adjugate(self, d: Block, scales: Sequence[ca.SX]) -> Adjugate:

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, zip_longest
 
 from derive.ir.expressions import Element, Number
 from derive.ir.indices import LANES, constant, padded
@@ -45,12 +45,14 @@ which rounds nothing, and small enough for its square in determinants.
 class Blocks:
     """The structure of the system of joints.
 
+    Gears are joints here, to whose blocks their bodies add.
+
     size: the rows of a block; rows: the constraints of each joint; position: the place of each joint in the order of
     elimination, by which all arrays are numbered; neighbours: for each place the later places that it is coupled with
     when it is eliminated, each with the number of its block; sides: the places that have a first and a second body
     with unknowns; writers: the number of bodies that write each block; closes_loops: whether the joints close loops of
-    bodies, with the ground as one of them; has_spare: whether the arrays have a place and a block more, to which goes
-    what nothing reads.
+    bodies, with the ground as one of them, or gears may; has_spare: whether the arrays have a place and a block more,
+    to which goes what nothing reads.
     """
 
     size: int
@@ -158,16 +160,21 @@ def _closes_loops(count: int, handles: Sequence[Sequence[tuple[int, bool]]]) -> 
     return False
 
 
-def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -> Blocks:
+def blocks(
+    rows: Sequence[int],
+    handles: Iterable[Sequence[tuple[int, bool]]],
+    gears: Sequence[Sequence[int]] = (),
+) -> Blocks:
     """The structure of the system.
 
-    rows: the constraints of each joint; handles: the joints of each body, and whether it is their first body.
+    rows: the constraints of each joint, and behind them of gears; handles: the joints of each body, and whether it is
+    their first body; gears: those of each body.
     """
     handles = list(handles)
     count = len(rows)
     adjacent: list[set[int]] = [set() for _ in range(count)]
-    for own in handles:
-        for (a, _), (b, _) in combinations(own, 2):
+    for own, of_gears in zip_longest(handles, gears, fillvalue=()):
+        for a, b in combinations([*(joint for joint, _ in own), *of_gears], 2):
             adjacent[a].add(b)
             adjacent[b].add(a)
     order = _order(adjacent)
@@ -189,7 +196,7 @@ def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -
         tuple(sorted((position[a], position[b]))) for own in handles for (a, _), (b, _) in combinations(own, 2)
     )
     writers = tuple(pairs[place, other] for place, of in enumerate(neighbours) for other, _ in of)
-    closes_loops = _closes_loops(count, handles)
+    closes_loops = any(gears) or _closes_loops(count, handles)
     return Blocks(max(rows), tuple(rows), tuple(position), tuple(neighbours), (first, second), writers, closes_loops)
 
 

@@ -21,10 +21,10 @@ from derive.lowering.instances.classes.body_classes import (
     Member,
     body_key,
     force_keys,
-    plain_joint,
     with_forces,
 )
-from derive.lowering.instances.classes.dimension import AnyJoint
+from derive.lowering.instances.classes.dimension import AnyJoint, plain_joint
+from derive.lowering.instances.classes.gears import gears_of
 from derive.lowering.instances.classes.varying_joints import varies
 from derive.lowering.instances.elimination.block_system import (
     COUPLING,
@@ -55,7 +55,7 @@ def joined_classes(
 ) -> tuple[BodyClass, ...]:
     """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
     result = tuple(classes)
-    if system is None or system.adds or any(map(_needs_class, mechanism.joints)):
+    if system is None or system.adds or gears_of(mechanism) or any(map(_needs_class, mechanism.joints)):
         return result
     if any(len(elements) > FEW for elements in system.left().values()):
         return result  # bodies would compute many rows that joints do not have

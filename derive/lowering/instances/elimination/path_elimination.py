@@ -32,6 +32,7 @@ from derive.lowering.instances.elimination.block_body import (
     transposed,
 )
 from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks, packed
+from derive.lowering.instances.elimination.column_loops import Places, elimination_in_loops
 
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
@@ -55,20 +56,20 @@ class _Path:
     """A path of joints: `pairs` from each end, then one more from the first end if their number is even, and one."""
 
     def __init__(self, of: Blocks, has_known: bool) -> None:
-        self.of, self.size, self.has_known = of, of.size, has_known
+        self.of, self.size = of, of.size
+        self.rights = (*RIGHT, KNOWN) if has_known else RIGHT
         self.pairs = (of.joints - 1) // 2
         self.middle = of.joints // 2
         self.has_factor = has_adjugate(of.size, of.closes_loops)
-        self.is_half = of.size > LARGEST_SOLVED
-        self.kept = self.size**2 + self.size + self.has_factor
-        self.kept_in_step = 2 * (self.kept + (of.packed if self.is_half else 0))
-        self.in_place = not self.is_half
+        self.in_place = of.size <= LARGEST_SOLVED
+        self.kept_in_step = 2 * (self.size * (self.size + 1) + of.packed)
 
     def statements(self) -> tuple[InstanceStatement, ...]:
         """The statements of the elimination along the path: arrays, loops from both ends, and the way back."""
         carried = {UPDATE: self.of.packed, RIGHT_UPDATE: self.size}
         carried |= {SCALE: 1} if self.has_factor else {}
-        works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]
+        clears = self.in_place or self.pairs > 1
+        works = [Work(name, 2 * count, cleared=clears) for name, count in carried.items()]
         works += [Work(LAST, 2 * self.size)]
         works += [Work(KEPT, self.middle * self.kept_in_step)] if self.middle and not self.in_place else []
         both, single = _BothEnds(self), _FirstEnd(self)
@@ -88,8 +89,7 @@ class _Path:
             return lambda component: at(array, component, self.of.spacing)
 
         diagonals = [body.symmetric(f"{name}_", of(name)) for name in DIAGONAL]
-        names = [*RIGHT, *([KNOWN] if self.has_known else [])]
-        rights = [body.vector(f"{name}_", of(name)) for name in names]
+        rights = [body.vector(f"{name}_", of(name)) for name in self.rights]
         return plus(*diagonals), plus(*rights)
 
     def carried(self, body: BlockBody, name: str, at: Callable[[str, int], Target]) -> tuple[Block, Block]:
@@ -106,40 +106,24 @@ class _Path:
 
     def forward(self, ends: _BothEnds) -> tuple[InstanceItem, ...]:
         """The elimination of a joint: what the next one needs, and what back substitution needs."""
+        if not self.in_place:
+            return elimination_in_loops(self.size, ends.places())
         body = BlockBody(self.size)
         whole, r = self.pivot(body, ends.own)
         update, right_update = self.carried(body, "", ends.carried)
         d, r = minus(whole, update), minus(r, right_update)
         inverse = body.inverse(d, diagonal(whole), self.of.closes_loops)
-        s = body.matrix("s", ends.coupling)
-        if isinstance(inverse, Factors) and self.is_half:
-            return self._half_solved(body, ends, inverse, s, r)
+        s = body.matrix("s", lambda c: ends.coupling(*divmod(c, self.size)))
         if isinstance(inverse, Adjugate):  # the division takes long: its result is a factor of sums
             y, w = inverse.part(s), inverse.part(r)
-            body.store(ends.factor(self.kept - 1), inverse.inverse)
+            body.store(ends.inverse(), inverse.inverse)
             body.store(ends.carried(SCALE, 0), inverse.inverse)
         else:
             y, w = inverse.solve(s), inverse.solve(r)
-        body.store_rows(ends.factor, y)
-        body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
+        body.store_rows(lambda c: ends.column(*divmod(c, self.size)), y)
+        body.store_rows(ends.right, w)
         body.store_symmetric(lambda c: ends.carried(UPDATE, c), product(transposed(s), y))
         body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), product(transposed(s), w))
-        return body.statements()
-
-    def _half_solved(
-        self, body: BlockBody, ends: _BothEnds, inverse: Factors, s: Block, r: Block
-    ) -> tuple[InstanceItem, ...]:
-        """The end of the elimination of a joint with forward substitution alone; back substitution has the rest."""
-        z, w = inverse.forward(s), inverse.forward(r)
-        body.store_rows(ends.factor, z)
-        body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
-        body.store_symmetric(lambda c: ends.factor(self.kept + c), inverse.block)
-        scaled_z = transposed(inverse.middle(z))
-        update, right_update = product(scaled_z, z), product(scaled_z, w)
-        for i in range(self.size):  # sums with common factors beside each other
-            for j in range(i, self.size):
-                body.store(ends.carried(UPDATE, packed(self.size, i, j)), update[i][j])
-            body.store(ends.carried(RIGHT_UPDATE, i), right_update[i][0])
         return body.statements()
 
     def meet(self) -> tuple[InstanceItem, ...]:
@@ -160,17 +144,18 @@ class _Path:
     def backward(self, ends: _BothEnds) -> tuple[InstanceItem, ...]:
         """The reactions of a joint from those of the next one."""
         body = BlockBody(self.size)
-        y = body.matrix("y", ends.factor)
-        w = body.vector("w", lambda c: ends.factor(self.size**2 + c))
+        y = body.matrix("y", lambda c: ends.column(*divmod(c, self.size)))
+        w = body.vector("w", ends.right)
         known = body.vector("f", lambda c: ends.carried(LAST, c))
         left = w
         for k in reversed(range(self.size)):  # the next step finds its last reactions first
             left = minus(left, [[row[k] * known[k][0]] for row in y])
-        if self.is_half:
-            inverse = Factors.of_block(body.symmetric("a", lambda c: ends.factor(self.kept + c)))
+        if not self.in_place:
+            factor = ends.places().factor
+            inverse = Factors.of_block(body.symmetric("a", lambda c: factor(*divmod(c, self.size))))
             left = inverse.backward(inverse.middle(left))
         elif self.has_factor:
-            left = scaled(body.element("inverse", ends.factor(self.kept - 1)), left)
+            left = scaled(body.element("inverse", ends.inverse()), left)
         for c, (value,) in enumerate(left):
             body.store(ends.carried(LAST, c), value)
             body.store(ends.own(FORCE, c, self.of.spacing), value)
@@ -192,6 +177,11 @@ class _BothEnds:
     def __init__(self, of: _Path) -> None:
         self.of, self.size = of, of.size
 
+    @property
+    def has_first_alone(self) -> bool:
+        """Whether the loop has no other joints than the first one of each end, from which nothing is subtracted."""
+        return self.of.pairs == 1
+
     def loops(self, body: tuple[InstanceItem, ...], backward: bool = False) -> tuple[InstanceStatement, ...]:
         """The loop over the joints of each end."""
         if not self.of.pairs:
@@ -204,36 +194,63 @@ class _BothEnds:
         first = component * spacing
         return Ends(array, variable(STEP, 1, first), variable(STEP, -1, first + self.of.of.joints - 1), END)
 
-    def coupling(self, component: int) -> Target:
-        """The element of the block of a joint and the next one, row by row."""
-        i, j = divmod(component, self.size)
-        spacing, turned = self.of.of.coupling_spacing, self.size * j + i
-        last = turned * spacing + self.of.of.couplings - 1
-        return Ends(COUPLING, variable(STEP, 1, component * spacing), variable(STEP, -1, last), END)
+    def coupling(self, row: int, column: int | str) -> Target:
+        """The element of the block of a joint and the next one, row by row; a column may be that of a loop."""
+        at, (spacing, last) = _index(column), (self.of.of.coupling_spacing, self.of.of.couplings - 1)
+        first = at.scaled(spacing, row * self.size * spacing)
+        second = at.scaled(self.size * spacing, row * spacing + last)
+        return Ends(COUPLING, _counting(first, IndexTerm(1, STEP)), _counting(second, IndexTerm(-1, STEP)), END)
 
     def carried(self, array: str, component: int) -> Target:
         """The element of what is carried along."""
-        return Element(array, variable(END, 1, 2 * component))
+        return self.carried_at(array, constant(component))
 
-    def factor(self, component: int) -> Target:
-        """The element of what back substitution needs; small blocks take the place of what has been read."""
-        square = self.size**2
-        if not self.of.in_place:
-            return self.kept(component)
-        if component < square:
-            return self.coupling(component)
-        if component < square + self.size:
-            return self.own(RIGHT[0], component - square, self.of.of.spacing)
-        return self.own(DIAGONAL[0], max(component - self.of.kept, 0), self.of.of.spacing)
+    def carried_at(self, array: str, component: ElementIndex) -> Target:
+        """The same of a component that may be that of a loop."""
+        return Element(array, _counting(component.scaled(2), IndexTerm(1, END)))
 
-    def kept(self, component: int) -> Target:
-        """The element of what back substitution needs in an array of its own."""
-        at = (IndexTerm(self.of.kept_in_step, STEP), IndexTerm(1, END))
-        return Element(KEPT, ElementIndex(2 * component, at))
+    def places(self) -> Places:
+        """The places of elements of large blocks."""
+        size, spacing = self.size, self.of.of.spacing
+        return Places(
+            lambda i, j: [self.own(name, packed(size, i, j), spacing) for name in DIAGONAL],
+            lambda i: [self.own(name, i, spacing) for name in self.of.rights],
+            lambda i, j: self.carried_at(UPDATE, _counting(_index(i).scaled(size, _index(j).offset), *_index(j).terms)),
+            lambda i: self.carried_at(RIGHT_UPDATE, _index(i)),
+            self.coupling,
+            self.column,
+            self.right,
+            lambda i, j: self.kept(constant(size * (size + 1) + packed(size, i, j))),
+            self.has_first_alone,
+        )
+
+    def column(self, row: int, column: int | str) -> Target:
+        """The element of what remains of the coupling block, of which back substitution finds columns; see `right`."""
+        if self.of.in_place:
+            assert isinstance(column, int)
+            return self.coupling(row, column)
+        return self.kept(_index(column).scaled(self.size, row))
+
+    def right(self, row: int) -> Target:
+        """The element of what remains of the right-hand side, which is one more column."""
+        return self.own(RIGHT[0], row, self.of.of.spacing) if self.of.in_place else self.column(row, self.size)
+
+    def inverse(self) -> Target:
+        """The inverse of the determinant of a small block."""
+        return self.own(DIAGONAL[0], 0, self.of.of.spacing)
+
+    def kept(self, component: ElementIndex) -> Target:
+        """The element of what back substitution needs of large blocks."""
+        terms = IndexTerm(self.of.kept_in_step, STEP), IndexTerm(1, END)
+        return Element(KEPT, _counting(component.scaled(2), *terms))
 
 
 class _FirstEnd(_BothEnds):
     """The places of the joint that is left on the side of the first end, if there is one."""
+
+    @property
+    def has_first_alone(self) -> bool:
+        return self.of.pairs == 0
 
     def loops(self, body: tuple[InstanceItem, ...], backward: bool = False) -> tuple[InstanceStatement, ...]:
         """The loop over this joint."""
@@ -245,14 +262,24 @@ class _FirstEnd(_BothEnds):
     def own(self, array: str, component: int, spacing: int) -> Target:
         return _at_first(super().own(array, component, spacing))
 
-    def coupling(self, component: int) -> Target:
-        return _at_first(super().coupling(component))
+    def coupling(self, row: int, column: int | str) -> Target:
+        return _at_first(super().coupling(row, column))
 
-    def carried(self, array: str, component: int) -> Target:
-        return _at_first(super().carried(array, component))
+    def carried_at(self, array: str, component: ElementIndex) -> Target:
+        return _at_first(super().carried_at(array, component))
 
-    def kept(self, component: int) -> Target:
+    def kept(self, component: ElementIndex) -> Target:
         return _at_first(super().kept(component))
+
+
+def _index(of: int | str) -> ElementIndex:
+    """A number, or the variable of a loop."""
+    return variable(of) if isinstance(of, str) else constant(of)
+
+
+def _counting(index: ElementIndex, *terms: IndexTerm) -> ElementIndex:
+    """An index that also counts from other variables."""
+    return replace(index, terms=(*index.terms, *terms))
 
 
 def _at_first(target: Target) -> Element:

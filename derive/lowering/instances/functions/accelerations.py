@@ -154,15 +154,15 @@ def _block_items(
     items: list[StepItem] = []
     targets: dict[str, LoopTarget] = {}
     for h, rows in enumerate(of.system_rows):
-        place, side = _joint_place(system, of, h), 0 if of.of.first.handles[h].is_first else 1
+        place, (side, operator) = _joint_place(system, of, h), _side(of, h)
         pairs = [(i, j) for i in range(len(rows)) for j in range(i, len(rows))]
         index = [packed(system.size, i, j) for i, j in pairs]
-        targets[f"diagonal_{h}"] = LoopTarget(DIAGONAL[side], _chosen(place, index), None, entries_of(place))
+        targets[f"diagonal_{h}"] = LoopTarget(DIAGONAL[side], _chosen(place, index), operator, entries_of(place))
         items += stores(f"diagonal_{h}", [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
-        targets[f"right_{h}"] = of.target(RIGHT[side], place)
+        targets[f"right_{h}"] = of.target(RIGHT[side], place, operator)
         items += stores(f"right_{h}", [local_of.right[r] for r in rows])
         if context.proximal:
-            targets[f"floor_{h}"] = of.target(FLOOR[side], place)
+            targets[f"floor_{h}"] = of.target(FLOOR[side], place, operator)
             items += stores(f"floor_{h}", [local_of.floor(r) for r in rows])
     for a, b in combinations(range(len(of.system_rows)), 2):
         items_of, targets_of = _coupling(system, of, (a, b), local_of)
@@ -171,12 +171,19 @@ def _block_items(
     return items, targets
 
 
+def _side(of: ClassCode, handle: int) -> tuple[int, Operator | None]:
+    """The side of a joint that a body is, and how it writes its block there: the bodies of a gear add to one side."""
+    at = of.of.first.handles[handle]
+    return (0, Operator.ADD) if at.is_gear else (at.side, None)
+
+
 def _loop_targets(system: Blocks, of: ClassCode) -> RowTargets | None:
     """Where the entries of the rows of a class go in loops over these; None if they are not at equal distances."""
     entries: dict[tuple[int, int], tuple[str, ElementIndex, int, int]] = {}
     rights: dict[int, tuple[str, ElementIndex, int]] = {}
     size, spacing = system.size, system.spacing
-    if system.adds or packed(size, 1, 1) != packed(size, 0, 0) + size + 1:
+    has_gears = any(handle.is_gear for handle in of.of.first.handles)
+    if has_gears or system.adds or packed(size, 1, 1) != packed(size, 0, 0) + size + 1:
         return None
     for h in range(len(of.system_rows)):
         place, side = _joint_place(system, of, h), 0 if of.of.first.handles[h].is_first else 1
@@ -209,7 +216,8 @@ def _coupling(
     place, turned = _coupling_place(system, of, handles)
     values = [local_of.compliance(i, j) for i in first for j in second]
     cells = [(i, j) for i in range(len(first)) for j in range(len(second))]
-    operator = Operator.ADD if system.adds else None
+    has_gear = any(of.of.first.handles[h].is_gear for h in handles)
+    operator = Operator.ADD if system.adds or has_gear else None
     if len(set(turned)) == 1:
         index = [size * j + i if turned[0] else size * i + j for i, j in cells]
         target = LoopTarget(COUPLING, _chosen(place, index), operator, entries_of(place))

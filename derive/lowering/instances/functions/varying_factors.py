@@ -15,6 +15,7 @@ from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.context import Context, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.classes.body_classes import NO_JOINT
+from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
@@ -23,8 +24,8 @@ from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround
 from derive.lowering.instances.loop_code.group_code import JointCode
 from derive.mechanics.symbols import Identity
 
-FACTORS = ("first_factor", "second_factor")
-"""The local arrays of the factors of the first and of the second body of each joint."""
+FACTORS = ("first_factor", "second_factor", "third_factor", "fourth_factor")
+"""The local arrays of the factors of the first and of the second body of each joint, and of further ones of gears."""
 
 
 def _coefficients(context: Context, columns: range) -> dict[int, dict[Identity, sp.Expr]]:
@@ -94,7 +95,7 @@ class VaryingFactors:
         """The items that write gamma of the joints of a group, which is added to that of their drives."""
         constraints = group.code.context.equations.constraints
         rows = [k for k, condition in enumerate(constraints) if condition.bias != 0]
-        is_driven = self.context.mechanism.joints[group.joints[0]].drive is not None
+        is_driven = constraining(self.context.mechanism)[group.joints[0]].drive is not None
         place = group.code.place("bias", [system.position[joint] for joint in group.joints], system.spacing)
         index = [place.at(k) for k in rows]
         entries = (place.entry,) if place.entry else ()
@@ -107,6 +108,6 @@ class VaryingFactors:
         for h, part in of.varying.items():
             handles = [m.handles[h] for m in of.of.members]
             place = of.place(f"factor_{h}", [self.number[handle.joint] for handle in handles], self.spacing)
-            array = FACTORS[0 if handles[0].is_first else 1]
+            array = FACTORS[handles[0].side]
             result.append((array, place, array_input(array, part.factors.values(), "")))
         return result

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import accumulate, permutations
 from typing import Protocol
 
 from derive.algebra import sp
-from derive.errors import SpecError
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
@@ -22,15 +22,15 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
+from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, handles_of, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
+from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.classes.output_groups import output_groups
 from derive.lowering.instances.classes.spatial_actions import action_groups
 from derive.lowering.instances.classes.spatial_outputs import (
-    missing_in_space,
     output_components,
     spatial_output_groups,
     spatial_sums,
@@ -64,10 +64,10 @@ class InstanceContext:
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
         self.classes = [self._class(of) for of in body_classes(mechanism)]
-        rows = [joint.multipliers for joint in mechanism.joints]
+        rows = [of.multipliers for of in constraining(mechanism)]
         self.first_rows = [0, *accumulate(rows)]
-        handles = [[(h.joint, h.is_first) for h in m.handles] for c in self.classes for m in c.of.members]
-        self.blocks: Blocks | None = blocks(rows, handles) if rows else None
+        handles, gears = handles_of(m for c in self.classes for m in c.of.members)
+        self.blocks: Blocks | None = blocks(rows, handles, gears) if rows else None
         self.classes_in_lanes = self._joined()
         self.marker_classes = {
             name: self._class(of, f"markers_{name}") for name, of in marker_classes(mechanism).items()
@@ -75,8 +75,6 @@ class InstanceContext:
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         in_space = isinstance(mechanism, SpatialMechanism)
         self.bodies = bodies
-        if in_space and (missing := (*missing_in_space(bodies),)):
-            raise SpecError(missing)
         forces = action_groups(bodies) if in_space else force_groups(bodies)
         self.forces = [self._group(group, equations) for group, equations in forces]
         outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)
@@ -113,7 +111,7 @@ class InstanceContext:
         for member in group.first.bodies:
             (of,) = (code for code in self.classes if member in code.of.members)
             (h,) = (h for h, handle in enumerate(member.handles) if handle.joint == group.first.number)
-            side, count = 0 if member.handles[h].is_first else 1, len(member.instance.coordinates.rows)
+            side, count = member.handles[h].side, len(member.instance.coordinates.rows)
             factors[side], bodies[side] = (*of.varying[h].factors,), range(first, first + count)
             first += count
         return JointCode(self._code(group, equations), group.members, factors, bodies)
@@ -122,7 +120,8 @@ class InstanceContext:
         """The codes of varying joints after one at the ground has joined those between bodies that are like it."""
         if self.blocks is None:
             return joints
-        for ground, others in permutations(joints, 2):
+        between = [of for of in joints if not of.are_gears]
+        for ground, others in permutations(between, 2):
             if found := joined_element(self.bodies, ground, others, self.blocks):
                 side, element = found
                 elements = tuple(sorted([element, *others.elements], key=lambda e: e.number))
@@ -150,7 +149,7 @@ class InstanceContext:
         joined = (of for of in self.classes_in_lanes if of.of.is_joined)
         return (*self.classes, *joined, *self.marker_classes.values(), *groups)
 
-    @property
+    @cached_property
     def output_components(self) -> tuple[OutputEquation, ...]:
         """The components of all outputs in the order of the specification, without their values."""
         if isinstance(self.mechanism, SpatialMechanism):

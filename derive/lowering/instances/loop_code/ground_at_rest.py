@@ -16,7 +16,8 @@ from derive.algebra import sp
 from derive.ir.expressions import Element, Number
 from derive.ir.indices import ElementIndex, IndexTerm, constant, padded
 from derive.ir.statements import ForEach, Statement, StoreElement, Work
-from derive.lowering.instances.classes.body_classes import Member, fixed_values, plain_joint
+from derive.lowering.instances.classes.body_classes import Member, fixed_values
+from derive.lowering.instances.classes.dimension import plain_joint
 from derive.lowering.instances.classes.groups import Bodies, GroupElement
 from derive.lowering.instances.classes.joint_groups import markers_of
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES

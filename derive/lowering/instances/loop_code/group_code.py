@@ -48,7 +48,7 @@ class GroupCode:
 
 @dataclass(frozen=True)
 class JointCode(GroupCode):
-    """The code of a group of varying joints.
+    """The code of a group of varying joints, or of gears.
 
     factors: for each side of the joint with coordinates the places of the factors in G that the body there reads, in
     the order in which they are stored; bodies: the columns of G of this body.
@@ -58,8 +58,14 @@ class JointCode(GroupCode):
     bodies: Mapping[int, range]
 
     @property
+    def are_gears(self) -> bool:
+        """Whether it is one of gears."""
+        first = self.elements[0]
+        return any(h.is_gear for m in first.bodies for h in m.handles if h.joint == first.number)
+
+    @property
     def joints(self) -> list[int]:
-        """The numbers of the joints."""
+        """The numbers of the joints, or of the gears."""
         return [element.number for element in self.elements]
 
     def own_rows(self, first_rows: Sequence[int]) -> list[list[int]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -54,6 +54,10 @@ class ActionLoads:
         """The name of its terms."""
         noun = "spring" if isinstance(self.element, SpatialSpring) else self.element.kind
         return f"{noun} {self.element.name}"
+
+    def on(self, body: str) -> Iterator[MarkerLoad]:
+        """Yield its loads on a body."""
+        return (load for load in self.loads if load.marker.body == body)
 
     def terms(self, at: Callable[[MarkerRef], FrameMotion], rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
         """The virtual work of the loads on the rows of a mechanism, on the left-hand side."""

@@ -167,6 +167,13 @@ class SpatialMechanism(InstancesOfKinds):
         refuse_idle(conditions, scene.redundant, known)
         actions = tuple(self.loads(f, at, rows) for f in self.forces)
         damped = [damping_force(damping, instances) for damping in self.dampings]
+        of_gears = [
+            load
+            for gear in self.gears
+            for condition in conditions
+            if condition.section == "gears" and condition.of == gear.gear.name
+            for load in gear_loads(gear, condition.multiplier, motion)
+        ]
         parts = SpatialParts(
             scene=scene,
             at=at,
@@ -180,13 +187,7 @@ class SpatialMechanism(InstancesOfKinds):
             joints=joints,
             drive_multipliers={c.shown: c.multiplier for c in conditions if c.shown in {d.name for d in scene.drives}},
             motion=motion,
-            gear_loads=tuple(
-                load
-                for gear in self.gears
-                for condition in conditions
-                if condition.section == "gears" and condition.of == gear.gear.name
-                for load in gear_loads(gear, condition.multiplier, motion)
-            ),
+            gear_loads=lambda body: (load for load in of_gears if load.marker.body == body),
             dissipations=tuple(force.dissipation for force in damped),
         )
         outputs, of_outputs = spatial_output_equations(scene.outputs, parts)

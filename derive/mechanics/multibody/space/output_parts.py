@@ -30,8 +30,9 @@ class SpatialParts:
     joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
     that has eliminated coordinates, the marker of the body that it supports. joints: all of them by their names.
     drive_multipliers: of each drive that is a constraint, its multiplier. motion: that of a joint by its name.
-    gear_loads: those of all gears. dissipations: the powers of dampings between components, W. sections: those of beams
-    that outputs have asked for so far, as several outputs of a section have its equilibrium in common.
+    gear_loads: those of gears on a body, by its name. dissipations: the powers of dampings between components, W.
+    sections: those of beams that outputs have asked for so far, as several outputs of a section have its equilibrium in
+    common.
     """
 
     scene: SpatialScene
@@ -43,7 +44,7 @@ class SpatialParts:
     joints: Mapping[str, SpatialJointInstance | SpatialEliminatedJoint]
     drive_multipliers: Mapping[str, sp.Expr]
     motion: Callable[[str], JointMotion]
-    gear_loads: tuple[MarkerLoad, ...]
+    gear_loads: Callable[[str], Iterable[MarkerLoad]]
     dissipations: Iterable[sp.Expr]
     sections: dict[tuple[MarkerRef, bool], Any] = field(default_factory=dict)
 
@@ -106,8 +107,12 @@ class SpatialParts:
 
     def loads_on(self, body: str, without: str = "") -> Iterator[MarkerLoad]:
         """Yield all loads on a body at its markers: those of forces, springs, gears and joints but for one of these."""
-        of_elements = (*(a.loads for a in self.actions), *self.joint_loads.values(), self.gear_loads)
-        yield from (load for of in of_elements for load in of if load.marker.body == body)
+        for action in self.actions:
+            yield from action.on(body)
+        for name, of in self.joints.items():
+            if name in self.joint_loads and body in (of.joint.first.body, of.joint.second.body):
+                yield from (load for load in self.joint_loads[name] if load.marker.body == body)
+        yield from self.gear_loads(body)
         for name, marker in self.supports.items():
             joint = self.joint(name)
             known = joint.first if marker == joint.second else joint.second
@@ -142,8 +147,8 @@ class SpatialOutputType:
 
     of_motion: whether it shows the motion of a joint, which not all joints have. counts_inertia: whether it depends on
     the inertia of bodies whose motion is prescribed. adds: whether each component is a sum over the bodies, the actions
-    and the drives, of terms that depend on one of them. of_numbers: whether components contain the numbers of a body,
-    for which loops over bodies have no code.
+    and the drives, of terms that depend on one of them. of_numbers: whether components contain numbers of a body for
+    which its equations have no symbols: stresses, and integrals along a part of a beam.
     """
 
     doc: str

@@ -59,7 +59,7 @@ def _gap(doc: str, unit: str, gap: Callable[[SpatialBeamSection, int], sp.Expr])
         expr, text = gap(section, values[AXIS.name]), f"{doc} at {values[SECTION.name]} along e{values[AXIS.name]}"
         return (SpatialComponent("", unit, text, expr, section.constants),)
 
-    return SpatialOutputType(doc, (SECTION, AXIS), ("",), components)
+    return SpatialOutputType(doc, (SECTION, AXIS), ("",), components, of_numbers=True)
 
 
 def _axial_load(power: int) -> SpatialOutputType:
@@ -89,7 +89,7 @@ def _axial_load(power: int) -> SpatialOutputType:
                 force = -inertia * sp.Add(*(row.v**2 for row in instance.rows[4:6]))
         return (SpatialComponent("", "N", f"{doc} of {name}", force, section.constants),)
 
-    return SpatialOutputType(doc, (COMPONENT,), ("",), components)
+    return SpatialOutputType(doc, (COMPONENT,), ("",), components, of_numbers=True)
 
 
 SPATIAL_MONITORS: Mapping[str, SpatialOutputType] = {

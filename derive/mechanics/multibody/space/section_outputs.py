@@ -38,7 +38,7 @@ def _of_section(doc: str, unit: str, parts: Mapping[str, str], numbers: Numbers,
         labelled = zip(parts.items(), found, strict=True)
         return tuple(SpatialComponent(label, unit, f"{text} {at}", expr, known) for (label, text), expr in labelled)
 
-    return SpatialOutputType(doc, (SECTION, *keys), tuple(parts), components)
+    return SpatialOutputType(doc, (SECTION, *keys), tuple(parts), components, of_numbers=True)
 
 
 def _axial_force(section: SpatialBeamSection, _: Mapping[str, Any]) -> tuple[sp.Expr, ...]:

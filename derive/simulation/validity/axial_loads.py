@@ -1,0 +1,127 @@
+"""Finite-element bodies of first order that their joints pull or press along the line between them.
+
+An axial force P changes the bending stiffness of a body, which first order does not know: the geometric stiffness of
+K0F and K0t is missing. A uniform body between two joints at a distance l that vibrates as a half sine wave with the
+frequency omega has omega^2 + pi^2 P/(m l). P is the mean of the axial forces at both ends, which differ by the inertia
+of the body. Where the joints are closer to each other than half of its length, the force acts on a part of it alone,
+and is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+
+import numpy as np
+
+from derive.percentages import percent
+from derive.roles import Role
+from derive.runtime.native_call import Matrix, ModelError, Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import coordinates_with, mass_matrix
+from derive.simulation.space.marker_frames import modal_frames_of
+from derive.simulation.validity.fast_spin import fast_spin_notes, remedy_of
+from derive.simulation.validity.held_beam import admitted_modes
+from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
+from derive.simulation.validity.mode_content import MOST_HELD, modal_stiffness, own_amplitudes
+from derive.simulation.validity.monitors import ERROR_LIMIT
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
+
+APART = 0.5
+"""The least distance of the joints over the length of the body along the line between them."""
+
+
+def missing_stiffness_notes(
+    scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix, *, beams: bool = True
+) -> dict[str, str]:
+    """The notes on geometric stiffness that a motion would need, of spin and of axial forces; see `fast_spin_notes`."""
+    return {
+        **fast_spin_notes(scene, native, k, q, v, beams=beams),
+        **{f"{name}, axial": note for name, note in axial_load_notes(scene, native, k, t, q, v).items()},
+    }
+
+
+def axial_load_notes(
+    scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix
+) -> Mapping[str, str]:
+    """A note on each finite-element body whose axial force changes its stiffness by more than the limit, by its name.
+
+    The change is the root mean square over the states q (n, nq), v (n, nv) at t (n,), s.
+    """
+    if not isinstance(scene, SpatialScene):
+        return {}
+    bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    if len(bodies) > MOST_HELD:
+        return {}
+    notes = {body.name: _note(scene, body, native, k, t, q, v) for body in bodies}
+    return {name: note for name, note in notes.items() if note}
+
+
+def _note(
+    scene: SpatialScene, body: FlexibleBody, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix
+) -> str:
+    """The note on a body; empty where there is nothing to note."""
+    columns, rates = own_amplitudes(body.name, native)
+    if not columns or _knows_axial_forces(body):
+        return ""
+    loads = MissedModes(scene, body, native, k, columns, rates)
+    ends = _ends(body, loads.markers)
+    if ends is None:
+        return ""
+    (left, right), axis, length = ends
+    some = rows_of_run(len(t))
+    try:
+        forces = [loads.forces(*state) for state in zip(t[some], q[some], v[some], strict=True)]
+    except ModelError:
+        return ""
+    tension = np.array([(at[right] - at[left]) @ axis / 2 for at in forces])
+    squared = _squared_frequency(native, k, float(t[0]), q[0], columns, rates)
+    mass = mass_matrix(native, q[0], k)[rates[0] - 6, rates[0] - 6]
+    change = np.pi**2 * tension / (mass * length * squared) if squared else np.zeros(len(tension))
+    rms = float(np.sqrt(np.mean(change**2)))
+    if not rms > ERROR_LIMIT:
+        return ""
+    worst = int(np.abs(change).argmax())
+    largest, usual = percent(abs(float(change[worst]))), percent(rms)
+    return (
+        f"{body.name}: joints {'pull' if tension[worst] > 0 else 'press'} it along the line between {left} and {right} "
+        f"with {abs(tension[worst]):.3g} N at t = {t[some][worst]:.6g} s, which changes its bending stiffness by about "
+        f"{largest} (rms over the run {usual}; the limit is {percent(ERROR_LIMIT)}), and displacements of first order "
+        f"know nothing of it: {remedy_of(body.body)}"
+    )
+
+
+def _knows_axial_forces(body: FlexibleBody) -> bool:
+    """Whether a body has the geometric stiffness of forces at its markers, or of its translation."""
+    spec = body.body
+    own = spec.second_order and (spec.data.K0F is not None or spec.data.K0t is not None)
+    return spec.computes_geometric_stiffness or own
+
+
+def _ends(body: FlexibleBody, markers: set[str]) -> tuple[tuple[str, str], Vector, float] | None:
+    """The two markers of joints that are farthest apart, the line between them, and their distance (m), or None."""
+    frames = modal_frames_of(body)
+    places = {name: np.asarray(frames[name].point.position, float) for name in sorted(markers)}
+    pairs = {pair: places[pair[1]] - places[pair[0]] for pair in combinations(places, 2)}
+    if not pairs:
+        return None
+    pair = max(pairs, key=lambda of: float(np.linalg.norm(pairs[of])))
+    length = float(np.linalg.norm(pairs[pair]))
+    if length == 0.0:
+        return None
+    axis = pairs[pair] / length
+    extent = float(np.ptp(body.body.data.positions @ axis)) if body.body.data.positions is not None else length
+    return (pair, axis, length) if length >= APART * extent else None
+
+
+def _squared_frequency(
+    native: NativeScene, k: Vector, t: float, q: Vector, columns: list[int], rates: list[int]
+) -> float:
+    """The square of the lowest frequency of a body as its joints hold it, (rad/s)^2; 0 where they admit none."""
+    straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
+    K = np.zeros((native.nv,) * 2)
+    K[np.ix_(rates, rates)] = modal_stiffness(native, k, straight, columns, rates)
+    modes = admitted_modes(K, native, k, t, straight, rates)
+    return modes[0].frequency ** 2 if modes else 0.0

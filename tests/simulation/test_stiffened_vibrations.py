@@ -1,0 +1,129 @@
+"""The vibrations of monitored beams that an axial force stiffens, such as blades that spin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+import derive
+from derive.runtime.native_call import Matrix, Vector
+from derive.simulation.observables.beams import function_values, shape_functions
+from derive.simulation.trajectory import Trajectory
+from derive.simulation.validity.beam_line import places
+from derive.simulation.validity.beam_vibrations import Vibration, vibrations_of
+from derive.simulation.validity.bending_planes import bending_planes
+from derive.simulation.validity.held_beam import HeldMode
+from derive.simulation.validity.monitors import Cause
+
+BENDING, TWIST, FORCE = 0, 1, 4
+"""The numbers of the amplitudes of the two planes, and of the axial force in z."""
+MASS = np.array([[1.0, 0.05], [0.05, 1.0]])
+
+
+@dataclass
+class OneShape:
+    """A plane with one shape, which misses half as much strain energy as it has, or nothing."""
+
+    number: int
+    misses: bool
+    stiffness: float
+
+    @property
+    def shapes(self) -> Any:
+        return SimpleNamespace(stiffness=np.array([[self.stiffness]]))
+
+    @property
+    def amplitudes(self) -> list[list[int]]:
+        return [[self.number]]
+
+    @property
+    def rates(self) -> list[int]:
+        return [2 + self.number]
+
+    @property
+    def missed(self) -> tuple[Matrix, Matrix, Matrix]:
+        form = np.zeros((1, FORCE + 1))
+        form[0, self.number] = np.sqrt(self.stiffness / 4) if self.misses else 0.0
+        return form, form, form
+
+    def stiffened(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
+        if self.misses:
+            slopes = velocities[:, [self.number]]
+            yield FORCE, slopes @ slopes.T
+
+
+def vibrations(force: float, twist: float) -> list[Vibration]:
+    """The vibrations of a beam whose twist has a stiffness near that of its bending, coupled by the mass."""
+    stiffness = np.array([1.0, twist])
+    squares, modes = eigh(np.diag(stiffness), MASS)
+    held = [HeldMode(float(np.sqrt(s)), x, x) for s, x in zip(squares, modes.T, strict=True)]
+    planes = [OneShape(BENDING, True, 1.0), OneShape(TWIST, False, twist)]
+
+    def response(motion: Vector) -> Vector:
+        return np.concatenate([motion, np.zeros(3)])
+
+    z = np.zeros(FORCE + 1)
+    z[FORCE] = force
+    return [*vibrations_of(held, planes, response, z)]  # type: ignore[arg-type]
+
+
+def test_an_axial_force_takes_bending_away_from_a_twist_that_it_is_coupled_with_at_rest() -> None:
+    """Frequencies a seventh apart are coupled by a mass; bending that is 40 times as stiff is late by itself."""
+    at_rest = sorted(of.missed for of in vibrations(0.0, 1.3))
+    spun = sorted(vibrations(40.0, 1.3), key=lambda of: of.missed)
+    assert 0.005 < at_rest[0] < at_rest[1] < 0.495
+    assert spun[0].missed < 0.002 and spun[1].missed == pytest.approx(0.5, abs=0.003)
+    assert spun[1].axial[FORCE] == pytest.approx(1, abs=0.01) and spun[1].frequency == pytest.approx(1, abs=0.01)
+
+
+def test_vibrations_with_almost_equal_frequencies_are_late_by_themselves() -> None:
+    """A bending and a twist that are coupled but hardly lose their phases: one of them is late, the other is not."""
+    almost = sorted(of.missed for of in vibrations(0.0, 1.0))
+    assert almost[0] == pytest.approx(0, abs=0.01) and almost[1] == pytest.approx(0.5, abs=0.01)
+
+
+def blade(shapes: int) -> Trajectory:
+    """A soft blade of second order on a hub that spins, and is knocked at its tip."""
+    rod = {
+        "length": 1,
+        "mass": 1,
+        "bending_stiffness": 2,
+        "ansatz": [f"xi^{power}" for power in range(shapes + 2)],
+        "frame": {"kind": "tangent", "at": -1},
+        "order": 2,
+        "markers": {"left": -1, "right": 1},
+    }
+    hub = {"mass": 1, "inertia": 1, "centre": [0, 0], "markers": {"o": [0, 0], "root": [0.1, 0]}}
+    scene = derive.scene(
+        "blade",
+        ground={"o": (0, 0)},
+        bodies={"hub": hub, "rod": rod},
+        joints={
+            "bearing": {"kind": "revolute", "between": ["ground.o", "hub.o"]},
+            "root": {"kind": "fixed", "between": ["hub.root", "rod.left"]},
+        },
+        drives={"speed": {"joint": "bearing", "speed": 40}},
+        forces={"knock": {"at": "rod.right", "frame": "body", "components": [0, "exp(-(60*t - 3)^2)"]}},
+    )
+    return derive.simulate(scene, duration=0.5, output=0.002)
+
+
+def test_a_spinning_blade_in_two_shapes_is_late() -> None:
+    """Its lowest mode is 50 times as stiff as at rest, the second one six times: it is the one that is late."""
+    few, many = blade(2), blade(4)
+
+    def deflections(run: Trajectory) -> Matrix:
+        (shapes,) = bending_planes(run.motion.scene)
+        amplitudes = run.motion.q[:, shapes.amplitudes_in(run.motion.native, "rod")]
+        return np.asarray(amplitudes @ [function_values(f, places()) for f in shape_functions(shapes.beam)])
+
+    exact = deflections(many)
+    error = np.sqrt(((deflections(few) - exact) ** 2).mean(axis=0)).max() / np.abs(exact).max()
+    (moment,) = (m for m in few.validity if m.cause is Cause.BENDING_MOMENT)
+    assert error > 0.3 and error / 4 < moment.error < 4 * error
