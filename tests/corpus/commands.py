@@ -213,7 +213,7 @@ def changeable(scene: CorpusScene) -> tuple[str, float]:
         name = sorted(symbols)[scene.seed % len(symbols)]
         return name, symbols[name]
     for body, table in scene.tables.get("bodies", {}).items():
-        for key in ("bending_stiffness", "inertia"):
+        for key in ("bending_stiffness", "inertia", "mass"):
             if key in table and not isinstance(table[key], list):
                 return f"bodies.{body}.{key}", float(_number(table[key]))
     return "simulation.tolerance", 1e-7

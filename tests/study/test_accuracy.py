@@ -180,7 +180,9 @@ def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the
     assert [data[key]["cpu_s"] for key in ("recommended", "cheaper", "better")] == [1e-4, 2e-5, 2e-4]
     accurate = headline(LINES, 0.001)
     assert accurate.recommended is not None and accurate.recommended.line is LINES[2] and accurate.better is None
-    assert dict(headline_texts(accurate, ()))["Next better"] == "none: no other valid model has a smaller error"
+    assert dict(headline_texts(accurate, ()))["Next better"] == "none: no other valid model has a clearly smaller error"
+    alike = replace(LINES[2], points=tuple(replace(p, rms=0.95 * LINES[0].best) for p in LINES[2].points))
+    assert headline((LINES[0], alike), 1.0).better is None  # 0.039 % was said to be better than 0.039 %
     coarse = headline(LINES, 0.02)
     assert coarse.better is not None and coarse.better.line is LINES[2]  # another model, not a finer run of the same
     (none, cheaper) = headline_texts(headline(LINES, 1e-4), ())

@@ -117,6 +117,7 @@ def test_outputs_of_the_deformation_of_a_body_that_is_rigid_now_are_left_out(tmp
     """The deflection of a panel without a chord was kept, and no specification was written after the whole search."""
     outputs = '\n[outputs.bent]\nkind = "deflection"\nmarker = "arm.tip"\n[plots.bent]\ny = "bent_2"\n'
     scene = parse(ARM + outputs)
+    assert isinstance(scene, SpatialScene)
     written = chosen_specification(ARM + outputs, tmp_path / "a.toml", tmp_path / "b.toml", scene, RIGID, 1e-3)
     chosen = parse(written.text)
     assert isinstance(chosen, SpatialScene) and {output.name for output in chosen.outputs} == {"tip"}

@@ -175,6 +175,7 @@ def test_curves_in_the_frame_of_a_beam_are_not_compared(table: dict[str, Any], c
     text = (ROOT / "examples" / "spatial_crank_slider_beam.toml").read_text(encoding="utf-8")
     tables = tomllib.loads(text) | {"outputs": {"seen": table}, "plots": {"seen": {"y": column}}}
     scene = parse(tomlkit.dumps(tables))
+    assert isinstance(scene, SpatialScene)
     if not does:
         assert compared_plot(scene, None).name == "seen"
         return

@@ -427,6 +427,11 @@ def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
 
 
+def test_keys_that_are_no_parameters_are_refused_with_what_to_name() -> None:
+    with pytest.raises(derive.SpecError, match="nor an initial value; name a mass, a stiffness"):
+        studied(read_scene(COLUMN), ParameterRange("simulation.tolerance", 1e-8, 1e-7, 3))
+
+
 @pytest.mark.long
 @pytest.mark.usefixtures("coarse_reference")
 def test_the_command_marks_wrong_verdicts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

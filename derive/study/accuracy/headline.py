@@ -10,6 +10,9 @@ from derive.study.accuracy.chart_labels import duration
 from derive.study.accuracy.doubts import doubt
 from derive.study.accuracy.measurement import Line, Point
 
+GAIN = 0.9
+"""The part of an error below which another one is clearly smaller."""
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -45,8 +48,8 @@ class Headline:
 
     recommended: the cheapest run of a valid model with that error. best: the most accurate one if there is none.
     cheaper: the cheapest run with that error of a model that a monitor warns of, if it is cheaper than the recommended
-    one. better: the cheapest run of another valid model with a smaller error. undecided: the error of the reference, if
-    it is larger than the requested one, so that no run is known to have that; None if it is not.
+    one. better: the cheapest run of another valid model with a clearly smaller error. undecided: the error of the
+    reference, if it is larger than the requested one, so that no run is known to have that; None if it is not.
     """
 
     error: float
@@ -68,7 +71,7 @@ def headline(lines: Sequence[Line], error: float, of_reference: float | None = N
     if chosen is not None and cheaper is not None and _seconds(cheaper) >= _seconds(chosen):
         cheaper = None
     others = () if chosen is None else [run for run in valid if run.line is not chosen.line]
-    smaller = [run for run in others if chosen is not None and run.point.rms < chosen.point.rms]
+    smaller = [run for run in others if chosen is not None and run.point.rms < GAIN * chosen.point.rms]
     return Headline(
         error,
         chosen,
@@ -95,7 +98,7 @@ def headline_texts(of: Headline, shown: Sequence[str]) -> list[tuple[str, str]]:
     if of.better is not None:
         result.append(("Next better", _run(of.better)))
     elif of.recommended is not None:
-        result.append(("Next better", "none: no other valid model has a smaller error"))
+        result.append(("Next better", "none: no other valid model has a clearly smaller error"))
     return result
 
 

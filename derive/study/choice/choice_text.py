@@ -7,6 +7,7 @@ from typing import Any
 
 from derive.percentages import implied_percent, percent
 from derive.study.accuracy.chart_labels import grouped, milliseconds
+from derive.study.accuracy.headline import GAIN
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.modelled_bodies import flexible_nouns
 from derive.study.accuracy.table import MODEL_DOC, cheapest
@@ -17,8 +18,6 @@ from derive.study.table import Row, StudyColumn, StudyTable, general
 
 STEPS = 2
 """The largest number of cheaper, and of more accurate, models beside the chosen one."""
-GAIN = 0.9
-"""A finer run of the chosen model is a step up if its error is at most this part of that of the chosen run."""
 
 
 TRIED = (
@@ -119,7 +118,7 @@ def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:
     runs = [(line, shown(line, choice)) for line in choice.tried if line.points and line is not chosen]
     down = sorted((r for r in runs if r[1].rms > point.rms), key=lambda r: r[1].rms)
     sure = [r for r in runs if implied_error(r[0]) <= choice.error]
-    up = sorted((r for r in sure if r[1].rms < point.rms), key=lambda r: r[1].operations)
+    up = sorted((r for r in sure if r[1].rms < GAIN * point.rms), key=lambda r: r[1].operations)
     finer = [(chosen, p) for p in chosen.points if p.rms < GAIN * point.rms]
     cheaper = [r for r in down if r[1].operations < point.operations]
     return {"step down": cheaper[:STEPS], "step up": [*finer[:1], *up][:STEPS]}

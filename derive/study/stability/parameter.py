@@ -85,7 +85,8 @@ def studied(scene: AnyScene, limits: ParameterRange) -> StudiedParameter:
     last, _ = _with(scene, limits.name, limits.high)
     if symbol is None and without_initial_values(first) != without_initial_values(last):
         text = f"{quoted(limits.name)} is neither a number that can be a run-time parameter nor an initial value"
-        raise SpecError((Problem("", text),), "--parameter")
+        advice = "; name a mass, a stiffness, a length, a value of a load, or a value of `start`"
+        raise SpecError((Problem("", text + advice),), "--parameter")
     return StudiedParameter(first if symbol else scene, limits, symbol, settled_functions([first, last]))
 
 
