@@ -347,7 +347,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeyp
     asked = ["study", "stability", str(SHAFT), "--parameter", "spin=0:20:5", "--exact", "14.9468", "--json"]
     assert main([*asked, "--out", str(tmp_path)]) == 0
     said = capsys.readouterr()
-    assert said.err == ""
+    assert "1 sine, truncated: loses its stability at 14.946" in said.err
     rigid, sine = json.loads(said.out)["models"]
     assert rigid["wrong"] == [{"from": 14.9468, "to": 20.0, "stable": True}]
     assert sine["loss"] == pytest.approx(14.9468, rel=1e-5)

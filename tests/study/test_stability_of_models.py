@@ -439,7 +439,7 @@ def test_the_command_marks_wrong_verdicts(tmp_path: Path, capsys: pytest.Capture
     asked += ["--pieces", "2", "--sines", "1", "--out", str(tmp_path)]
     assert main([*asked, "--exact", "9.8696044", "--json"]) == 0
     said = capsys.readouterr()
-    assert said.err == ""
+    assert "loses its stability at" in said.err
     data = json.loads(said.out)
     models = {model["model"]: model for model in data["models"]}
     never = [name for name, model in models.items() if model["loss"] is None]

@@ -89,7 +89,7 @@ def _lacks_stiffening(spec: NodalBody) -> bool:
 
 
 def remedy_of(spec: NodalBody | SpatialBeam) -> str:
-    """The names of the functions or keys that give a body of first order its geometric stiffness."""
+    """The remedy: the key or the data by which a body of first order has its geometric stiffness."""
     if isinstance(spec, SpatialBeam):
         return "write order = 2, with which it shortens as it bends"
     if spec.second_order:

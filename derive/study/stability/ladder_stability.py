@@ -211,8 +211,8 @@ def study_stability(
     known = None if exact is None else KnownLoss(None if isinstance(exact, str) else exact)
     whole = flexible_scene(scene, COMPARED.format("stability"))
     given, models = studied(whole, values), ladder(limits, whole)
-    with reports_of(progress, whole.name) as (task, _):
-        return ladder_stability(scene.name, given, models, known, task)
+    with reports_of(progress, whole.name) as (task, result):
+        return ladder_stability(scene.name, given, models, known, task, result)
 
 
 def ladder_stability(
@@ -221,6 +221,7 @@ def ladder_stability(
     models: Sequence[LadderModel],
     known: KnownLoss | None,
     progress: Callable[[str], None],
+    result: Callable[[str], None],
 ) -> LadderStability:
     """The stability of the models of a ladder, and of the two richest models. Raises CompilerError, SimulationError."""
     if changing := parameter.functions.changing:
@@ -235,8 +236,11 @@ def ladder_stability(
 
     def compute(model: LadderModel) -> ModelPath:
         if model not in paths:
-            progress(f"model {remaining.next()}: {model.label} ...")
-            paths[model] = model_path(parameter, model)
+            model_text = f"model {remaining.next()}: {model.label}"
+            progress(f"{model_text} ...")
+            paths[model] = path = model_path(parameter, model)
+            loss = "no loss of stability found" if path.loss is None else f"loses its stability at {path.loss:.7g}"
+            result(f"{model_text}: {path.failure or loss}")
         return paths[model]
 
     def is_hopeless() -> bool:
