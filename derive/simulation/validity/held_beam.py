@@ -120,6 +120,14 @@ class StaticResponse:
             return np.zeros(self.native.nq + self.native.nv + len(self.native.outputs) + 1)
         return np.concatenate([motion, np.zeros(self.native.nv), (ahead - behind) / (2 * step), [0.0]])
 
+    def start(self, v: Vector) -> Vector:
+        """The z of the state with the velocities v (nv,); no outputs where the model has no accelerations."""
+        try:
+            outputs = self.outputs(self.q, v)
+        except ModelError:  # the run says so, or it is what the monitors are to find
+            outputs = np.zeros(len(self.native.outputs))
+        return np.concatenate([self.q, v, outputs, [0.0]])
+
     def outputs(self, q: Vector, v: Vector) -> Vector:
         """The outputs (nout,) of a state."""
         native = self.native

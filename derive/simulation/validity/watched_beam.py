@@ -120,7 +120,7 @@ def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Ve
     forms = WatchedForms(native)
     beams = list[WatchedBeam]()
     response = StaticResponse(native, k, t, q)
-    start = np.concatenate([q, v, response.outputs(q, v), [0.0]])
+    start = response.start(v)
     for _, of_beam in groupby(bending_planes(scene) if is_monitored(scene) else (), lambda shapes: shapes.beam.name):
         planes = list[_BeamForms]()
         for shapes in of_beam:
