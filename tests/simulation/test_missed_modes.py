@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import derive
+from derive.simulation.validity.mode_content import mode_errors
 from explicit_motion import moved
 from spring_lattice import lattice
 
@@ -29,3 +30,39 @@ def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
     run = moved(scene, duration=0.5, output=0.05)
     assert any("under the forces of its joints its 3 modes imply" in note for note in run.notes) == noted
     assert any("of its deformation" in note or "in its deformation" in note for note in run.notes) == noted
+
+
+def test_a_joint_that_gives_coordinates_has_no_multipliers() -> None:
+    """The forces of the other joints are found behind it, so that the same error is implied as if it had some."""
+
+    def implied(keep_coordinates: bool) -> float:
+        scene = derive.spatial_scene(
+            "carried",
+            gravity=[0, 0, -0.1],
+            ground={"o": (0, 0, 0)},
+            bodies={
+                "seat": {
+                    "mass": 1,
+                    "inertia": [1, 1, 1, 0, 0, 0],
+                    "markers": {"m": (0, 0, 0)},
+                    "keep_coordinates": keep_coordinates,
+                },
+                "truss": {
+                    "nodes": lattice(1),
+                    "units": "SI",
+                    "markers": {"left": {"nodes": [0, 1, 2, 3]}},
+                    "component_modes": "free",
+                    "modes": 3,
+                },
+            },
+            joints={
+                "hinge": {"kind": "revolute", "between": ["ground.o", "seat.m"]},
+                "h": {"kind": "fixed", "between": ["seat.m", "truss.left"]},
+            },
+        )
+        motion = moved(scene, duration=0.5, output=0.05).motion
+        (of,) = mode_errors(scene, motion.native, motion.k, motion.t, motion.q, motion.v)
+        assert of.of_joints
+        return of.error
+
+    assert implied(False) == pytest.approx(implied(True), rel=1e-3) and implied(False) > 0.05
