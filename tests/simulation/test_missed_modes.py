@@ -7,7 +7,12 @@ from typing import Any
 import pytest
 
 import derive
+from derive.percentages import implied_percent
 from derive.simulation.validity.mode_content import mode_errors
+from derive.study.accuracy.doubts import doubt_lines
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.measurement import compiled, curves_of, measured, motion
+from derive.study.accuracy.reference import bare_plots, reference_plots
 from explicit_motion import moved
 from spring_lattice import lattice
 
@@ -60,9 +65,40 @@ def test_a_joint_that_gives_coordinates_has_no_multipliers() -> None:
                 "h": {"kind": "fixed", "between": ["seat.m", "truss.left"]},
             },
         )
-        motion = moved(scene, duration=0.5, output=0.05).motion
-        (of,) = mode_errors(scene, motion.native, motion.k, motion.t, motion.q, motion.v)
+        run = moved(scene, duration=0.5, output=0.05).motion
+        (of,) = mode_errors(scene, run.native, run.k, run.t, run.q, run.v)
         assert of.of_joints
         return of.error
 
     assert implied(False) == pytest.approx(implied(True), rel=1e-3) and implied(False) > 0.05
+
+
+def test_a_study_shows_what_a_run_notes() -> None:
+    """Three free modes of a held body: the error that they imply is in the line of a ladder and its texts."""
+    scene = derive.spatial_scene(
+        "held",
+        gravity=[0, 0, -0.1],
+        ground={"o": (0, 0, 0)},
+        bodies={
+            "truss": {
+                "nodes": lattice(1),
+                "units": "SI",
+                "markers": {"left": {"nodes": [0, 1, 2, 3]}, "tip": 4},
+                "component_modes": "free",
+                "modes": 3,
+            }
+        },
+        joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
+        outputs={"tip": {"kind": "position", "marker": "truss.tip"}},
+        simulation={"duration": 0.5, "output": 0.05},
+        plots={"it": {"y": ["tip_3"]}},
+    )
+    of = compiled(scene, LadderModel(Shapes.FREE, 3))
+    bare = bare_plots(scene.plots[0])
+    plots = reference_plots(bare, "itself", curves_of(bare, motion(of, 1e-5)), lambda _: None)
+    line = measured(of, plots, [1e-4])
+    (missed,) = line.missed
+    assert line.valid and missed.of_joints and line.implied == missed.error > 0.05
+    percent = implied_percent(missed.error)
+    assert f"a monitor implies {percent} in" in line.outcome
+    assert doubt_lines([line], []).pop().startswith(f"the modes of truss: {line.label} ({percent}, ")

@@ -160,8 +160,12 @@ def study_accuracy(
         except KeyboardInterrupt:
             finished.record_interruption(sum(map(len, models)))
             raise
-    warnings = {line.model: line.warning for line in lines}
-    every = (*lines, *(replace(line, warning=warnings[line.model]) for line in fixed))
+    doubts = {line.model: (line.warning, line.missed) for line in lines}
+    implied = (doubts[line.model] for line in fixed)
+    doubted = (
+        replace(of, warning=warning, missed=missed) for of, (warning, missed) in zip(fixed, implied, strict=True)
+    )
+    every = (*lines, *doubted)
     return replace(empty, lines=every, notes=finished.notes)
 
 
