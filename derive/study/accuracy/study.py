@@ -160,12 +160,8 @@ def study_accuracy(
         except KeyboardInterrupt:
             finished.record_interruption(sum(map(len, models)))
             raise
-    doubts = {line.model: (line.warning, line.missed) for line in lines}
-    implied = (doubts[line.model] for line in fixed)
-    doubted = (
-        replace(of, warning=warning, missed=missed) for of, (warning, missed) in zip(fixed, implied, strict=True)
-    )
-    every = (*lines, *doubted)
+    doubts = {line.model: line for line in lines}
+    every = (*lines, *(replace(of, warning=doubts[of.model].warning, missed=doubts[of.model].missed) for of in fixed))
     return replace(empty, lines=every, notes=finished.notes)
 
 
