@@ -40,10 +40,14 @@ at second order by v'^3/6, which changes its sign along the beam. Measured on su
 
 @dataclass(frozen=True, eq=False)
 class ImpliedErrors:
-    """The implied errors of a beam, from the quantities that were watched in a run."""
+    """The implied errors of a beam, from the quantities that were watched in a run.
+
+    buckling: the error of the deflection (rms, m) by an axial force that buckles it for moments.
+    """
 
     watched: WatchedBeam
     seen: Watched
+    buckling: float = 0.0
 
     @property
     def peak(self) -> float:
@@ -82,7 +86,9 @@ class ImpliedErrors:
             stiffness = float(self.seen.largest[self.watched.axial])
             buckles = stiffness >= 1 and self.seen.means[self.watched.axial] < 0
             return stiffness if buckles or not self.watched.shapes.axis else 0.0
-        return self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
+        known = self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
+        never_in_phase = np.sqrt(2) * self._rms(self.watched.deflection)
+        return max(known, float(min(self.buckling, never_in_phase) / self.peak))
 
     @property
     def of_shapes(self) -> float:
