@@ -18,31 +18,28 @@ BUCKLED = -1.0
 """The whole of the added stiffness at which none is left."""
 COARSE = 1.5
 """The largest angle, rad, of the fastest vibration between two rows from which its response is known."""
-FARTHEST = 1e3
-"""An error is lost that is so many times the largest deflection."""
 
 
 def buckling_error(t: Vector, whole: Vector, missing: Vector, deflection: Vector, frequency: float) -> float:
-    """The root mean square of the error e in rows at t (n,), s, in the unit of v; 0 where nothing buckles.
+    """The root mean square of e over the peak of v + e in rows at t (n,), s; 0 where nothing buckles.
 
     whole, missing, deflection (n,): a, b and v there. frequency: w, rad/s. It is also 0 where the rows are too coarse.
     """
-    steps = np.diff(t)
-    fastest = frequency * sqrt(1 + float(np.abs(whole).max()))
-    if len(t) < 2 or not whole.min() < BUCKLED or not fastest * float(steps.max()) < COARSE:
+    if len(t) < 2 or not whole.min() < BUCKLED or not deflection.any():
         return 0.0
-    stiffness = frequency**2 * (1 + (whole[1:] + whole[:-1]) / 2)
+    steps, fastest = np.diff(t), frequency * sqrt(1 + float(np.abs(whole).max()))
+    if not fastest * float(steps.max()) < COARSE:
+        return 0.0
     product = missing * deflection
+    stiffness = frequency**2 * (1 + (whole[1:] + whole[:-1]) / 2)
     load = -(frequency**2) * (product[1:] + product[:-1]) / 2
-    farthest = FARTHEST * float(np.abs(deflection).max())
-    error, rate, squares = 0.0, 0.0, 0.0
+    errors, error, rate = [0.0], 0.0, 0.0
     for h, k, f in zip(steps.tolist(), stiffness.tolist(), load.tolist(), strict=True):
         root = sqrt(abs(k))
         c, s = (cos(root * h), sin(root * h)) if k > 0 else (cosh(root * h), sinh(root * h))
         sine = s / root if root else h
         ramp = (1 - c) / k if k else h * h / 2
         error, rate = c * error + sine * rate + ramp * f, -k * sine * error + c * rate + sine * f
-        if abs(error) > farthest:
-            return farthest
-        squares += h * error**2
-    return float(np.sqrt(squares / (t[-1] - t[0])))
+        errors.append(error)
+    e = np.array(errors)
+    return float(np.sqrt(np.mean(e**2)) / np.abs([deflection, deflection + e]).max())

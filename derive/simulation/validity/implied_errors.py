@@ -42,7 +42,7 @@ at second order by v'^3/6, which changes its sign along the beam. Measured on su
 class ImpliedErrors:
     """The implied errors of a beam, from the quantities that were watched in a run.
 
-    buckling: the error of the deflection (rms, m) by an axial force that buckles it for moments.
+    buckling: the error by an axial force that buckles it for moments, see `buckling_error`.
     """
 
     watched: WatchedBeam
@@ -86,9 +86,8 @@ class ImpliedErrors:
             stiffness = float(self.seen.largest[self.watched.axial])
             buckles = stiffness >= 1 and self.seen.means[self.watched.axial] < 0
             return stiffness if buckles or not self.watched.shapes.axis else 0.0
-        known = self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
-        never_in_phase = np.sqrt(2) * self._rms(self.watched.deflection)
-        return max(known, float(min(self.buckling, never_in_phase) / self.peak))
+        steady = self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
+        return max(steady, self.buckling)
 
     @property
     def of_shapes(self) -> float:

@@ -45,7 +45,7 @@ def _buckles(beam: WatchedBeam, seen: Watched) -> bool:
 
 
 def _buckling_error(beam: WatchedBeam, t: Vector, rows: Matrix) -> float:
-    """The error (rms, m) by such a force in the rows (quantities, n) at t (n,), which are empty if there is none."""
+    """The error by such a force in the rows (quantities, n) at t (n,), which are empty if there is none."""
     if not rows.size or beam.beam.beam.order is not DisplacementOrder.FIRST_ORDER or beam.shapes.twists:
         return 0.0
     return buckling_error(t, rows[beam.whole_axial], rows[beam.axial], rows[beam.middle], beam.frequency)

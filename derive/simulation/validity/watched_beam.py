@@ -58,8 +58,8 @@ class WatchedBeam:
 
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
-    that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection; whole_axial: the
-    stiffness that it adds, also between pieces, of a beam of first order. moment: the
+    that the axial force adds and first order leaves out, relative to that of the lowest mode; axial_product: times the
+    deflection; whole_axial: all that it adds, also by the rotations of pieces, relative to the same. moment: the
     bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m; vibrations: those
     of the beam as its joints hold it. energies: square roots of the strain energy, one for each shape of each piece.
     piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
