@@ -43,6 +43,7 @@ def pulsing_column(model: LadderModel) -> tuple[Trajectory, Vector]:
             "push": {"at": "rod.middle", "components": [0, "0.02"]},
         },
         outputs={"middle": {"kind": "position", "marker": "rod.middle"}},
+        plots={"bent": {"y": ["middle_2"]}},
     )
     run = motion(compiled(scene, model), 1e-6, monitored=True)
     return run, run["middle_2"]
