@@ -268,7 +268,7 @@ class _BeamForms:
         return self.forms.add([column for column, _ in forces], factors)
 
     def _added_stiffness(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
-        """What each unit of axial forces adds to the stiffness for motions, see `stiffened`."""
+        """The numbers in z of axial forces, and the stiffness that each adds, see `stiffened`."""
         xi, weights = gauss_points()
         for column, power, near in self.axial_forces():
             slopes = [self.shapes.total_slopes(self.forms.native, self.pieces[i], velocities, xi) for i in near]
