@@ -7,6 +7,12 @@ from typing import Any
 import pytest
 
 import derive
+from derive.percentages import implied_percent
+from derive.simulation.validity.mode_content import mode_errors
+from derive.study.accuracy.doubts import doubt_lines
+from derive.study.accuracy.ladder_model import LadderModel, Shapes
+from derive.study.accuracy.measurement import compiled, curves_of, measured, motion
+from derive.study.accuracy.reference import bare_plots, reference_plots
 from explicit_motion import moved
 from spring_lattice import lattice
 
@@ -29,3 +35,70 @@ def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
     run = moved(scene, duration=0.5, output=0.05)
     assert any("under the forces of its joints its 3 modes imply" in note for note in run.notes) == noted
     assert any("of its deformation" in note or "in its deformation" in note for note in run.notes) == noted
+
+
+def test_a_joint_that_gives_coordinates_has_no_multipliers() -> None:
+    """The forces of the other joints are found behind it, so that the same error is implied as if it had some."""
+
+    def implied(keep_coordinates: bool) -> float:
+        scene = derive.spatial_scene(
+            "carried",
+            gravity=[0, 0, -0.1],
+            ground={"o": (0, 0, 0)},
+            bodies={
+                "seat": {
+                    "mass": 1,
+                    "inertia": [1, 1, 1, 0, 0, 0],
+                    "markers": {"m": (0, 0, 0)},
+                    "keep_coordinates": keep_coordinates,
+                },
+                "truss": {
+                    "nodes": lattice(1),
+                    "units": "SI",
+                    "markers": {"left": {"nodes": [0, 1, 2, 3]}},
+                    "component_modes": "free",
+                    "modes": 3,
+                },
+            },
+            joints={
+                "hinge": {"kind": "revolute", "between": ["ground.o", "seat.m"]},
+                "h": {"kind": "fixed", "between": ["seat.m", "truss.left"]},
+            },
+        )
+        run = moved(scene, duration=0.5, output=0.05).motion
+        (of,) = mode_errors(scene, run.native, run.k, run.t, run.q, run.v)
+        assert of.of_joints
+        return of.error
+
+    assert implied(False) == pytest.approx(implied(True), rel=1e-3) and implied(False) > 0.05
+
+
+def test_a_study_shows_what_a_run_notes() -> None:
+    """Three free modes of a held body: the error that they imply is in the line of a ladder and its texts."""
+    scene = derive.spatial_scene(
+        "held",
+        gravity=[0, 0, -0.1],
+        ground={"o": (0, 0, 0)},
+        bodies={
+            "truss": {
+                "nodes": lattice(1),
+                "units": "SI",
+                "markers": {"left": {"nodes": [0, 1, 2, 3]}, "tip": 4},
+                "component_modes": "free",
+                "modes": 3,
+            }
+        },
+        joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
+        outputs={"tip": {"kind": "position", "marker": "truss.tip"}},
+        simulation={"duration": 0.5, "output": 0.05},
+        plots={"it": {"y": ["tip_3"]}},
+    )
+    of = compiled(scene, LadderModel(Shapes.FREE, 3))
+    bare = bare_plots(scene.plots[0])
+    plots = reference_plots(bare, "itself", curves_of(bare, motion(of, 1e-5)), lambda _: None)
+    line = measured(of, plots, [1e-4])
+    (missed,) = line.missed
+    assert line.valid and missed.of_joints and line.implied == missed.error > 0.05
+    percent = implied_percent(missed.error)
+    assert f"a monitor implies {percent} in" in line.outcome
+    assert doubt_lines([line], []).pop().startswith(f"the modes of truss: {line.label} ({percent}, ")

@@ -48,6 +48,13 @@ class Watch:
 
     def of_rows(self, t: Vector, z: Matrix, nq: int) -> Watched:
         """The largest and mean values in the rows z (rows, nq + nv + nout) at the times t (rows,), s."""
+        values = self.values(t, z)
+        rows = np.abs(values).argmax(axis=1)
+        largest = np.abs(values).max(axis=1)
+        return Watched(largest, t[rows], z[rows, :nq], *(_mean(t, x) for x in (values, values**2)))
+
+    def values(self, t: Vector, z: Matrix) -> Matrix:
+        """The values (quantities, rows) in the same rows."""
         z = np.hstack([z, (t - t[0])[:, None]])
         values = np.zeros((len(self.quantities), len(t)))
         for i, quantity in enumerate(self.quantities):
@@ -55,9 +62,7 @@ class Watch:
             values[i] = np.take_along_axis(forms, np.abs(forms).argmax(axis=1)[:, None], axis=1)[:, 0]
             if quantity.factor is not None:
                 values[i] *= values[quantity.factor]
-        rows = np.abs(values).argmax(axis=1)
-        largest = np.abs(values).max(axis=1)
-        return Watched(largest, t[rows], z[rows, :nq], *(_mean(t, x) for x in (values, values**2)))
+        return values
 
 
 def _mean(t: Vector, values: Matrix) -> Vector:

@@ -40,10 +40,14 @@ at second order by v'^3/6, which changes its sign along the beam. Measured on su
 
 @dataclass(frozen=True, eq=False)
 class ImpliedErrors:
-    """The implied errors of a beam, from the quantities that were watched in a run."""
+    """The implied errors of a beam, from the quantities that were watched in a run.
+
+    buckling: the error by an axial force that buckles it for moments, see `buckling_error`.
+    """
 
     watched: WatchedBeam
     seen: Watched
+    buckling: float = 0.0
 
     @property
     def peak(self) -> float:
@@ -82,7 +86,8 @@ class ImpliedErrors:
             stiffness = float(self.seen.largest[self.watched.axial])
             buckles = stiffness >= 1 and self.seen.means[self.watched.axial] < 0
             return stiffness if buckles or not self.watched.shapes.axis else 0.0
-        return self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
+        steady = self._error(self._rms(self.watched.axial_product), float(self.seen.means[self.watched.axial]))
+        return max(steady, self.buckling)
 
     @property
     def of_shapes(self) -> float:

@@ -13,6 +13,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.validity.buckling_error import BUCKLED, buckling_error
 from derive.simulation.validity.implied_errors import ImpliedErrors
 from derive.simulation.validity.lateral_buckling import lateral_monitors
 from derive.simulation.validity.monitors import Cause, Monitor
@@ -30,12 +31,29 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
         return ()
     if seen is None:
         seen = scene.of_rows(motion.t, motion.q, motion.v, motion.outputs)
-    of_beams = (monitor for beam in scene.beams for monitor in _of_beam(scene, beam, seen))
+    buckled = [beam for beam in scene.beams if _buckles(beam, seen)]
+    rows = scene.values(motion.t, motion.q, motion.v, motion.outputs) if buckled else np.zeros((0, 0))
+    errors = (ImpliedErrors(beam, seen, _buckling_error(beam, motion.t, rows)) for beam in scene.beams)
+    of_beams = (monitor for of in errors for monitor in _of_beam(scene, of))
     return (*of_beams, *lateral_monitors(motion.scene, motion.native, motion.k, motion.t, motion.q))
 
 
-def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator[Monitor]:
-    beam, errors, twists = watched.beam, ImpliedErrors(watched, seen), watched.shapes.twists
+def _buckles(beam: WatchedBeam, seen: Watched) -> bool:
+    """Whether the axial force of a beam of first order may take away all of its stiffness at some time."""
+    first = beam.beam.beam.order is DisplacementOrder.FIRST_ORDER and not beam.shapes.twists
+    return first and seen.largest[beam.whole_axial] > -BUCKLED
+
+
+def _buckling_error(beam: WatchedBeam, t: Vector, rows: Matrix) -> float:
+    """The error by such a force in the rows (quantities, n) at t (n,), which are empty if there is none."""
+    if not rows.size or beam.beam.beam.order is not DisplacementOrder.FIRST_ORDER or beam.shapes.twists:
+        return 0.0
+    return buckling_error(t, rows[beam.whole_axial], rows[beam.axial], rows[beam.middle], beam.frequency)
+
+
+def _of_beam(scene: SceneWatch, errors: ImpliedErrors) -> Iterator[Monitor]:
+    watched, seen = errors.watched, errors.seen
+    beam, twists = watched.beam, watched.shapes.twists
 
     def monitor(cause: Cause, value: float, error: float, t: float) -> Monitor:
         return Monitor(

@@ -24,9 +24,10 @@ from derive.simulation.compiled_scene import constraint_matrix, coordinates_with
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.held_beam import SMALL, HeldMode, admitted_modes
+from derive.spec.model.instances import joined
 from derive.spec.model.node_markers import InterfaceMarker
 from derive.spec.model.spatial_bodies import FlexibleBody
-from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+from derive.spec.model.spatial_scene import SpatialScene
 
 if TYPE_CHECKING:
     from derive.reduction.missed_responses import MissedResponses
@@ -71,23 +72,24 @@ class MissedModes:
         return missed_responses(self.body.body, [InterfaceMarker(m.name, m.nodes, m.weights) for m in markers])
 
     @cached_property
-    def _held(self) -> list[tuple[str, slice]]:
-        """The markers at which joints hold the body, with their constraints."""
-        result, first = list[tuple[str, slice]](), 0
+    def _held(self) -> list[tuple[str, list[int]]]:
+        """The markers at which joints hold the body, with the numbers of their constraints.
+
+        Other joints have none where they give the coordinates of bodies.
+        """
+        numbers = {name: number for number, name in enumerate(self.native.multipliers)}
+        result = list[tuple[str, list[int]]]()
         for joint in self.scene.joints:
-            last = first + self._count(joint)
-            result += [(end.marker, slice(first, last)) for end in (joint.first, joint.second) if end.body == self.name]
-            first = last
+            names = [joined(joint.name, row.label) for row in SPATIAL_JOINTS[joint.kind].rows(joint)]
+            names += [drive.name for drive in self.scene.drives if drive.joint == joint.name]
+            rows = [numbers[name] for name in names if name in numbers]
+            result += [(end.marker, rows) for end in (joint.first, joint.second) if end.body == self.name]
         return result
 
     @property
     def name(self) -> str:
         """The name of the body."""
         return self.body.name
-
-    def _count(self, joint: SpatialJoint) -> int:
-        driven = sum(drive.joint == joint.name for drive in self.scene.drives)
-        return len(SPATIAL_JOINTS[joint.kind].rows(joint)) + driven
 
     @property
     def markers(self) -> set[str]:

@@ -58,7 +58,8 @@ class WatchedBeam:
 
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
-    that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
+    that the axial force adds and first order leaves out, relative to that of the lowest mode; axial_product: times the
+    deflection; whole_axial: all that it adds, also by the rotations of pieces, relative to the same. moment: the
     bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m; vibrations: those
     of the beam as its joints hold it. energies: square roots of the strain energy, one for each shape of each piece.
     piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
@@ -75,6 +76,7 @@ class WatchedBeam:
     middle_rate: int
     axial: int
     axial_product: int
+    whole_axial: int
     moment: int
     missed_moment: int
     missed: int
@@ -107,12 +109,19 @@ class SceneWatch:
 
     def of_rows(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None = None) -> Watched:
         """The watched quantities in the states q (n, nq), v (n, nv) at t (n,), s; outputs (n, nout) may be known."""
+        return self.watch.of_rows(t, self._rows(t, q, v, outputs), self.native.nq)
+
+    def values(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None = None) -> Matrix:
+        """The values (quantities, n) in these states."""
+        return self.watch.values(t, self._rows(t, q, v, outputs))
+
+    def _rows(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None) -> Matrix:
         native, k = self.native, self.k
         if outputs is None:
             outputs = np.empty((len(t), len(native.outputs)))
             for row, time, at, rates in zip(outputs, t, q, v, strict=True):
                 row[:] = native.evaluate_outputs(float(time), at, rates, *native.solve(float(time), at, rates, k), k)
-        return self.watch.of_rows(t, np.hstack([q, v, outputs]), native.nq)
+        return np.hstack([q, v, outputs])
 
 
 def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> SceneWatch:
@@ -148,7 +157,9 @@ class _BeamForms:
         self.rates = [native.nq + column for piece in self.pieces for column in shapes.rates_in(native, piece)]
         if modes:
             self.frequency, self.lowest = modes[0].frequency, modes[0].motion[self.amplitudes]
+            self.velocities: Vector | None = modes[0].velocities
         else:  # nothing deforms it alone: its first shape stands for that of the loads
+            self.velocities = None
             self.frequency, self.lowest = np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1))
         ends = around.held
         self.clamped = ends[0] if len(ends) == 1 else None
@@ -180,6 +191,7 @@ class _BeamForms:
             forms.add(rates, bent[place, None]),
             axial,
             forms.add(axial_columns, axial_factors, deflection),
+            self.whole_axial(),
             forms.add(columns, every_section),
             forms.add(range(forms.size), moments),
             forms.add(range(forms.size), deflections),
@@ -246,8 +258,17 @@ class _BeamForms:
 
         It is that of second order, which a model of first order does not have.
         """
-        if self.shapes.beam.beam.order is DisplacementOrder.FIRST_ORDER:
-            return
+        if self.shapes.beam.beam.order is not DisplacementOrder.FIRST_ORDER:
+            yield from self._added_stiffness(velocities)
+
+    def whole_axial(self) -> int:
+        """The stiffness that the axial force adds to the lowest mode with the rotations of pieces, relative to it."""
+        forces = [*self._added_stiffness(self.velocities[None])] if self.velocities is not None else []
+        factors = np.array([[float(added[0, 0]) / self.strain for _, added in forces]])
+        return self.forms.add([column for column, _ in forces], factors)
+
+    def _added_stiffness(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
+        """The numbers in z of axial forces, and the stiffness that each adds, see `stiffened`."""
         xi, weights = gauss_points()
         for column, power, near in self.axial_forces():
             slopes = [self.shapes.total_slopes(self.forms.native, self.pieces[i], velocities, xi) for i in near]

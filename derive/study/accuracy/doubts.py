@@ -44,18 +44,25 @@ def doubt_reason(line: Line, shown: Sequence[str]) -> str:
 
 
 def doubt_lines(lines: Sequence[Line], shown: Sequence[str]) -> list[str]:
-    """The models with doubts, with implied and measured errors, and those that failed: a line for each reason."""
+    """The models with doubts or notes, with implied and measured errors, and those that failed, by their reasons."""
     reasons: dict[str, list[str]] = {}
+    noted: dict[str, list[str]] = {}
     failures: dict[str, list[str]] = {}
     for line in lines:
         if line.warning is not None and line.integrator == "adaptive":
             measured = percent(line.best) if line.points else "not measured"
             models = reasons.setdefault(doubt_reason(line, shown), [])
             models.append(f"{line.label} ({implied_percent(line.warning.error)}, {measured})")
+        for of in line.missed if line.integrator == "adaptive" else ():
+            text = f"{line.label} ({implied_percent(of.error)}, {percent(line.best)})"
+            noted.setdefault(f"the modes of {of.body}", []).append(text)
         if line.failure:
             failures.setdefault(line.failure, []).append(line.label)
     valid = "Not valid (hollow, dashed), with the error that a monitor implies, and the measured one:"
-    groups = ((valid, reasons), ("Without a result:", failures))
+    modes = (
+        "With too few modes, the error of the deformation that is implied, and the measured one of what the plot shows:"
+    )
+    groups = ((valid, reasons), (modes, noted), ("Without a result:", failures))
     return [
         line
         for heading, of in groups

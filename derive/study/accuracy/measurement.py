@@ -36,8 +36,9 @@ from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.simulation.validity.axial_loads import missing_stiffness_notes
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.mode_content import ModeError, mode_errors
 from derive.simulation.validity.monitoring_outputs import with_monitors
-from derive.simulation.validity.monitors import Monitor
+from derive.simulation.validity.monitors import ERROR_LIMIT, Monitor
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.plots import Plot
@@ -232,8 +233,9 @@ class Line:
 
     warning: the monitor with the largest implied error, of those that are beyond their limits in the finest run, if
     there is one. failure: why a run failed, or why there is none; empty if there is nothing. integrator: the method of
-    its runs. spins: the notes on finite-element bodies that spin fast, by their names. curves: those of the
-    plots in the finest run.
+    its runs. spins: the notes on finite-element bodies that spin fast, by their names. missed: the finite-element
+    bodies of which a run notes that their modes do not suffice, in the finest run; a model stays valid, as a run has
+    no warning then. curves: those of the plots in the finest run.
     """
 
     model: LadderModel
@@ -243,6 +245,7 @@ class Line:
     failure: str = ""
     integrator: str = "adaptive"
     spins: Mapping[str, str] = field(default_factory=dict, hash=False)
+    missed: tuple[ModeError, ...] = ()
     curves: Curves = field(default=(), repr=False, compare=False)
 
     @property
@@ -256,6 +259,11 @@ class Line:
         return self.warning is None and not self.failure
 
     @property
+    def implied(self) -> float | None:
+        """The largest error that a warning or a note implies; None if there is none."""
+        return max((of.error for of in (self.warning, *self.missed) if of is not None), default=None)
+
+    @property
     def best(self) -> float:
         """The root mean square error of the finest run."""
         return self.points[-1].rms
@@ -265,9 +273,9 @@ class Line:
         """The text of the result: error, implied error and time of the finest run, and a failure."""
         if not self.points:
             return self.failure
-        warning = f", a monitor implies {implied_percent(self.warning.error)}" if self.warning else ""
+        implied = "" if self.implied is None else f", a monitor implies {implied_percent(self.implied)}"
         failure = f"; {self.failure}" if self.failure else ""
-        return f"{percent(self.best)}{warning} in {1e3 * self.points[-1].seconds[0]:.3g} ms{failure}"
+        return f"{percent(self.best)}{implied} in {1e3 * self.points[-1].seconds[0]:.3g} ms{failure}"
 
 
 Progress = Callable[[str], None]
@@ -286,7 +294,7 @@ def measured(
     nothing else runs beside it.
     """
     points: list[Point] = []
-    warning, failure, spins, curves = None, "", dict[str, str](), Curves()
+    warning, failure, spins, missed, curves = None, "", dict[str, str](), tuple[ModeError, ...](), Curves()
     for tolerance in tolerances:
         try:
             moved = motion(of, tolerance, monitored=True)
@@ -295,16 +303,18 @@ def measured(
                 alone()
             run = end_run(of, tolerance)
         except TisserandError as error:
-            warning, failure = None, f"tolerance {tolerance:g}: {first_line(error)}"
+            warning, missed, failure = None, (), f"tolerance {tolerance:g}: {first_line(error)}"
             break
         q, v, curves = moved.solution.q, moved.solution.v, curves_of(plots, moved)
         spins = missing_stiffness_notes(of.scene, of.native, of.k, moved.solution.t, q, v, beams=False)
+        errors = mode_errors(of.scene, of.native, of.k, moved.solution.t, q, v)
+        missed = tuple(error for error in errors if error.error > ERROR_LIMIT)
         cost = run.counts["accelerations"], of.operations(run.counts)
         points.append(Point(tolerance, rms, worst, (run.seconds,) * 3, *cost))
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
         if len(points) > 1 and abs(points[-2].rms - rms) <= SAME * rms:
             break
-    return Line(of.model, of.coordinates, tuple(points), warning, failure, spins=spins, curves=curves)
+    return Line(of.model, of.coordinates, tuple(points), warning, failure, spins=spins, missed=missed, curves=curves)
 
 
 def retimed(

@@ -160,8 +160,8 @@ def study_accuracy(
         except KeyboardInterrupt:
             finished.record_interruption(sum(map(len, models)))
             raise
-    warnings = {line.model: line.warning for line in lines}
-    every = (*lines, *(replace(line, warning=warnings[line.model]) for line in fixed))
+    doubts = {line.model: line for line in lines}
+    every = (*lines, *(replace(of, warning=doubts[of.model].warning, missed=doubts[of.model].missed) for of in fixed))
     return replace(empty, lines=every, notes=finished.notes)
 
 

@@ -51,8 +51,7 @@ def model_table(chart: LadderChart) -> StudyTable:
     rows = []
     for line in sorted(chart.drawn, key=lambda line: line.best):
         p = cheapest(line)
-        implied = line.warning.error if line.warning else None
-        sizes = (p.rms, p.worst, implied, p.seconds[0], p.evaluations, p.operations or None, line.coordinates)
+        sizes = (p.rms, p.worst, line.implied, p.seconds[0], p.evaluations, p.operations or None, line.coordinates)
         rows.append((line.label, *sizes, p.setting, line.valid, doubt_reason(line, chart.shown)))
     return StudyTable(
         MODELS, tuple(rows), notes=("each row is the cheapest run of a model within 10 % of its smallest error",)
@@ -118,6 +117,7 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
             {
                 **named(LINE_COLUMNS, _line(line)),
                 "warning": line.warning.data if line.warning else None,
+                "missed_modes": {of.body: of.error for of in line.missed},
                 "failure": line.failure,
                 "integrator": line.integrator,
                 "runs": [named(RUN_COLUMNS, _run(p)) for p in line.points],

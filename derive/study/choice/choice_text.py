@@ -75,10 +75,9 @@ def _tried(line: Line, choice: Choice) -> Row:
     if not line.points:
         return (line.model.label, *(None,) * 6, f"fails: {line.failure}")
     p = shown(line, choice)
-    implied = line.warning.error if line.warning else None
     good = "good" if accurate(line, p, choice.error, choice.reference.error) else ""
     verdict = f"fails: {line.failure}" if line.failure else good
-    return (line.model.label, p.tolerance, p.rms, implied, p.seconds[0], p.evaluations, p.operations, verdict)
+    return (line.model.label, p.tolerance, p.rms, line.implied, p.seconds[0], p.evaluations, p.operations, verdict)
 
 
 def shown(line: Line, choice: Choice) -> Point:
@@ -154,7 +153,7 @@ def choice_data(choice: Choice) -> dict[str, Any]:
             {
                 "model": line.model.label,
                 "failure": line.failure,
-                "implied_error": line.warning.error if line.warning else None,
+                "implied_error": line.implied,
                 "runs": [asdict(p) for p in line.points],
             }
             for line in choice.tried
