@@ -398,6 +398,31 @@ def test_more_shapes_of_torsion_do_not_help_a_beam_whose_bending_is_doubted(
     assert search.is_doubted("b0", replace(sines(1), torsion=2)) is not sure
 
 
+def test_more_shapes_of_bending_do_not_help_a_beam_whose_torsion_is_doubted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A rod in space went through all models with one shape of torsion, each of which the same monitor doubted."""
+    warning = Monitor("b0", 1, Cause.TWISTING_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
+    runs = MadeUpRuns(chain(1), decreasing({"b0": 0.003}))
+    search = trials_of(monkeypatch, runs, 0.002, reference_of(), implied=lambda _: warning)
+    search.run(replace(sines(1), torsion=1))
+    alike = replace(sines(3), torsion=1), replace(clamped(2), torsion=1), replace(sines(1, FULL), torsion=1)
+    assert all(search.is_doubted("b0", model) for model in alike)
+    other = replace(sines(3), torsion=2), replace(polynomials(2, 2), torsion=1), RIGID
+    assert not any(search.is_doubted("b0", model) for model in other)
+
+
+def test_what_shapes_of_bending_miss_is_missing_beside_other_shapes_of_torsion() -> None:
+    """The ladder of one twist was climbed again with two, and with nothing truncated, from the first sine on."""
+
+    def twisted(count: int, torsion: int, order: DisplacementOrder = TRUNCATED) -> LadderModel:
+        return replace(sines(count, order), torsion=torsion)
+
+    errors = {twisted(1, 1): 0.13, twisted(2, 1): 0.063, twisted(3, 1): 0.055}
+    assert cannot_do(twisted(1, 2), errors, 0.01) and cannot_do(twisted(1, 1, FULL), errors, 0.01)
+    assert not cannot_do(twisted(2, 2), errors, 0.01) and not cannot_do(twisted(3, 2), errors, 0.01)
+    assert cannot_do(twisted(4, 1), {**errors, twisted(3, 2): 0.03}, 0.01)  # a twist is missing
+    assert not cannot_do(replace(polynomials(2, 2), torsion=1), {**errors, twisted(3, 2): 0.03}, 0.01)
+
+
 def test_a_beam_without_a_good_model_gets_that_of_the_base(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing else is within the error; shares that vanish do not keep the search going."""
 
