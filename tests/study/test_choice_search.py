@@ -423,6 +423,15 @@ def test_what_shapes_of_bending_miss_is_missing_beside_other_shapes_of_torsion()
     assert not cannot_do(replace(polynomials(2, 2), torsion=1), {**errors, twisted(3, 2): 0.03}, 0.01)
 
 
+def test_more_full_models_are_not_tried_where_one_is_hardly_better() -> None:
+    """Full models of a rod in space took half of the time of a search, which they did not bring further."""
+    full = sines(2, FULL)
+    few = {sines(2): 0.018, full: 0.032}
+    assert cannot_do(sines(3, FULL), few, 0.01) and not cannot_do(sines(3), few, 0.01)
+    assert not cannot_do(sines(1, FULL), {sines(2): 0.05, full: 0.012}, 0.01)
+    assert not cannot_do(sines(3, FULL), {sines(2): 0.05, full: 0.03}, 0.01)  # it helps
+
+
 def test_a_beam_without_a_good_model_gets_that_of_the_base(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing else is within the error; shares that vanish do not keep the search going."""
 
