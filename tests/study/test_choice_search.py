@@ -301,6 +301,35 @@ def test_nothing_is_truncated_where_truncation_limits_the_error(monkeypatch: pyt
     assert not small.good and all(line.model.order is not FULL for line in small.lines)
 
 
+def test_full_variants_of_models_of_the_reference_are_no_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of four shapes and three twists took 46 s of 140 s, and was no better."""
+    runs = MadeUpRuns(chain(1), lambda model, _: {"b0": 0.12})
+    search = trials_of(monkeypatch, runs, 0.05, reference_of((polynomials(6), 0.09), truncation=0.1))
+    try_one_beam(search)
+    assert sines(1, FULL) in runs.asked and polynomials(6, order=FULL) not in runs.asked
+
+
+def test_a_lone_beam_without_a_good_candidate_gets_a_model_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Full models of beams in pieces are not derived: the search on a rod in space came to no end."""
+
+    def errors(model: LadderModel, tolerance: float) -> dict[str, float]:
+        return {"b0": 0.001 if model.pieces > 1 else 0.12 if model.order is TRUNCATED else 0.3}
+
+    def wrong(model: LadderModel, tolerance: float) -> dict[str, float]:
+        return {"b0": 0.001 if model in (polynomials(3, 2), polynomials(3, 3)) else 0.12}
+
+    runs, refused = MadeUpRuns(chain(1), errors), Monitor("b0", 1, Cause.BENDING_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
+    measured = MadeUpTrials(
+        MadeUpRuns(chain(1), wrong), lambda of: refused if of == polynomials(3, 2) else None
+    ).measured
+    monkeypatch.setattr(trials, "measured", measured)
+    monkeypatch.setattr(Trials, "timed", lambda self: self.lines)
+    choice = cheapest_model(runs, 0.1)
+    assert choice.chosen is not None and choice.chosen[0].model == polynomials(3, 3)
+    full = [line.model for line in choice.tried if line.model.order is FULL]
+    assert full and all(model.pieces == 1 for model in full)
+
+
 # ---- combinations ----
 
 
