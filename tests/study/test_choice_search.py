@@ -301,6 +301,35 @@ def test_nothing_is_truncated_where_truncation_limits_the_error(monkeypatch: pyt
     assert not small.good and all(line.model.order is not FULL for line in small.lines)
 
 
+def test_full_variants_of_models_of_the_reference_are_no_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of four shapes and three twists took 46 s of 140 s, and was no better."""
+    runs = MadeUpRuns(chain(1), lambda model, _: {"b0": 0.12})
+    search = trials_of(monkeypatch, runs, 0.05, reference_of((polynomials(6), 0.09), truncation=0.1))
+    try_one_beam(search)
+    assert sines(1, FULL) in runs.asked and polynomials(6, order=FULL) not in runs.asked
+
+
+def test_a_lone_beam_without_a_good_candidate_gets_a_model_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Full models of beams in pieces are not derived: the search on a rod in space came to no end."""
+
+    def errors(model: LadderModel, tolerance: float) -> dict[str, float]:
+        return {"b0": 0.001 if model.pieces > 1 else 0.12 if model.order is TRUNCATED else 0.3}
+
+    def wrong(model: LadderModel, tolerance: float) -> dict[str, float]:
+        return {"b0": 0.001 if model in (polynomials(3, 2), polynomials(3, 3)) else 0.12}
+
+    runs, refused = MadeUpRuns(chain(1), errors), Monitor("b0", 1, Cause.BENDING_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
+    measured = MadeUpTrials(
+        MadeUpRuns(chain(1), wrong), lambda of: refused if of == polynomials(3, 2) else None
+    ).measured
+    monkeypatch.setattr(trials, "measured", measured)
+    monkeypatch.setattr(Trials, "timed", lambda self: self.lines)
+    choice = cheapest_model(runs, 0.1)
+    assert choice.chosen is not None and choice.chosen[0].model == polynomials(3, 3)
+    full = [line.model for line in choice.tried if line.model.order is FULL]
+    assert full and all(model.pieces == 1 for model in full)
+
+
 # ---- combinations ----
 
 
@@ -396,6 +425,40 @@ def test_more_shapes_of_torsion_do_not_help_a_beam_whose_bending_is_doubted(
     search.run(mixed({"b0": replace(sines(1), torsion=1), "b1": RIGID}))
     assert search.is_doubted("b0", replace(sines(1), torsion=1)) and not search.is_doubted("b1", RIGID)
     assert search.is_doubted("b0", replace(sines(1), torsion=2)) is not sure
+
+
+def test_more_shapes_of_bending_do_not_help_a_beam_whose_torsion_is_doubted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A rod in space went through all models with one shape of torsion, each of which the same monitor doubted."""
+    warning = Monitor("b0", 1, Cause.TWISTING_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
+    runs = MadeUpRuns(chain(1), decreasing({"b0": 0.003}))
+    search = trials_of(monkeypatch, runs, 0.002, reference_of(), implied=lambda _: warning)
+    search.run(replace(sines(1), torsion=1))
+    alike = replace(sines(3), torsion=1), replace(clamped(2), torsion=1), replace(sines(1, FULL), torsion=1)
+    assert all(search.is_doubted("b0", model) for model in alike)
+    other = replace(sines(3), torsion=2), replace(polynomials(2, 2), torsion=1), RIGID
+    assert not any(search.is_doubted("b0", model) for model in other)
+
+
+def test_what_shapes_of_bending_miss_is_missing_beside_other_shapes_of_torsion() -> None:
+    """The ladder of one twist was climbed again with two, and with nothing truncated, from the first sine on."""
+
+    def twisted(count: int, torsion: int, order: DisplacementOrder = TRUNCATED) -> LadderModel:
+        return replace(sines(count, order), torsion=torsion)
+
+    errors = {twisted(1, 1): 0.13, twisted(2, 1): 0.063, twisted(3, 1): 0.055}
+    assert cannot_do(twisted(1, 2), errors, 0.01) and cannot_do(twisted(1, 1, FULL), errors, 0.01)
+    assert not cannot_do(twisted(2, 2), errors, 0.01) and not cannot_do(twisted(3, 2), errors, 0.01)
+    assert cannot_do(twisted(4, 1), {**errors, twisted(3, 2): 0.03}, 0.01)  # a twist is missing
+    assert not cannot_do(replace(polynomials(2, 2), torsion=1), {**errors, twisted(3, 2): 0.03}, 0.01)
+
+
+def test_more_full_models_are_not_tried_where_one_is_hardly_better() -> None:
+    """Full models of a rod in space took half of the time of a search, which they did not bring further."""
+    full = sines(2, FULL)
+    few = {sines(2): 0.018, full: 0.032}
+    assert cannot_do(sines(3, FULL), few, 0.01) and not cannot_do(sines(3), few, 0.01)
+    assert not cannot_do(sines(1, FULL), {sines(2): 0.05, full: 0.012}, 0.01)
+    assert not cannot_do(sines(3, FULL), {sines(2): 0.05, full: 0.03}, 0.01)  # it helps
 
 
 def test_a_beam_without_a_good_model_gets_that_of_the_base(monkeypatch: pytest.MonkeyPatch) -> None:

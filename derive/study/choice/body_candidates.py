@@ -7,8 +7,10 @@ and polynomials whose curvature is linear at most where the moment vanishes. The
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from itertools import permutations
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.simulation.validity.loaded_sections import held_ends
@@ -132,7 +134,37 @@ def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     more = [of for other, of in sorted(errors.items(), key=lambda of: of[0].count) if has_more(other, model)]
     fewer = [of for count, of in kind if count < model.count]
     stagnant = len(fewer) > apart and fewer[-1] > max(error, STAGNANT * fewer[-1 - apart])
-    return stagnant or bool(more) and more[0] > HOPELESS * error
+    far = HOPELESS * error
+    hopeless = bool(more) and more[0] > far
+    return stagnant or hopeless or _lacks(model, errors, far) or _truncation_is_no_reason(model, errors, far)
+
+
+def _truncation_is_no_reason(model: LadderModel, errors: Errors, error: float) -> bool:
+    """Whether a full model with as many shapes, or fewer, is beyond an error and hardly better than the truncated one.
+
+    That with one shape does not tell: it may be odd where an even one is missing.
+    """
+    return model.order is DisplacementOrder.FULL and any(
+        of > max(error, STAGNANT * errors.get(replace(other, order=DisplacementOrder.TRUNCATED), math.inf))
+        for other, of in errors.items()
+        if other.kind == model.kind and 1 < other.count <= model.count
+    )
+
+
+def _lacks(model: LadderModel, errors: Errors, error: float) -> bool:
+    """Whether a model has shapes of bending, or of torsion, from which more of these took away more than an error.
+
+    What few shapes of bending miss is missing in models of another order, and beside other shapes of torsion, as well;
+    what few shapes of torsion miss is missing beside all shapes of bending.
+    """
+    for of, finer in permutations(errors, 2):
+        if errors[of] - errors[finer] > error and has_more(finer, of):
+            bends = finer.torsion == of.torsion and model.count <= of.count
+            if bends and model == replace(of, count=model.count, order=model.order, torsion=model.torsion):
+                return True
+            if finer.count == of.count and (model.pieces, model.torsion) == (of.pieces, of.torsion):
+                return True
+    return False
 
 
 def has_more(other: LadderModel, model: LadderModel) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -42,7 +43,7 @@ def try_one_beam(trials: Trials) -> None:
     order = candidate_order(trials.runs.scene, body, trials.cost)
     twists = twists_that_matter(trials, body)
     models = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes, twists)
-    while left := [m for m in (*models, *_with_all_terms(errors, trials)) if _is_worth_it(m, errors, trials)]:
+    while left := [m for m in (*models, *_with_all_terms(models, errors, trials)) if _is_worth_it(m, errors, trials)]:
         model, *others = sorted(left, key=order)
         trials.runs.expect([model, *others[: trials.runs.spare]], monitored=True)
         best = min((trials.cost.operations(line.model) for line in trials.good), default=math.inf)
@@ -88,9 +89,12 @@ def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
     return not (model in trials or too_far or dearer or doubted or cannot_do(model, errors, trials.budget))
 
 
-def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:
-    """The full variants of the models in one piece whose error may come from truncation."""
-    limited = [m for m, error in errors.items() if m.pieces == 1 and m.size and trials.is_limited(error)]
+def _with_all_terms(models: Sequence[LadderModel], errors: Errors, trials: Trials) -> list[LadderModel]:
+    """The full variants of those of the models in one piece whose error may come from truncation.
+
+    Finer models of the reference are no candidates: their full variants take a minute to derive.
+    """
+    limited = [m for m in models if m.pieces == 1 and m.size and m in errors and trials.is_limited(errors[m])]
     return [replace(m, order=DisplacementOrder.FULL) for m in limited if m.order is DisplacementOrder.TRUNCATED]
 
 

@@ -2,9 +2,9 @@
 
 First a reference is made that can be trusted. A scene with one beam is then tried with models from cheap to dear. In
 a scene with several beams each gets a model of its own: its share in the error is measured, see `beam_shares`, and
-combinations are run from cheap to dear. The chosen model has been run and compared with the reference, and none of its
-monitors implies a larger error. If no model is accurate enough, full models follow, where truncation may be the
-reason, and those that made the reference.
+combinations are run from cheap to dear, and if none is accurate enough, full models, where truncation may be the
+reason. Those that made the reference come last. The chosen model has been run and compared with the reference, and none
+of its monitors implies a larger error.
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ def cheapest_model(
     elif not trials.is_good(trials.run(LadderModel(Shapes.RIGID))):  # the answer for a slow motion
         base = _base(known, trials.cost, error)
         shares = try_several_beams(trials, base, rigid)
-    if not trials.good:
+    if not trials.good and not runs.lone:
         trials.run_until_good(_with_all_terms(trials))
     if not trials.good:
         trials.run_until_good(model for model, of in known.errors if usable(model) and of <= trials.budget)

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from derive.errors import TisserandError, first_line
-from derive.simulation.validity.monitors import Cause
+from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.ladder_model import COMPONENT_MODES, LadderModel, Shapes
 from derive.study.accuracy.measurement import Line, Point, measured, retimed
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import replaced
+from derive.study.choice.body_candidates import HOPELESS
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.trusted_reference import TrustedReference
 
@@ -113,16 +114,23 @@ class Trials:
         return replaced(self.runs.scene, model, {name: replace(of, order=order) for name, of in changed.items()})
 
     def is_doubted(self, beam: str, model: LadderModel) -> bool:
-        """Whether a monitor of a run implies too large an error of a beam that has this model there, or bends alike.
+        """Whether a monitor of a run implies too large an error of a beam that has this model there, or misses alike.
 
-        Shapes of torsion do not change what those of bending miss.
+        Shapes of torsion do not change what those of bending miss, and those of bending hardly what torsion misses.
         """
         doubts = ((line.model.of(beam), line.warning) for line in self.lines if implied_error(line) > self.error)
         return any(
-            model == (of if warning.cause is Cause.TWISTING_MOMENT else replace(of, torsion=model.torsion))
+            model == of or self._misses_alike(model, of, warning)
             for of, warning in doubts
             if warning is not None and warning.beam == beam
         )
+
+    def _misses_alike(self, model: LadderModel, of: LadderModel, warning: Monitor) -> bool:
+        """Whether a model of a beam has the shapes that make a monitor warn of another one."""
+        if warning.cause is not Cause.TWISTING_MOMENT:
+            return model == replace(of, torsion=model.torsion)
+        far = warning.error > HOPELESS * self.error
+        return far and (model.pieces, model.torsion) == (of.pieces, of.torsion)
 
     def _line(self, model: LadderModel) -> Line:
         self.runs.progress(f"model {len(self._lines) + 1}: {model.label} ...")
