@@ -397,7 +397,7 @@ def test_a_shaft_that_gravity_bends_does_not_rotate_steadily() -> None:
 def test_a_drive_that_turns_a_part_of_the_scene_is_named() -> None:
     """The velocities of this slider crank are those of its drive, and none are given."""
     inertia = [1, 1, 1, 0, 0, 0]
-    hub = {"at": (0, 0, 0), "rotation": {"z": [0, 1, 0], "x": [1, 0, 0]}}
+    hub: dict[str, Any] = {"at": (0, 0, 0), "rotation": {"z": [0, 1, 0], "x": [1, 0, 0]}}
     scene = derive.spatial_scene(
         "crank",
         gravity=(0, 0, -1),
