@@ -52,6 +52,12 @@ def test_the_names_units_and_start_values_are_those_of_the_model(built: Path) ->
     assert list(map(float, said[len(names) + len(units) :])) == [x.start for x in model.states]
 
 
+def test_the_first_step_of_ode45_is_given() -> None:
+    """The one that it chooses itself left the model of a stiff scene at rest, where no pivot remained."""
+    (sample,) = (file.text for file in octave_files(prepared(PUSHED)) if file.path == "sample.m")
+    assert "'InitialStep', times(2) / 1000)" in sample
+
+
 @pytest.mark.parametrize("name", MODELS)
 def test_the_scripts_keep_to_the_syntax_of_matlab(name: str) -> None:
     """In MATLAB "text" is no array of characters, `!` no operator, and the result of a call has no index behind it."""

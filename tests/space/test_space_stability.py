@@ -392,3 +392,31 @@ def test_a_shaft_that_gravity_bends_does_not_rotate_steadily() -> None:
     native = derive.load_scene(generated(scene)[1], QUICK)
     with pytest.raises(NoSteadyMotion, match="not those of a rotation of the whole scene"):
         steady_motion_of(scene, native, native.setup())
+
+
+def test_a_drive_that_turns_a_part_of_the_scene_is_named() -> None:
+    """The velocities of this slider crank are those of its drive, and none are given."""
+    inertia = [1, 1, 1, 0, 0, 0]
+    hub: dict[str, Any] = {"at": (0, 0, 0), "rotation": {"z": [0, 1, 0], "x": [1, 0, 0]}}
+    scene = derive.spatial_scene(
+        "crank",
+        gravity=(0, 0, -1),
+        ground={"hub": hub, "right": {"at": (2, 0, -1), "rotation": ALONG}},
+        bodies={
+            "arm": {"mass": 1, "inertia": inertia, "markers": {"hub": hub, "end": (1, 0, 0)}},
+            "rod": {
+                "mass": 1,
+                "inertia": inertia,
+                "markers": {"top": ("-1/2", 0, "1/2"), "right": ("1/2", 0, "-1/2")},
+                "start": {"position": (1.5, 0, -0.5)},
+            },
+        },
+        joints={
+            "hub": {"kind": "revolute", "between": ["ground.hub", "arm.hub"]},
+            "ball": {"kind": "spherical", "between": ["arm.end", "rod.top"]},
+            "right": RIGHT,
+        },
+        drives={"motor": {"joint": "hub", "speed": 3}},
+    )
+    with pytest.raises(NoSteadyMotion, match="The drive motor gives velocities as well: a mechanism whose parts"):
+        compiled(scene)()

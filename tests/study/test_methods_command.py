@@ -8,10 +8,12 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
+import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.runtime.integrators.compilation import LibraryMissing
@@ -23,7 +25,7 @@ from derive.spec.toml.read import read
 from derive.study.methods import scene_methods
 from derive.study.methods.failures import failure_table, failures
 from derive.study.methods.method_study import MethodStudy, method_study
-from derive.study.methods.methods_chart import methods_svg
+from derive.study.methods.methods_chart import MethodPanel, _growth, methods_svg, panels_svg
 from derive.study.methods.methods_table import methods_data, methods_html, methods_text
 from derive.study.methods.scene_methods import Method
 from derive.study.variants import variant
@@ -238,3 +240,50 @@ def test_where_nothing_can_be_written_is_known_before_the_work(
     spec = str(ROOT / "scenes/spinning_beam.toml")
     assert main(["study", "methods", spec, "--out", str(tmp_path / "file" / "x")]) == 2
     assert "this is a file, not a folder; choose another --out" in capsys.readouterr().err
+
+
+def test_names_and_numbers_of_the_limits_do_not_overlap() -> None:
+    """The names of the implicit methods have room between the numbers at the limits of the explicit ones."""
+    limits = [
+        SimpleNamespace(method=method, theory=limit, measured=limit)
+        for method, limit in ((Method.RK4, 2.828), (Method.ADAPTIVE, 5.79))
+    ]
+    made_up = cast(Any, SimpleNamespace(limits=limits, frequency=SimpleNamespace(largest=1)))
+    svg = panels_svg("limits", [MethodPanel("steps", "", lambda axes: _growth(axes, made_up))])
+    places = {box.text: box for box in text_boxes(svg)}
+    name, number = places["trapezoidal"], places["5.79"]
+    assert number.right > name.right and name.right < number.left
+
+
+def test_a_drift_of_lower_order_at_a_kink_is_no_contradiction() -> None:
+    """A step across the end of `step` is of third order: where it is measured, the line names the time."""
+    of = derive.scene(
+        "crank",
+        gravity=(0, -9.81),
+        ground={"hub": (0, 0)},
+        bodies={
+            "arm": {"mass": 1, "inertia": "0.1", "markers": {"hub": (0, 0), "end": (1, 0)}},
+            "rod": {
+                "mass": 1,
+                "inertia": 1,
+                "markers": {"top": (-1.5, 0), "foot": (1.5, 0)},
+                "start": {"position": (2.5, 0)},
+            },
+            "foot": {"mass": 1, "inertia": 1, "markers": {"pin": (0, 0)}, "start": {"position": (4, 0)}},
+        },
+        joints={
+            "hub": {"kind": "revolute", "between": ["ground.hub", "arm.hub"]},
+            "elbow": {"kind": "revolute", "between": ["arm.end", "rod.top"]},
+            "pin": {"kind": "revolute", "between": ["rod.foot", "foot.pin"]},
+            "guide": {"kind": "translational", "between": ["ground.hub", "foot.pin"], "axis": (1, 0)},
+        },
+        drives={"motor": {"joint": "hub", "speed": "20*step(t, 0, 0.11)"}},
+        simulation={"duration": "0.4", "output": "0.01"},
+    )
+    result = derive.study_methods(of, integrators=["rk4"], steps=200, states=3)
+    assert result.order is not None and result.order.kinks == (0.11,)
+    lower = replace(result.order, step=3.1)
+    (line,) = failures(replace(result, order=lower))
+    assert line.agrees is None and "functions of time have kinks at t = 0.11 s" in line.measured
+    (line,) = failures(replace(result, order=replace(lower, kinks=())))
+    assert line.agrees is False

@@ -11,11 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.mechanics.prescribed_motion import drive_motion
 from derive.mechanics.symbols import Family, Identity
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix, max_norm
 from derive.simulation.configurations import attitudes, origins, skew, velocities_with
+from derive.simulation.drive_jumps import rate_at
 from derive.simulation.initial.targets import Strength
 from derive.simulation.linear.rotating_field import RotatingField
 from derive.simulation.linear.steady_motion import NoSteadyMotion
@@ -63,7 +65,19 @@ def rotating_axes_of(
     raise NoSteadyMotion(
         f"the velocities of the initial state are not those of a rotation of the whole scene{direction}: {first[1]} "
         f"misses it by {first[0]:.4g}; give velocities of a rotation, to rigid bodies with an axis of symmetry also a "
-        "spin about that axis, or none"
+        f"spin about that axis, or none{_driven(scene, poses.t)}"
+    )
+
+
+def _driven(scene: SpatialScene, t: float) -> str:
+    """The advice about drives that move at a time (s)."""
+    moving = [drive.name for drive in scene.drives if rate_at(drive_motion(drive), t) != 0.0]
+    if not moving:
+        return ""
+    which, gives = ("drive", "gives") if len(moving) == 1 else ("drives", "give")
+    return (
+        f". The {which} {', '.join(moving)} {gives} velocities as well: a mechanism whose parts move in different "
+        "ways has no steady motion unless its drives stand still"
     )
 
 

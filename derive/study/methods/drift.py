@@ -20,6 +20,7 @@ from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.configurations import displaced
 from derive.simulation.errors import SimulationError
+from derive.spec.model.scene_functions import breaks
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene, equal_times
 from derive.study.states import State
 from derive.terminal import magnitude
@@ -154,12 +155,17 @@ def _power(of: MethodScene, t: float, q: Vector, lam: Vector) -> float:
 @dataclass(frozen=True)
 class DriftOrder:
     """The drift of the constraints under RK4 without projection, over `steps` steps: the largest |g| (m, rad), and the
-    powers of the time and of the step with which it grows."""
+    powers of the time and of the step with which it grows.
+
+    kinks: the times (s) within the run at which a function of the scene or one of its first three derivatives jumps;
+    a step across one of them has a lower order.
+    """
 
     steps: int
     position: float
     time: float
     step: float
+    kinks: tuple[float, ...] = ()
 
 
 def drift_order(of: MethodScene, h: float, steps: int) -> DriftOrder:
@@ -177,7 +183,8 @@ def drift_order(of: MethodScene, h: float, steps: int) -> DriftOrder:
         raise SimulationError(f"{drifts}, and by {magnitude(least)} m in shorter ones, which may be rounding errors")
     if most > FAR * size:
         raise SimulationError(f"{drifts}, which is too far to follow a power of the step")
-    return DriftOrder(steps, most, exponent(whole.t, whole.position), float(np.log2(most / least)))
+    kinks = tuple(time for time in breaks(of.scene) if 0.0 < time < whole.t[-1])
+    return DriftOrder(steps, most, exponent(whole.t, whole.position), float(np.log2(most / least)), kinks)
 
 
 def exponent(t: Vector, size: Vector) -> float:

@@ -25,6 +25,8 @@ EMPTY = 36
 """The number of characters of a line of an empty panel."""
 FLOOR, FAILED = 1e-17, 1e-3
 """The value that stands for zero on logarithmic axes; the error of failed runs above which a label has room."""
+BESIDE = 4.0
+"""The place of the names of implicit methods, between the limits of rk4 and of the adaptive integrator, ω_max h."""
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ORANGE, PURPLE, BLUE, PINK, GREEN, BROWN = style.COLOURS
 METHODS = {
@@ -98,8 +100,8 @@ def _growth(axes: Axes, study: MethodStudy) -> None:
     labels = ((Method.RK4, 3.22, 1.62, "left"), (Method.ADAPTIVE, 6.1, 1.62, "right"))
     for method, x, at, side in labels:
         axes.text(x, at, method.value, color=METHODS[method], ha=side)
-    axes.text(4.4, 1.025, Method.TRAPEZOIDAL.value, color=BROWN, ha="center")
-    axes.text(4.4, 0.93, Method.GENERALISED_ALPHA.value, color=GREEN, ha="center", va="top")
+    axes.text(BESIDE, 1.025, Method.TRAPEZOIDAL.value, color=BROWN, ha="center")
+    axes.text(BESIDE, 0.93, Method.GENERALISED_ALPHA.value, color=GREEN, ha="center", va="top")
     bounded = [line for line in study.limits if np.isfinite(line.theory)]
     for line in bounded:
         at = line.measured * study.frequency.largest
