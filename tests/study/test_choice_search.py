@@ -302,7 +302,7 @@ def test_nothing_is_truncated_where_truncation_limits_the_error(monkeypatch: pyt
 
 
 def test_full_variants_of_models_of_the_reference_are_no_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
-    """That of four shapes and three twists took 46 s of 140 s, and was no better."""
+    """A full model of four shapes and three twists took 46 s of 140 s, and was no better."""
     runs = MadeUpRuns(chain(1), lambda model, _: {"b0": 0.12})
     search = trials_of(monkeypatch, runs, 0.05, reference_of((polynomials(6), 0.09), truncation=0.1))
     try_one_beam(search)
