@@ -30,7 +30,7 @@ os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(_CACHES / "zig"))
 CACHE = None if "PYTEST_XDIST_WORKER" in os.environ else tempfile.TemporaryDirectory(prefix="tisserand-cache-")
 COMPILER = """#!/bin/sh
 case "$*" in
-*-Wall*) exec cc "$@" ;;
+*-Wall*|*" -g "*) exec cc "$@" ;;
 *TISSERAND_WITHOUT_*|*-O0*) ;;
 *"{defaults} "*" -O"*) exec cc "$@" ;;
 *"{defaults} "*) ;;

@@ -119,7 +119,7 @@ def run_python(text: str, tree: Path, namespace: dict[str, object] | None) -> Re
 RUN = {"build", "compare", "run", "simulate", "modes", "report"}
 """The kinds of commands that run here on any page: `make run` runs two of them in processes of their own."""
 
-REPORTING = re.compile(r"tisserand (study accuracy|choose)")
+REPORTING = re.compile(r"tisserand (study (accuracy|stability)|choose)")
 """Commands that report their progress on standard error where that is no terminal."""
 
 
