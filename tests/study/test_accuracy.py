@@ -400,6 +400,7 @@ def test_two_models_that_clearly_agree_are_a_reference(
         (["--error", "2"], "an error is a fraction such as 0.01, not '2'; 2 % is 0.02"),
         (["--error", "0.1%"], "an error is a fraction such as 0.01, not '0.1%'; 0.1 % is 0.001"),
         (["--plot", "x"], 'there is no plot "x"'),
+        (["--set", "EL=3"], '--set: "EL" is no parameter and no key'),
     ],
 )
 def test_wrong_arguments(asked: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
