@@ -11,6 +11,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
+from conftest import ROOT
 from derive.runtime.compiler import RUN_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.plots import PlotCurve
@@ -19,9 +20,11 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
-from derive.spec.toml.read import parse
+from derive.spec.model.specification import AnyScene
+from derive.spec.toml.read import parse, read
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import CompiledLadderModel, Curves, Line, Point, compiled, motion
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import trials, trusted_reference
@@ -81,9 +84,11 @@ Errors = Callable[[LadderModel, float], dict[str, float]]
 class MadeUpRuns(ModelRuns):
     """Runs whose curves have errors that are made up; asked: the models that were run, once each."""
 
-    def __init__(self, scene: Scene, errors: Errors, seconds: Callable[[LadderModel], float] = lambda _: 0.1) -> None:
+    def __init__(
+        self, scene: AnyScene, errors: Errors, seconds: Callable[[LadderModel], float] = lambda _: 0.1
+    ) -> None:
         super().__init__(scene, scene.plots, lambda _: None)
-        self.names = [beam.name for beam in beam_bodies(scene)]
+        self.names = [body.name for body in flexible_members(scene)]
         self.errors, self._time = errors, seconds
         self.asked: list[LadderModel] = []
 
@@ -256,6 +261,24 @@ def test_errors_of_a_kind_rule_out_others_of_it() -> None:
     assert not cannot_do(polynomials(3), errors, 0.1) and not cannot_do(polynomials(1, 2), errors, 0.1)
     assert cannot_do(sines(4), errors, 0.1)  # two shapes more have not helped
     assert not cannot_do(sines(4), errors | {sines(3): 0.2}, 0.1) and not cannot_do(sines(2, FULL), errors, 0.1)
+
+
+@pytest.mark.parametrize(("best", "tried"), [(0.16, [1, 8]), (0.05, [1, 8, 2, 3])], ids=["hopeless", "good"])
+def test_the_most_modes_tell_whether_fewer_need_a_trial(
+    best: float, tried: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Free modes of a body that joints hold stagnate: two models show it, where five were tried."""
+    scene = read(ROOT / "examples" / "spatial_crank_slider.toml")
+    assert isinstance(scene, AnyScene)
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        of_free = best if model.count > 2 else 0.6
+        return {"rod": {Shapes.FREE: of_free, Shapes.RIGID: 0.9}.get(model.shapes, 0.5 / (1 + model.count))}
+
+    runs = MadeUpRuns(scene, errors)
+    try_one_beam(trials_of(monkeypatch, runs, 0.08, reference_of((LadderModel(Shapes.CRAIG_BAMPTON, 6), 0.05))))
+    assert [model.count for model in runs.asked if model.shapes is Shapes.FREE] == tried
+    assert (runs.asked[-1].shapes is Shapes.CRAIG_BAMPTON) == (best > 0.1)
 
 
 # ---- trials ----

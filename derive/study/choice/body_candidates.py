@@ -8,7 +8,7 @@ and polynomials whose curvature is linear at most where the moment vanishes. The
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import permutations
 
@@ -43,6 +43,8 @@ FULL = 2.0
 """The approximate operations of a full model relative to those of a truncated one."""
 STAGNANT = 0.7
 """More shapes of a kind are not tried if some more have not reduced the error below this part of it."""
+FAR = 5.0
+"""The most modes of a kind are tried next if fewer of them have more than this times the requested error."""
 HOPELESS = 1.5
 """Fewer shapes of a kind are not tried if a model has more than this times the requested error."""
 
@@ -121,6 +123,24 @@ def suits(model: LadderModel, clamped: frozenset[int]) -> bool:
             return model.pieces > 1 or model.count > LINEAR or len(clamped) == 2
         case _:
             return True
+
+
+def trials_if_all_fail(left: Sequence[LadderModel], errors: Errors, error: float) -> Iterator[LadderModel]:
+    """Yield models in the order of their trials if none of them is accurate enough.
+
+    They are tried as they are sorted, but where some modes of a kind are far from an error, the most modes of it come
+    next: if these fail, fewer need no trial. Free modes of a body that joints hold are such. The richest models of
+    beams take too long to derive.
+    """
+    failed = dict(errors)
+    while left:
+        model, *others = left
+        of_kind = [of for known, of in failed.items() if known.kind == model.kind]
+        if model.shapes in COMPONENT_MODES and min(of_kind, default=0.0) > FAR * error:
+            model = max((other for other in left if other.kind == model.kind), key=lambda other: other.count)
+            others = [other for other in left if other.kind != model.kind]
+        yield model
+        left, failed[model] = others, math.inf
 
 
 def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
