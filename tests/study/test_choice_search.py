@@ -162,6 +162,22 @@ def test_the_error_that_a_message_promises_is_confirmed(slow: float, beams: int)
     assert error / (3.7 if beams == 1 else 6) < known.difference <= error / 3 * (1 + 1e-12)
 
 
+@pytest.mark.parametrize(("of_shapes", "again"), [(0.2, False), (2.5, True)])
+def test_more_beams_are_compared_with_fewer_shapes_again_only_where_these_matter(of_shapes: float, again: bool) -> None:
+    """What fewer shapes change of fewer beams is a bound, and has their model in its label."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.2 / model.pieces**3 + of_shapes * 4.0**-model.count / model.pieces}
+
+    runs = MadeUpRuns(chain(1), errors)
+    known = trusted_reference.trusted_reference(runs, 0.15, lambda _: None)
+    assert known.model == polynomials(3, 3) and (polynomials(2, 3) in runs.asked) == again
+    shapes = next(a for a in known.agreements if a.label.startswith("fewer shapes"))
+    before, after = (of_shapes * 3 * 4.0**-3 / pieces for pieces in (2, 3))
+    assert shapes.difference == pytest.approx(after if again else before, rel=0.05)
+    assert (polynomials(3, 2).label in shapes.label) == (not again)
+
+
 @pytest.mark.parametrize("error", [0.1, 0.009, 0.0045])
 def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(error: float) -> None:
     """Four beams differ from three by 0.78 of their error, which falls with the square of the number of beams."""

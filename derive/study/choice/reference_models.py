@@ -6,7 +6,7 @@ of finite-element bodies, and truncation.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 from derive.spec.model.body import DisplacementOrder
@@ -102,9 +102,13 @@ class ReferenceModels:
         """The largest number of pieces of a beam of a model."""
         return max(model.of(body.name).pieces for body in self._bodies)
 
-    def needed(self, model: LadderModel) -> list[LadderModel]:
-        """The model of a reference, those that it is compared with first, and two that show the error of truncation."""
-        coarser = [other for way in self.directions if (other := way.coarser(model)) is not None]
+    def needed(self, model: LadderModel, settled: Collection[str] = ()) -> list[LadderModel]:
+        """The model of a reference, those that it is compared with first, and two that show the error of truncation.
+
+        settled: the labels of directions that need no comparison.
+        """
+        directions = [way for way in self.directions if way.label not in settled]
+        coarser = [other for way in directions if (other := way.coarser(model)) is not None]
         return [model, *coarser, *(self.truncated(model, 1) or ())]
 
     def _first(self, body: Flexible, of_beam: LadderModel) -> LadderModel:

@@ -40,6 +40,9 @@ SHARE = 1 / 3
 """The largest difference of a reference from coarser models relative to the requested error."""
 CHEAPER = 1.5
 """The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
+SETTLED = 0.25
+"""The difference with fewer shapes over that with fewer beams up to which more beams are not compared with fewer shapes
+again: it is smaller there."""
 LONGEST = 120.0
 """The longest time (s) that may be predicted for a run of a finer reference."""
 
@@ -163,16 +166,23 @@ class _References:
         self._truncation: dict[int, Agreement] = {}
         self._cost = PredictedCost(runs.scene)
         self._complete: dict[LadderModel, TrustedReference] = {}
+        self._settled, self._pieces = dict[str, Agreement](), 0
         self.made: list[TrustedReference] = []
 
     def add(self, model: LadderModel) -> TrustedReference:
         """Add a model as the reference, without a comparison with larger steps, which gives no direction to refine."""
         models = self._runs.models
-        self._runs.expect(map(self._mixture, models.needed(model)))
+        settled = self._settled if models.pieces(model) > self._pieces else {}
+        self._runs.expect(map(self._mixture, models.needed(model, settled)))
         compared = [(way, other) for way in models.directions if (other := way.coarser(model)) is not None]
-        agreements = [self._agreement(model, way, other) for way, other in compared]
+        agreements = [settled.get(way.label) or self._agreement(model, way, other) for way, other in compared]
         by_beams = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if way.beams]
         by_shapes = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if not way.beams]
+        self._pieces, self._settled = models.pieces(model), {}
+        if max(by_shapes, default=0.0) <= SETTLED * max(by_beams, default=0.0):
+            for (way, other), a in zip(compared, agreements, strict=True):
+                label = f"{way.label} of {model.label}: {other.label}"
+                self._settled |= {} if way.beams else {way.label: settled.get(way.label) or replace(a, label=label)}
         if full := self._full(model, max(a.difference for a in agreements)):
             agreements.append(full)
             by_beams.append(full.difference)
