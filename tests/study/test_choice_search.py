@@ -276,6 +276,9 @@ def test_errors_of_a_kind_rule_out_others_of_it() -> None:
     assert cannot_do(polynomials(1), errors, 0.1) and not cannot_do(polynomials(1), errors, 0.15)
     assert not cannot_do(polynomials(3), errors, 0.1) and not cannot_do(polynomials(1, 2), errors, 0.1)
     assert cannot_do(sines(4), errors, 0.1)  # two shapes more have not helped
+    several = {polynomials(2, 1): 0.9, polynomials(2, 2): 0.9}
+    assert cannot_do(polynomials(2, 3), several, 0.1) and not cannot_do(polynomials(3, 3), several, 0.1)
+    assert not cannot_do(polynomials(2, 3), several, 0.13)  # 0.9 (2/3)^4 is within 1.5 times it
     assert not cannot_do(sines(4), errors | {sines(3): 0.2}, 0.1) and not cannot_do(sines(2, FULL), errors, 0.1)
 
 

@@ -156,7 +156,26 @@ def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     stagnant = len(fewer) > apart and fewer[-1] > max(error, STAGNANT * fewer[-1 - apart])
     far = HOPELESS * error
     hopeless = bool(more) and more[0] > far
-    return stagnant or hopeless or _lacks(model, errors, far) or _truncation_is_no_reason(model, errors, far)
+    return (
+        stagnant
+        or hopeless
+        or _lacks(model, errors, far)
+        or _has_too_few_pieces(model, errors, far)
+        or _truncation_is_no_reason(model, errors, far)
+    )
+
+
+def _has_too_few_pieces(model: LadderModel, errors: Errors, error: float) -> bool:
+    """Whether fewer pieces, but several, of the same shapes are so wrong that no rate of convergence helps.
+
+    Polynomials up to the degree p give a deflection whose error falls with the power p + 1 of the number of pieces, at
+    best.
+    """
+    return any(
+        of * (other.pieces / model.pieces) ** (model.count + 2) > error
+        for other, of in errors.items()
+        if 1 < other.pieces < model.pieces and other == replace(model, pieces=other.pieces)
+    )
 
 
 def _truncation_is_no_reason(model: LadderModel, errors: Errors, error: float) -> bool:
