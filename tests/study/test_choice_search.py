@@ -164,7 +164,7 @@ def test_the_error_that_a_message_promises_is_confirmed(slow: float, beams: int)
 
 @pytest.mark.parametrize(("of_shapes", "again"), [(0.2, False), (2.5, True)])
 def test_more_beams_are_compared_with_fewer_shapes_again_only_where_these_matter(of_shapes: float, again: bool) -> None:
-    """What fewer shapes change of fewer beams is a bound, and has their model in its label."""
+    """The change by fewer shapes of fewer beams is a bound, and has their model in its label."""
 
     def errors(model: LadderModel, _: float) -> dict[str, float]:
         return {"b0": 0.2 / model.pieces**3 + of_shapes * 4.0**-model.count / model.pieces}
