@@ -178,6 +178,25 @@ def test_more_beams_are_compared_with_fewer_shapes_again_only_where_these_matter
     assert (polynomials(3, 2).label in shapes.label) == (not again)
 
 
+@pytest.mark.parametrize(("of_kind", "counts"), [(1e-3, [14]), (0.03, [14, 18])], ids=["agree", "differ"])
+def test_modes_of_another_kind_confirm_a_reference_that_agrees_with_fewer_modes(
+    of_kind: float, counts: list[int]
+) -> None:
+    """They refine nothing else, so that coarser references need none of them; where they differ they are refined."""
+    scene = read(ROOT / "examples" / "spatial_crank_slider.toml")
+    assert isinstance(scene, AnyScene)
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        of_other = of_kind * (model.count < 18) * (model.shapes is Shapes.ATTACHMENT)
+        return {"rod": 0.5 * 0.7**model.count + of_other}
+
+    runs = MadeUpRuns(scene, errors)
+    known = trusted_reference.trusted_reference(runs, 0.06, lambda _: None)
+    assert known.model == LadderModel(Shapes.CRAIG_BAMPTON, counts[-1])
+    assert [model.count for model in runs.asked if model.shapes is Shapes.ATTACHMENT] == counts
+    assert [a.label.split(":")[0] for a in known.agreements] == ["fewer modes", "other modes", "larger steps"]
+
+
 @pytest.mark.parametrize("error", [0.1, 0.009, 0.0045])
 def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(error: float) -> None:
     """Four beams differ from three by 0.78 of their error, which falls with the square of the number of beams."""

@@ -141,8 +141,9 @@ def test_references_in_space_are_refined_in_pieces_shapes_and_modes() -> None:
         assert few == f"{text}, P2, P3, 1 twist, truncated" and full == f"{text}, P2, P3, 1 twist, full"
     assert nodes.truncated(nodes.first, 1) is None
     assert nodes.first == LadderModel(Shapes.CRAIG_BAMPTON, 6)
-    others = [way.coarser(nodes.first) for way in nodes.directions]
+    others = [way.coarser(nodes.first) for way in (*nodes.directions, *nodes.confirming)]
     assert others == [replace(nodes.first, count=2), LadderModel(Shapes.ATTACHMENT, 6)]
+    assert nodes.needed(nodes.first) == [nodes.first, others[0]] and beams.confirming == ()
     assert nodes.finer(nodes.first, True) == replace(nodes.first, count=10)
 
 

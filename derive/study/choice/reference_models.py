@@ -67,15 +67,23 @@ class ReferenceModels:
 
     @property
     def directions(self) -> tuple[CoarserModels, ...]:
-        """The directions in which references of the scene may be too coarse, besides truncation."""
-        of_beams = [CoarserModels("fewer beams", lambda model: self._pieces(model, -1), True)] if self._beams else []
-        fewer = "fewer shapes" if self._beams else "fewer modes"
-        others = CoarserModels("other modes", self._other_modes)
+        """The directions in which references of the scene may be too coarse, and are refined, besides truncation."""
+        if not self._beams:
+            return (CoarserModels("fewer modes", lambda model: self._shapes(model, -1)),)
         return (
-            *of_beams,
-            CoarserModels(fewer, lambda model: self._shapes(model, -1)),
-            *([others] if self._nodal else []),
+            CoarserModels("fewer beams", lambda model: self._pieces(model, -1), True),
+            CoarserModels("fewer shapes", lambda model: self._shapes(model, -1)),
+            *(self._kinds if self._nodal else ()),
         )
+
+    @property
+    def confirming(self) -> tuple[CoarserModels, ...]:
+        """The directions that a reference is compared in once it agrees in the others: they refine nothing else."""
+        return () if self._beams else self._kinds
+
+    @property
+    def _kinds(self) -> tuple[CoarserModels, ...]:
+        return (CoarserModels("other modes", self._other_modes),)
 
     def finer(self, model: LadderModel, beams_first: bool) -> LadderModel | None:
         """The model after another one, with more pieces of beams or more shapes; None where there is none."""

@@ -121,7 +121,7 @@ def trusted_reference(
         try:
             known = references.add(model)
             if known.difference <= SHARE * error:
-                known = references.with_larger_steps(known)
+                known = references.confirmed(known)
         except TisserandError as failure:
             if not references.made or isinstance(failure, NotConverged):
                 raise NotConverged(f"the reference cannot be made: {failure}") from failure
@@ -142,8 +142,7 @@ def _without_reference(references: _References, error: float, further: str) -> s
     return (
         f"an error of {percent(error)} needs a reference that differs by at most a third of it from coarser models. No "
         f"reference was accurate enough: {best.model.label} differs by {percent(worst.difference)} from the model with "
-        f"{worst.label}"
-        f"{further}. Ask for {larger}a shorter time"
+        f"{worst.label}{further}. Ask for {larger}a shorter time"
     )
 
 
@@ -167,10 +166,11 @@ class _References:
         self._cost = PredictedCost(runs.scene)
         self._complete: dict[LadderModel, TrustedReference] = {}
         self._settled, self._pieces = dict[str, Agreement](), 0
+        self._unmixed: dict[LadderModel, LadderModel] = {}
         self.made: list[TrustedReference] = []
 
     def add(self, model: LadderModel) -> TrustedReference:
-        """Add a model as the reference, without a comparison with larger steps, which gives no direction to refine."""
+        """Add a model as the reference, without the comparisons of `confirmed`, which give no direction to refine."""
         models = self._runs.models
         settled = self._settled if models.pieces(model) > self._pieces else {}
         self._runs.expect(map(self._mixture, models.needed(model, settled)))
@@ -192,17 +192,20 @@ class _References:
         plots = reference_plots(self._runs.bare, mixture.label, curves, report)
         truncation = self._truncation[1].difference if full else 0.0
         errors = tuple(self._errors(curves))
+        self._unmixed[mixture] = model
         made = TrustedReference(plots, mixture, (*agreements, *self._flexible), errors, truncation)
         self.made.append(made)
         return made
 
-    def with_larger_steps(self, known: TrustedReference) -> TrustedReference:
-        """A reference that is compared with larger steps as well."""
+    def confirmed(self, known: TrustedReference) -> TrustedReference:
+        """A reference that is compared with other modes and with larger steps as well."""
         model = known.model
         if model not in self._complete:
+            ways, unmixed = self._runs.models.confirming, self._unmixed[model]
+            more = [self._agreement(unmixed, way, other) for way in ways if (other := way.coarser(unmixed)) is not None]
             curves = self._runs.curves(model, FINE), self._runs.curves(model, COARSE)
             steps = self._compared(f"larger steps: {model.label}", model, *curves)
-            self._complete[model] = replace(known, agreements=(*known.agreements, steps))
+            self._complete[model] = replace(known, agreements=(*known.agreements, *more, steps))
         return self._complete[model]
 
     @property
@@ -218,7 +221,7 @@ class _References:
         """The reference with the least difference, of those that can be compared with larger steps."""
         for known in self.made:
             with suppress(TisserandError):
-                self.with_larger_steps(known)
+                self.confirmed(known)
         return min(self._complete.values() or self.made, key=lambda known: known.difference)
 
     def finer(self, model: LadderModel) -> LadderModel | None:
