@@ -20,6 +20,8 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 from derive.spec.toml.read import parse, read
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
@@ -263,6 +265,20 @@ def test_beams_that_hardly_matter_are_rigid_in_references() -> None:
     assert known.model == mixed({"b0": polynomials(3, 2), "b1": RIGID})
     none = (BeamShare("b0", RIGID, 1e-5), BeamShare("b1", RIGID, 2e-5))
     assert [of.beam for of in hardly_matter(none, 0.1)] == ["b0"]
+
+
+def test_bodies_with_models_of_different_kinds_keep_them_beside_one_that_hardly_matters() -> None:
+    """The model of the rod was that of both rods, whose kind is the finest."""
+    scene = read(ROOT / "examples" / "spatial_crank_slider.toml")
+    assert isinstance(scene, SpatialScene)
+    (rod,) = flexible_members(scene)
+    assert isinstance(rod, FlexibleBody)
+    two = replace(scene, bodies=(*scene.bodies, replace(rod, name="loose")))
+    scales = {"rod": 0.5, "loose": 1e-4}
+    runs = MadeUpRuns(two, lambda model, _: {name: of * 0.7 ** model.of(name).count for name, of in scales.items()})
+    small = (BeamShare("loose", RIGID, 1e-4),)
+    known = trusted_reference.trusted_reference(runs, 0.06, lambda _: None, small)
+    assert known.model == mixed({"rod": LadderModel(Shapes.CRAIG_BAMPTON, 14), "loose": RIGID})
 
 
 def test_many_beams_are_made_rigid_in_groups() -> None:

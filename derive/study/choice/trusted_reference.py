@@ -191,8 +191,7 @@ class _References:
         report = (lambda _: None) if self.made else self._report  # each reference leaves out the same
         plots = reference_plots(self._runs.bare, mixture.label, curves, report)
         truncation = self._truncation[1].difference if full else 0.0
-        errors = tuple(self._errors(curves))
-        self._unmixed[mixture] = model
+        self._unmixed[mixture], errors = model, tuple(self._errors(curves))
         made = TrustedReference(plots, mixture, (*agreements, *self._flexible), errors, truncation)
         self.made.append(made)
         return made
@@ -257,7 +256,8 @@ class _References:
 
     def _mixture(self, model: LadderModel) -> LadderModel:
         """A model in which the beams that hardly matter are rigid."""
-        return mixed({beam.name: self._rigid.get(beam.name, model) for beam in flexible_members(self._runs.scene)})
+        bodies = flexible_members(self._runs.scene)
+        return mixed({body.name: self._rigid.get(body.name, model.of(body.name)) for body in bodies})
 
     def _curves(self, runs: ModelRuns, model: LadderModel, tolerance: float) -> Curves:
         return runs.curves(self._mixture(model), tolerance)
