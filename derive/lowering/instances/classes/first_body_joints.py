@@ -1,0 +1,46 @@
+"""Whether accelerations are solved for with rows of joints along the axes of the first bodies of these.
+
+The compliance of bodies with many modes is then constant besides what their rotation adds, also where a body is the
+first one of a joint, and takes no products with rotation tensors there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.algebra import sp
+from derive.lowering.instances.classes.body_classes import BodyClass
+from derive.lowering.instances.classes.gears import gears_of
+from derive.lowering.instances.classes.known_motion import KnownMotion
+from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes
+from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.space.first_body_rows import AXES, rows_along_first
+from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
+
+
+def has_rows_along_first(
+    mechanism: AnyMechanism, classes: Iterable[tuple[BodyClass, Equations]], known: KnownMotion
+) -> bool:
+    """Whether all joints have such rows, all bodies are of many modes and have joints, and the ground is at rest."""
+    if not isinstance(mechanism, SpatialMechanism) or not mechanism.joints or gears_of(mechanism) or known.moving:
+        return False
+    own = list(classes)
+    met = {handle.joint for of, _ in own for member in of.members for handle in member.handles}
+    return (
+        all(rows_along_first(joint) for joint in mechanism.joints)
+        and met == {*range(len(mechanism.joints))}
+        and all(_suits(of, equations) for of, equations in own)
+    )
+
+
+def _suits(of: BodyClass, equations: Equations) -> bool:
+    """Whether a body has joints, many modes whose factors are constants, and a translation apart from all else."""
+    constants = constants_of_modes(c.symbol for c in equations.coefficients)
+    of_markers = {known.point for known in constants.values()}
+    mass, rows = equations.mass, range(equations.mass.rows)
+    apart = all(mass[i, j] == (mass[0, 0] if i == j else sp.S.Zero) for i in range(AXES) for j in rows)
+    own = of.first.instance.component.sections
+    first_order = all(not own[handle.marker].second_twists and not own[handle.marker].point.second for handle in of.first.handles)
+    many = len(equations.rows) - 2 * AXES >= FEWEST_MODES
+    handles = of.first.handles
+    return bool(handles) and many and apart and first_order and {h.marker for h in handles} <= of_markers

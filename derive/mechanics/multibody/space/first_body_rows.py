@@ -1,0 +1,156 @@
+"""The accelerations that joints of deformable bodies forbid, in components along the axes of their first bodies.
+
+A joint that removes all displacements has them in the inertial frame, and three rotations as products of the axes of
+both markers. What it forbids is also a relative acceleration along the axes of its first body, where the factors of
+this body are those of its marker in its own frame: minus one for each mode that is a unit motion. Those of the second
+body are its own ones times one rotation tensor. With three rotations, the second derivatives of the rotation vectors
+replace the angular accelerations, so that the factors of modes are the constants of the markers.
+
+The rows are the constraints times a regular matrix, and have the same accelerations; the multipliers follow from theirs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+from derive.algebra import sp
+from derive.mechanics.motion.products import product
+from derive.mechanics.motion.vectors import cross, dot
+from derive.mechanics.multibody.space.frame_motion import fixed_axes
+from derive.mechanics.multibody.space.rows import COINCIDENT, derived, row_variables
+from derive.mechanics.symbols import local
+from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate, OwnAxes, load_symbols
+
+if TYPE_CHECKING:
+    from derive.mechanics.multibody.space.frame_motion import FrameMotion
+    from derive.mechanics.multibody.space.joints import SpatialJointInstance
+
+AXES = 3
+
+
+def rows_along_first(joint: SpatialJointInstance) -> int:
+    """The number of constraints of a joint that have such rows, which are its first ones: 0, 3 or 6."""
+    rows = joint.rows
+    if rows[:AXES] != COINCIDENT or joint.drive is not None:
+        return 0
+    rotations = rows[AXES:]
+    return AXES + len(rotations) if len(rotations) == AXES and all(derived(row).turns for row in rotations) else AXES
+
+
+@cache
+def turned_axes() -> tuple[tuple[sp.Symbol, ...], ...]:
+    """The factors of the second body in its own ones: three rows of displacements, and three of rotations."""
+    axes = range(1, AXES + 1)
+    return tuple(tuple(local(name, i, j) for j in axes) for name in ("between", "between_vectors") for i in axes)
+
+
+@cache
+def row_reactions() -> tuple[sp.Symbol, ...]:
+    """The multipliers of the rows along the axes of the first body."""
+    return tuple(local("row_reaction", k) for k in range(1, 2 * AXES + 1))
+
+
+def factors_along_own_axes(frame: FrameMotion) -> list[dict[str, sp.Expr]]:
+    """The factors of the rows of a body in the acceleration of its marker and in that of its rotation vector.
+
+    All are along the axes of the body, also those of the translation of its origin; none of a frame with known motion.
+    """
+    own = _own(frame)
+    twists = {v.row: v.twist for v in frame.virtual if any(v.twist)}
+    loads = load_symbols()
+    result: list[dict[str, sp.Expr]] = [{} for _ in loads]
+    for row, work in own.work:
+        of = [sp.expand(work).coeff(load) for load in loads]
+        turning = twists.get(row) or product(frame.inverse_tangent, sp.Matrix(of[AXES:]))
+        for k, factor in enumerate((*of[:AXES], *turning)):
+            if factor != 0:
+                result[k][row] = factor
+    return result
+
+
+def _own(frame: FrameMotion) -> OwnAxes:
+    """The motion of a frame along the axes of its body; along the inertial ones if that is no body with coordinates."""
+    if frame.own is not None:
+        return frame.own
+    return OwnAxes(
+        fixed_axes(), (), frame.acceleration, frame.angular_acceleration, frame.axes, frame.angular_velocity
+    )
+
+
+@dataclass(frozen=True)
+class JointAlongFirst:
+    """A joint with rows along the axes of its first body.
+
+    constraints: with the bias of these rows, and without their factors; definitions: what they contain;
+    reactions: the multipliers of the joint from those of its rows.
+    """
+
+    definitions: tuple[Intermediate, ...]
+    constraints: tuple[Constraint, ...]
+    reactions: tuple[sp.Expr, ...]
+
+
+def joint_along_first(
+    joint: SpatialJointInstance, first: FrameMotion, second: FrameMotion, rows: tuple[EquationOfMotion, ...]
+) -> JointAlongFirst:
+    """The rows of a joint for the motions of both of its markers; `rows` are those of its bodies."""
+    _, plain = joint.constraints(first, second, None, rows)
+    count = rows_along_first(joint)
+    made: list[Intermediate] = []
+    one, two = _own(first), _own(second)
+    turned = _named(made, turned_axes()[:AXES], product(one.Q.T, two.Q), "axes of the second body along the first ones")
+    bias = [*(product(turned, sp.Matrix(two.acceleration)) - sp.Matrix(one.acceleration))]
+    own = row_reactions()
+    reactions = [*product(one.Q, sp.Matrix(own[:AXES]))]
+    if count > AXES:
+        back = first.inverse_tangent
+        _named(made, turned_axes()[AXES:], product(back, product(turned, second.tangent)), "rates of rotation vectors")
+        across, drift = _rotations(joint, one, two, turned, made)
+        between = product(turned, sp.Matrix(two.angular_acceleration)) - sp.Matrix(one.angular_acceleration)
+        remaining = sum((row * d for row, d in zip(across, drift, strict=True)), sp.zeros(AXES, 1))
+        bias += [*product(back, between + remaining)]
+        moment = product(back.T, sp.Matrix(own[AXES:]))
+        reactions += [dot(row, moment) for row in across]
+    changed = zip(plain, bias, strict=False)
+    held = (replace(c, position=sp.S.Zero, rate=sp.S.Zero, bias=b, jacobian=(), frames=None) for c, b in changed)
+    reactions += own[count : len(plain)]
+    return JointAlongFirst(tuple(made), (*held, *plain[count:]), tuple(reactions))
+
+
+def _rotations(
+    joint: SpatialJointInstance, one: OwnAxes, two: OwnAxes, turned: sp.Matrix, made: list[Intermediate]
+) -> tuple[list[sp.Matrix], list[sp.Expr]]:
+    """The columns of the inverse of the factors in the relative angular acceleration, and the bias of the rows.
+
+    The latter is that without accelerations, which vanishes where the frames have equal angular velocities.
+    """
+    of = row_variables()
+    pairs = [(of.first.A, one.axes), (of.first.w, one.angular_velocity)]
+    pairs += [(of.second.A, product(turned, two.axes)), (of.second.w, product(turned, two.angular_velocity))]
+    values: dict[sp.Symbol, sp.Expr] = {}
+    for number, (symbols, of_frame) in enumerate(pairs):
+        names = [[local(f"seen_{number}", i, j) for j in range(symbols.cols)] for i in range(symbols.rows)]
+        named = _named(made, names, of_frame, "a frame along the axes of the first body")
+        values |= dict(zip(symbols, named, strict=True))
+    axes = range(1, AXES + 1)
+    rows = [derived(row) for row in joint.rows[AXES:]]
+    factors = _named(
+        made,
+        [[local("across", i, j) for j in axes] for i in axes],
+        sp.Matrix([[*row.m2.xreplace(values)] for row in rows]),
+        "factors of the relative angular acceleration",
+    )
+    drift = [row.bias.xreplace(values) for row in rows]
+    a, b, c = (factors[k, :].T for k in range(AXES))
+    columns = [cross(b, c), cross(c, a), cross(a, b)]
+    (inverse,) = _named(made, [[local("inverse_across")]], sp.Matrix([1 / dot(a, columns[0])]), "their determinant's inverse")
+    return [column * inverse for column in columns], drift
+
+
+def _named(made: list[Intermediate], names: object, values: sp.Matrix, doc: str) -> sp.Matrix:
+    """Names for the entries of a matrix, with their definitions."""
+    symbols = sp.Matrix(names)
+    made += [Intermediate(s, value, "joint", "(6)", doc) for s, value in zip(symbols, values, strict=True)]
+    return symbols
