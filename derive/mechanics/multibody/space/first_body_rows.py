@@ -107,12 +107,10 @@ def joint_along_first(
     if count > AXES:
         back = first.inverse_tangent
         _named(made, turned_axes()[AXES:], product(back, product(turned, second.tangent)), "rates of rotation vectors")
-        across, drift = _rotations(joint, one, two, turned, made)
-        between = product(turned, sp.Matrix(two.angular_acceleration)) - sp.Matrix(one.angular_acceleration)
-        remaining = sum((row * d for row, d in zip(across, drift, strict=True)), sp.zeros(AXES, 1))
-        bias += [*product(back, between + remaining)]
+        columns, acceleration = _rotations(joint, one, two, turned, made)
+        bias += [*product(back, acceleration)]
         moment = product(back.T, sp.Matrix(own[AXES:]))
-        reactions += [dot(row, moment) for row in across]
+        reactions += [dot(column, moment) for column in columns]
     changed = zip(plain, bias, strict=False)
     held = (replace(c, position=sp.S.Zero, rate=sp.S.Zero, bias=b, jacobian=(), frames=None) for c, b in changed)
     reactions += own[count : len(plain)]
@@ -121,32 +119,36 @@ def joint_along_first(
 
 def _rotations(
     joint: SpatialJointInstance, one: OwnAxes, two: OwnAxes, turned: sp.Matrix, made: list[Intermediate]
-) -> tuple[list[sp.Matrix], list[sp.Expr]]:
-    """The columns of the inverse of the factors in the relative angular acceleration, and the bias of the rows.
+) -> tuple[list[sp.Matrix], sp.Matrix]:
+    """The columns of the inverse of the factors in the relative angular acceleration, and what the latter lacks.
 
-    The latter is that without accelerations, which vanishes where the frames have equal angular velocities.
+    With the second frame at rest in the first one but for the angular velocity W between them, each axis a of it has
+    the acceleration W x (W x a) = W (W . a) - W^2 a, which is not zero where W is not: the rows forbid W, too.
     """
     of = row_variables()
-    pairs = [(of.first.A, one.axes), (of.first.w, one.angular_velocity)]
-    pairs += [(of.second.A, product(turned, two.axes)), (of.second.w, product(turned, two.angular_velocity))]
-    values: dict[sp.Symbol, sp.Expr] = {}
-    for number, (symbols, of_frame) in enumerate(pairs):
-        names = [[local(f"seen_{number}", i, j) for j in range(symbols.cols)] for i in range(symbols.rows)]
-        named = _named(made, names, of_frame, "a frame along the axes of the first body")
-        values |= dict(zip(symbols, named, strict=True))
-    axes = range(1, AXES + 1)
+
+    def named(name: str, values: sp.Matrix, doc: str) -> sp.Matrix:
+        names = [[local(name, i, j) for j in range(1, values.cols + 1)] for i in range(1, values.rows + 1)]
+        return _named(made, names, values, doc)
+
+    own = named("first_axes", sp.Matrix(one.axes), "axes of the first marker in its body")
+    other = named("second_axes", product(turned, sp.Matrix(two.axes)), "axes of the second marker in the first body")
+    spin = named("first_spin", sp.Matrix(one.angular_velocity), "angular velocity of the first marker")
+    relative = named("relative_spin", product(turned, sp.Matrix(two.angular_velocity)) - spin, "relative one")
+    along = named("spin_along", product(relative.T, other), "relative angular velocity along the second axes")
+    values = dict(zip((*of.first.A, *of.second.A), (*own, *other), strict=True))
+    turning = dict(zip((*of.first.A, *of.second.A), (*own, *product(relative, along)), strict=True))
     rows = [derived(row) for row in joint.rows[AXES:]]
-    factors = _named(
-        made,
-        [[local("across", i, j) for j in axes] for i in axes],
-        sp.Matrix([[*row.m2.xreplace(values)] for row in rows]),
-        "factors of the relative angular acceleration",
-    )
-    drift = [row.bias.xreplace(values) for row in rows]
+    factors = named("across", sp.Matrix([[*row.m2.xreplace(values)] for row in rows]), "factors of the acceleration")
+    square = dot(relative, relative)
+    drift = [sp.factor_terms(row.g.xreplace(turning)) - square * row.g.xreplace(values) for row in joint.rows[AXES:]]
     a, b, c = (factors[k, :].T for k in range(AXES))
     columns = [cross(b, c), cross(c, a), cross(a, b)]
-    (inverse,) = _named(made, [[local("inverse_across")]], sp.Matrix([1 / dot(a, columns[0])]), "their determinant's inverse")
-    return [column * inverse for column in columns], drift
+    (inverse,) = named("inverse_across", sp.Matrix([1 / dot(a, columns[0])]), "inverse of their determinant")
+    columns = [column * inverse for column in columns]
+    missing = sum((column * d for column, d in zip(columns, drift, strict=True)), sp.zeros(AXES, 1))
+    between = product(turned, sp.Matrix(two.angular_acceleration)) - sp.Matrix(one.angular_acceleration)
+    return columns, between - cross(spin, relative) + missing
 
 
 def _named(made: list[Intermediate], names: object, values: sp.Matrix, doc: str) -> sp.Matrix:
