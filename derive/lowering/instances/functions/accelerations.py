@@ -34,6 +34,7 @@ from derive.lowering.instances.elimination.graph_elimination import in_graph
 from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
+from derive.lowering.instances.functions.body_motions import body_motions
 from derive.lowering.instances.functions.compliance_loops import RowTargets
 from derive.lowering.instances.functions.first_body_reactions import reactions_of_joints
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
@@ -86,6 +87,8 @@ def _system(
     ctx = of.system
     side = right(context, of)
     read = [*side.inputs, *VaryingFactors(context, in_lanes).reads(of)]
+    if in_lanes and context.along_first:
+        read.append(body_motions(context).of_class(of))
     loads = [*state(of, *names), *read]
     given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
@@ -307,7 +310,9 @@ def solved(
         )
     ]
     if context.blocks:
-        varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
+        motions = body_motions(context).works(context) if in_lanes and context.along_first else ()
+        loops = factors.loops(context.blocks, names, has_bias, in_lanes)
+        varying: list[Statement] = [*factors.works(), *motions, *loops]
         written = {element for of in classes for element in written_too_much(of.of, of.system_rows, context.blocks)}
         arrays = declared(context.blocks, has_known, context.proximal, written)
         before = [s for s in arrays if isinstance(s, Work) or not are_joined]

@@ -8,6 +8,7 @@ from derive.ir.statements import Statement
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.elimination.block_system import FORCE, Blocks
+from derive.lowering.instances.functions.body_motions import body_motions
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.mechanics.multibody.space.first_body_rows import row_reactions
 
@@ -17,10 +18,11 @@ def reactions_of_joints(context: InstanceContext, system: Blocks) -> Iterator[St
     for group in context.joints_in_lanes:
         code = group.code
         own = array_input(FORCE, row_reactions()[: len(group.reactions)], "")
-        symbols = code.context.symbols(*given_inputs(code, "q"), own)
+        motions = body_motions(context).of_joint(group)
+        symbols = code.context.symbols(*given_inputs(code), *(given for _, _, given in motions), own)
         items = stores("lam", [symbols(reaction) for reaction in group.reactions])
         place = code.place("reaction", [system.position[joint] for joint in group.joints], system.spacing)
         to = code.place("multiplier", [context.first_rows[joint] for joint in group.joints])
-        inputs = [*group.state("q"), (FORCE, place, own)]
+        inputs = [*motions, (FORCE, place, own)]
         step = Step(code.name, "", "", items)
         yield code.loop(symbols, [step], inputs, {"lam": code.target("lam", to)}, True)

@@ -18,6 +18,7 @@ from derive.lowering.instances.classes.body_classes import NO_JOINT
 from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
+from derive.lowering.instances.functions.body_motions import body_motions
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround
@@ -65,11 +66,15 @@ class VaryingFactors:
         """
         context = self.context
         for group in self.groups:
-            if isinstance(group, JointsWithGround):
-                sizes = {"q": context.coordinates, "v": len(context.rows)}
-                yield from group.copies((name, sizes[name]) for name in names if name in sizes)
             code, ctx = group.code, group.code.context
-            symbols = ctx.symbols(*given_inputs(code, *names))
+            if group.turned:
+                read = body_motions(context).of_joint(group)
+                symbols = ctx.symbols(*given_inputs(code), *(given for _, _, given in read))
+            else:
+                read, symbols = group.state(*names), ctx.symbols(*given_inputs(code, *names))
+                if isinstance(group, JointsWithGround):
+                    sizes = {"q": context.coordinates, "v": len(context.rows)}
+                    yield from group.copies((name, sizes[name]) for name in names if name in sizes)
             entries = jacobian_entries(ctx, symbols)
             items: list[StepItem] = []
             targets: dict[str, LoopTarget] = {}
@@ -91,7 +96,7 @@ class VaryingFactors:
                 more, targets[KNOWN] = self._bias(system, group, symbols)
                 items += more
             step = Step(code.name, "(6)", "", tuple(items))
-            yield code.loop(symbols, [step], group.state(*names), targets, in_lanes)
+            yield code.loop(symbols, [step], read, targets, in_lanes)
 
     def _bias(self, system: Blocks, group: JointCode, symbols: Symbols) -> tuple[tuple[StepItem, ...], LoopTarget]:
         """The items that write gamma of the joints of a group, which is added to that of their drives."""
