@@ -26,6 +26,7 @@ from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.terms import Constraint, Eliminated, Intermediate, MarkerEquations
 from derive.spec.model.markers import MarkerRef
@@ -73,7 +74,7 @@ def class_equations(
         if isinstance(joint, CoupledJoints):
             part = varying[h] = gear_part(joint, instance.name, own)
             defined, contributed = part.definitions, part.constraints
-        elif along_first:
+        elif along_first and isinstance(joint, SpatialJointInstance):
             part = varying[h] = part_along_first(joint, handle.marker, handle.is_first, own)
             defined, contributed = part.definitions, part.constraints
         elif varies(joint):

@@ -36,11 +36,10 @@ def has_rows_along_first(
 def _suits(of: BodyClass, equations: Equations) -> bool:
     """Whether a body has joints, many modes whose factors are constants, and a translation apart from all else."""
     constants = constants_of_modes(c.symbol for c in equations.coefficients)
-    of_markers = {known.point for known in constants.values()}
     mass, rows = equations.mass, range(equations.mass.rows)
     apart = all(mass[i, j] == (mass[0, 0] if i == j else sp.S.Zero) for i in range(AXES) for j in rows)
-    own = of.first.instance.component.sections
-    first_order = all(not own[handle.marker].second_twists and not own[handle.marker].point.second for handle in of.first.handles)
-    many = len(equations.rows) - 2 * AXES >= FEWEST_MODES
-    handles = of.first.handles
-    return bool(handles) and many and apart and first_order and {h.marker for h in handles} <= of_markers
+    sections = [of.first.instance.component.sections[handle.marker] for handle in of.first.handles]
+    has_constants = {section.point.name for section in sections} <= {label.point for label in constants.values()}
+    first_order = not any(section.second_twists or section.point.second for section in sections)
+    many = len(rows) - 2 * AXES >= FEWEST_MODES
+    return bool(sections) and many and apart and first_order and has_constants

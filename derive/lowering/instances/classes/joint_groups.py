@@ -13,6 +13,7 @@ from derive.lowering.instances.classes.varying_joints import drive_of, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.space.first_body_rows import joint_along_first
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.spec.model.markers import MarkerRef
 
 
@@ -58,7 +59,7 @@ def joint_equations(bodies: Bodies, group: Group, along_first: bool = False) -> 
     if isinstance(joint, CoupledJoints):
         return group_equations(bodies, own, GeneralisedForce((), ()), conditions=(joint.constraint(at, rows),)), ()
     first, second = map(at, markers_of(joint))
-    if along_first:
+    if along_first and isinstance(joint, SpatialJointInstance):
         of = joint_along_first(joint, first, second, rows)
         force = GeneralisedForce((), of.definitions)
         return group_equations(bodies, own, force, conditions=of.constraints), of.reactions

@@ -131,7 +131,11 @@ def _as_members(
         return None
     numbers: list[int] = []
     for handle in own.handles:  # of the joints that are left the one with the fewest rows, so that others find theirs
-        left = (k for k, other in enumerate(first.handles) if k not in numbers and _fits(mechanism, handle, other, along_first))
+        left = (
+            k
+            for k, other in enumerate(first.handles)
+            if k not in numbers and _fits(mechanism, handle, other, along_first)
+        )
         number = min(left, key=lambda k: mechanism.joints[first.handles[k].joint].multipliers, default=None)
         if number is None:
             return None

@@ -34,7 +34,7 @@ from derive.lowering.instances.elimination.graph_elimination import in_graph
 from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
-from derive.lowering.instances.functions.body_motions import body_motions
+from derive.lowering.instances.functions.body_motions import BodyMotions
 from derive.lowering.instances.functions.compliance_loops import RowTargets
 from derive.lowering.instances.functions.first_body_reactions import reactions_of_joints
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
@@ -88,7 +88,7 @@ def _system(
     side = right(context, of)
     read = [*side.inputs, *VaryingFactors(context, in_lanes).reads(of)]
     if in_lanes and context.along_first:
-        read.append(body_motions(context).of_class(of))
+        read.append(BodyMotions(context).of_class(of))
     loads = [*state(of, *names), *read]
     given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
@@ -310,7 +310,7 @@ def solved(
         )
     ]
     if context.blocks:
-        motions = body_motions(context).works(context) if in_lanes and context.along_first else ()
+        motions = BodyMotions(context).statements() if in_lanes and context.along_first else ()
         loops = factors.loops(context.blocks, names, has_bias, in_lanes)
         varying: list[Statement] = [*factors.works(), *motions, *loops]
         written = {element for of in classes for element in written_too_much(of.of, of.system_rows, context.blocks)}

@@ -5,8 +5,7 @@ Each joint would compute those of both of its bodies, from amplitudes that it wo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from fractions import Fraction
 
 from derive.algebra import sp
@@ -20,115 +19,93 @@ from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs, state
 from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround
 from derive.lowering.instances.loop_code.group_code import JointCode
+from derive.lowering.instances.places import Place
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
 
 MOTIONS = "motions"
-"""The local array of all bodies, one component after the other."""
-OF_BODY = (Family.ROTATION_TENSOR, Family.ANGULAR_VELOCITY)
-OF_MARKER = (Family.RADIUS, Family.SECTION_VECTOR, Family.SECTION_SCALE)
+"""The local array of the motions of all bodies, one component after the other."""
+FAMILIES = (
+    Family.ROTATION_TENSOR,
+    Family.ANGULAR_VELOCITY,
+    Family.RADIUS,
+    Family.SECTION_VECTOR,
+    Family.SECTION_SCALE,
+)
+"""The components: the attitude and the spin of a body, and the place and the rotation of its markers with their rates.
+
+From these follow all others in a few operations.
+"""
 GROUND = LANES - 1
-"""The place of the ground, before that of the first body, which vectors begin with."""
+"""The place of the ground, before that of the first body, with which a vector begins."""
 
 
-@dataclass(frozen=True)
 class BodyMotions:
-    """The places of the bodies in the array.
+    """The places of all bodies in the array."""
 
-    number: those of bodies by their numbers in the mechanism; points: the markers at which these have joints, with the
-    name of the body that their symbols have; count: the most components.
-    """
+    def __init__(self, context: InstanceContext) -> None:
+        self.context = context
+        bodies = sorted(m.number for of in context.classes_in_lanes for m in of.of.members)
+        self.number = {body: LANES + k for k, body in enumerate(bodies)}
+        self.spacing = LANES + spaced(len(bodies))
 
-    number: Mapping[int, int]
-    spacing: int
-    count: int
-
-    def symbols(self, equations: Equations, owner: str) -> list[sp.Symbol]:
-        """The symbols of the components of a body that has this name in some equations."""
-        return _symbols(equations, owner)
-
-    def works(self, context: InstanceContext) -> Iterator[Statement]:
-        """The array, with the ground in it where joints read it as a body, and the loops of the bodies."""
-        yield Work(MOTIONS, self.count * self.spacing, spacing=self.spacing)
-        for group in context.joints_in_lanes:
+    def statements(self) -> Iterator[Statement]:
+        """Yield the array, the ground in it where joints read it as a body, and the loops over the bodies."""
+        classes = self.context.classes_in_lanes
+        yield Work(MOTIONS, max(len(_own(of)) for of in classes) * self.spacing, spacing=self.spacing)
+        for group in self.context.joints_in_lanes:
             if isinstance(group, JointsWithGround):
                 for k, value in enumerate(_at_rest(group)):
                     yield StoreElement(Element(MOTIONS, constant(k * self.spacing + GROUND)), value)
-        for of in context.classes_in_lanes:
+        for of in classes:
             symbols = of.context.symbols(*given_inputs(of, "q", "v"))
-            own = self.own(of)
-            items = stores(MOTIONS, symbols.values_of(own))
-            target = {MOTIONS: of.target(MOTIONS, self._place(of))}
-            step = Step(f"motions_of_{of.name}", "(6)", "", items)
-            yield of.loop(symbols, [step], state(of, "q", "v"), target, True)
-
-    def own(self, of: ClassCode) -> list[sp.Symbol]:
-        """The symbols of a class of bodies."""
-        return _symbols(of.context.equations, _owner(of.context.equations, range(len(of.context.rows))))
+            step = Step(f"motions_of_{of.name}", "(6)", "", stores(MOTIONS, symbols.values_of(_own(of))))
+            yield of.loop(symbols, [step], state(of, "q", "v"), {MOTIONS: of.target(MOTIONS, self._place(of))}, True)
 
     def of_class(self, of: ClassCode) -> Loaded:
         """The components of a body of a class."""
-        return MOTIONS, self._place(of), array_input(MOTIONS, self.own(of), "")
-
-    def _place(self, of: ClassCode):  # type: ignore[no-untyped-def]
-        return of.place(MOTIONS, [LANES + self.number[m.number] for m in of.of.members], self.spacing)
+        return MOTIONS, self._place(of), array_input(MOTIONS, _own(of), "")
 
     def of_joint(self, group: JointCode) -> list[Loaded]:
-        """The components of the bodies of a joint."""
+        """The components of the bodies of a joint, with the names that they have in its equations."""
         result = []
-        equations = group.code.context.equations
-        for position, (side, columns) in enumerate(group.bodies.items()):
-            symbols = _symbols(equations, _owner(equations, columns))
-            firsts = [_position(self, element.bodies[position].number, element.bodies[position].coordinate) for element in group.elements]
+        for n, (side, columns) in enumerate(group.bodies.items()):
+            bodies = [element.bodies[n] for element in group.elements]
+            firsts = [GROUND if body.coordinate < 0 else self.number[body.number] for body in bodies]
             place = group.code.place(f"{MOTIONS}_{side}", firsts, self.spacing)
-            result.append((MOTIONS, place, array_input(MOTIONS, symbols, "")))
+            result.append((MOTIONS, place, array_input(MOTIONS, _symbols(group.code.context.equations, columns), "")))
         return result
 
-
-def body_motions(context: InstanceContext) -> BodyMotions:
-    """The places of all bodies."""
-    members = sorted(m.number for of in context.classes_in_lanes for m in of.of.members)
-    number = {body: k for k, body in enumerate(members)}
-    made = BodyMotions(number, LANES + spaced(len(members)), 0)
-    count = max(len(made.own(of)) for of in context.classes_in_lanes)
-    return BodyMotions(number, made.spacing, count)
+    def _place(self, of: ClassCode) -> Place:
+        return of.place(MOTIONS, [self.number[m.number] for m in of.of.members], self.spacing)
 
 
-def _position(of: BodyMotions, number: int, coordinate: int) -> int:
-    """The place of a body, or of the ground as one, whose coordinates precede those of bodies."""
-    return GROUND if coordinate < 0 else LANES + of.number[number]
+def _own(of: ClassCode) -> list[sp.Symbol]:
+    """The symbols of the components of a body of a class."""
+    return _symbols(of.context.equations, range(len(of.context.rows)))
 
 
-def _owner(equations: Equations, columns: range) -> str:
-    """The name of the body whose rows these are."""
-    return identity(equations.rows[columns[0]].v).owner
+def _symbols(equations: Equations, columns: range) -> list[sp.Symbol]:
+    """The symbols of the components of the body with these rows of some equations."""
+    owner = identity(equations.rows[columns[0]].v).owner
+    every = (*(d.symbol for d in equations.definitions), *(row.v for row in equations.rows))
+    return [s for s in every if identity(s).owner == owner and identity(s).family in FAMILIES]
 
 
-def _symbols(equations: Equations, owner: str) -> list[sp.Symbol]:
-    known = [(d.symbol, identity(d.symbol)) for d in equations.definitions]
-    speeds = [row.v for row in equations.rows]
-    known += [(v, identity(v)) for v in speeds]
-    families = (*OF_BODY, *OF_MARKER)
-    return [s for s, of in known if of.owner == owner and of.family in families]
-
-
-def _at_rest(group: JointsWithGround) -> Sequence[Number]:
+def _at_rest(group: JointsWithGround) -> list[Number]:
     """The components of the ground as a body: zero but for its axes, the scale of its rotations, and its marker."""
-    equations, side = group.code.context.equations, group.side
-    element = group.elements[0]
-    symbols = _symbols(equations, _owner(equations, group.bodies[side]))
-    first = list(group.bodies).index(side)
-    values = dict(zip((c.symbol for c in equations.coefficients), (c.value for c in element.constants), strict=False))
-    values |= {c.q: _still(c.q) for c in equations.coordinates}
+    equations, element = group.code.context.equations, group.elements[0]
+    values: dict[sp.Symbol, sp.Expr] = {
+        c.symbol: own.value for c, own in zip(equations.coefficients, element.constants, strict=False)
+    }
+    values |= {c.q: sp.Integer(_is_scalar(c.q)) for c in equations.coordinates}
     values |= {row.v: sp.S.Zero for row in equations.rows}
-    assert element.bodies[first].coordinate < 0
     for d in equations.definitions:
         if d.needs <= values.keys():
             values[d.symbol] = d.expr.xreplace(values)
-    return [Number(Fraction(int(values[s].p), int(values[s].q))) for s in symbols]
+    return [Number(Fraction(int(values[s].p), int(values[s].q))) for s in _symbols(equations, group.bodies[group.side])]
 
 
-def _still(q: sp.Symbol) -> sp.Expr:
-    """The value of a coordinate of a body at rest in the origin."""
-    of = identity(q)
-    return sp.Integer(of.family is Family.QUATERNION and of.components == (0,))
+def _is_scalar(q: sp.Symbol) -> bool:
+    """Whether a coordinate is the scalar part of a quaternion, which is one at rest."""
+    return identity(q).family is Family.QUATERNION and identity(q).components == (0,)

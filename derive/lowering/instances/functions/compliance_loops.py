@@ -36,8 +36,8 @@ LABELS = range(AXES)
 class RowGroup:
     """Rows of G with the same constants of modes: the first one, how many they are, and their handle of the body.
 
-    place: the number of the first row among those of its joint; number: that of the group; labels: the constants; start:
-    the first number of its coefficients in their array, None if they are -1 of one constant after the other.
+    place: the number of the first row among those of its joint; number: that of the group; labels: the constants;
+    start: the first number of its coefficients in their array, None if they are -1 of one constant after the other.
     """
 
     first: int
@@ -206,7 +206,8 @@ class ComplianceLoops:
         p = [] if is_unit else [named(body, f"p{m + 1}", self._coefficient(group, m)) for m in LABELS]
         x: list[Expr] = []
         for i in range(ROTATIONS):
-            terms, start = self._along(group, i, p), self._of_row(self.turning, group, i)
+            terms = self._along(group, i, p)
+            start: Expr = self._of_row(self.turning, group, i)
             if is_unit:
                 start, terms = total([start, *terms]), []
             terms += [product(self._shared_at(pairs.index((i, j))), x[j]) for j in range(i)]
@@ -227,9 +228,11 @@ class ComplianceLoops:
         """The loops over the entries of the rows of two groups."""
         table = self._table(group, other)
         body: list[InstanceItem] = []
-        p = [] if other.start is None else [
-            named(body, f"p{m + 1}", self._coefficient(other, m, COLUMN)) for m in LABELS
-        ]
+        p = (
+            []
+            if other.start is None
+            else [named(body, f"p{m + 1}", self._coefficient(other, m, COLUMN)) for m in LABELS]
+        )
         y = [named(body, f"y{i + 1}", self._of_row(self.weighted, other, i, COLUMN)) for i in range(ROTATIONS)]
         parts = [product(self._of_row(self.halves, group, i), y[i]) for i in range(ROTATIONS)]
         less: list[Expr] = []
@@ -242,7 +245,8 @@ class ComplianceLoops:
             less = [product(self._coefficient(group, k), motion[k]) for k in LABELS]
         else:
             motion = [
-                named(body, f"m{k + 1}", total([product(at(table, AXES * k + m), p[m]) for m in LABELS])) for k in LABELS
+                named(body, f"m{k + 1}", total([product(at(table, AXES * k + m), p[m]) for m in LABELS]))
+                for k in LABELS
             ]
             parts = [*(product(self._coefficient(group, k), motion[k]) for k in LABELS), *parts]
         if self._fixed(group, other):

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes, mode_coefficients
 from derive.lowering.instances.functions.marker_modes import MarkerModes

@@ -18,7 +18,7 @@ from derive.lowering.instances.classes.body_classes import NO_JOINT
 from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
-from derive.lowering.instances.functions.body_motions import body_motions
+from derive.lowering.instances.functions.body_motions import BodyMotions
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround
@@ -68,7 +68,7 @@ class VaryingFactors:
         for group in self.groups:
             code, ctx = group.code, group.code.context
             if group.turned:
-                read = body_motions(context).of_joint(group)
+                read = BodyMotions(context).of_joint(group)
                 symbols = ctx.symbols(*given_inputs(code), *(given for _, _, given in read))
             else:
                 read, symbols = group.state(*names), ctx.symbols(*given_inputs(code, *names))

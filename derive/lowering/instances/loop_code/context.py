@@ -128,7 +128,9 @@ class InstanceContext:
         equations, reactions = joint_equations(self.bodies, group, along_first)
         name = f"{group.name}_along_first" if along_first else ""
         code = self._code(group, equations, name)
-        turned = {(k, m): s for k, row in enumerate(turned_axes()) for m, s in enumerate(row)} if along_first else {}
+        turned: dict[FactorPlace, sp.Symbol] = {}
+        if along_first:
+            turned = {(k, m): s for k, row in enumerate(turned_axes()) for m, s in enumerate(row)}
         return JointCode(code, group.members, factors, bodies, reactions, turned)
 
     def _with_ground(self, joints: list[JointCode]) -> list[JointCode]:

@@ -54,12 +54,12 @@ class JointCode(GroupCode):
 
     factors: for each side of the joint with coordinates the places of the factors in G that the body there reads, in
     the order in which they are stored; bodies: the columns of G of this body. turned: the symbols of the factors in
-    rows along the axes of the first body; reactions: the multipliers from those of these rows, if there are any.
+    rows along the axes of the first body; multipliers: those of the joint from those of these rows.
     """
 
     factors: Mapping[int, tuple[FactorPlace, ...]]
     bodies: Mapping[int, range]
-    reactions: tuple[sp.Expr, ...] = ()
+    multipliers: tuple[sp.Expr, ...] = ()
     turned: Mapping[FactorPlace, sp.Symbol] = field(default_factory=lambda: MappingProxyType({}))
 
     @property

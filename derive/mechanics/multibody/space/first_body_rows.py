@@ -6,7 +6,8 @@ this body are those of its marker in its own frame: minus one for each mode that
 body are its own ones times one rotation tensor. With three rotations, the second derivatives of the rotation vectors
 replace the angular accelerations, so that the factors of modes are the constants of the markers.
 
-The rows are the constraints times a regular matrix, and have the same accelerations; the multipliers follow from theirs.
+The rows are the constraints times a regular matrix, and have the same accelerations. The multipliers follow from those
+of the rows.
 """
 
 from __future__ import annotations
@@ -74,9 +75,7 @@ def _own(frame: FrameMotion) -> OwnAxes:
     """The motion of a frame along the axes of its body; along the inertial ones if that is no body with coordinates."""
     if frame.own is not None:
         return frame.own
-    return OwnAxes(
-        fixed_axes(), (), frame.acceleration, frame.angular_acceleration, frame.axes, frame.angular_velocity
-    )
+    return OwnAxes(fixed_axes(), (), frame.acceleration, frame.angular_acceleration, frame.axes, frame.angular_velocity)
 
 
 @dataclass(frozen=True)
