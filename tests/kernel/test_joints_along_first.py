@@ -9,11 +9,15 @@ from test_sums_over_modes import chain
 
 import derive
 from derive.algebra import sp
+from derive.ir.indices import constant
+from derive.ir.statements import ForEach, Let
 from derive.lowering.instances.functions.constant_modes import _translations
 from derive.lowering.instances.loop_code.context import InstanceContext
+from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.motion.rotations import SCALE, THETA, inverse_tangent, section_rotation
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import Family, Identity, local
+from some_functions import only
 
 
 def has_rows_along_first(scene: derive.SpatialScene, proximal: bool = False) -> bool:
@@ -60,3 +64,16 @@ def test_what_a_first_body_has_in_common_is_no_factor(count: int, places: set[in
     for group in InstanceContext(mechanism).joints_in_lanes:
         assert {side for side, of in group.factors.items() if of} == places
         assert {len(group.factors[side]) for side in places} == {18}
+
+
+def test_a_body_reads_each_of_its_numbers_once() -> None:
+    """Four bodies are in one vector, and the last one by itself."""
+    mechanism = derive.derive(chain(5, ("fixed",)))
+    assert isinstance(mechanism, SpatialMechanism)
+    with only("accel"):
+        model = lower_instances(mechanism, explicit=True)
+    loops = [s for s in model.kernel("accel").statements if isinstance(s, ForEach)]
+    for loop in loops:
+        names = [item.name for item in loop.body if isinstance(item, Let)]
+        assert len(names) == len({*names})
+    assert any(loop.stop == constant(1) for loop in loops)

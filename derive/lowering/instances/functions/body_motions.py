@@ -63,8 +63,9 @@ class BodyMotions:
             yield of.loop(symbols, [step], state(of, "q", "v"), {MOTIONS: of.target(MOTIONS, self._place(of))}, True)
 
     def of_class(self, of: ClassCode) -> Loaded:
-        """The components of a body of a class."""
-        return MOTIONS, self._place(of), array_input(MOTIONS, _own(of), "")
+        """The components of a body of a class, besides its velocities, which come last and are in its state."""
+        speeds = {row.v for row in of.context.equations.rows}
+        return MOTIONS, self._place(of), array_input(MOTIONS, (s for s in _own(of) if s not in speeds), "")
 
     def of_joint(self, group: JointCode) -> list[Loaded]:
         """The components of the bodies of a joint, with the names that they have in its equations."""
