@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from derive.algebra import sp
 from derive.lowering.instances.classes.body_classes import BodyClass
 from derive.lowering.instances.classes.gears import gears_of
 from derive.lowering.instances.classes.known_motion import KnownMotion
@@ -34,12 +33,15 @@ def has_rows_along_first(
 
 
 def _suits(of: BodyClass, equations: Equations) -> bool:
-    """Whether a body has joints, many modes whose factors are constants, and a translation apart from all else."""
+    """Whether a body has joints, many modes whose factors are constants, and is coupled by its rotation alone."""
+    if of.first.instance.coordinates.reason or len(equations.rows) - 2 * AXES < FEWEST_MODES:
+        return False  # it follows the ground, or has few modes
     constants = constants_of_modes(c.symbol for c in equations.coefficients)
-    mass, rows = equations.mass, range(equations.mass.rows)
-    apart = all(mass[i, j] == (mass[0, 0] if i == j else sp.S.Zero) for i in range(AXES) for j in rows)
+    mass, turning = equations.mass, range(AXES, 2 * AXES)
+    others = [i for i in range(mass.rows) if i not in turning]
+    alike = all(mass[i, i] == mass[0, 0] and mass[i, j] == 0 for i in range(AXES) for j in turning)
+    apart = alike and all(mass[i, j] == 0 for i in others for j in others if i != j)
     sections = [of.first.instance.component.sections[handle.marker] for handle in of.first.handles]
     has_constants = {section.point.name for section in sections} <= {label.point for label in constants.values()}
     first_order = not any(section.second_twists or section.point.second for section in sections)
-    many = len(rows) - 2 * AXES >= FEWEST_MODES
-    return bool(sections) and many and apart and first_order and has_constants
+    return bool(sections) and apart and first_order and has_constants
