@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from test_instance_graphs import LATER
+from test_instances_in_space import both, check
 from test_sums_over_modes import chain
 
 import derive
@@ -36,6 +38,18 @@ def test_joints_that_hold_a_point_have_them() -> None:
     assert isinstance(first, derive.FlexibleBody)
     few = replace(first, body=replace(first.body, modes=2))
     assert not has_rows_along_first(replace(scene, bodies=(few, second)))
+
+
+@LATER
+def test_trees_turned_joints_and_closed_loops() -> None:
+    """Two joints at one marker, a body that is the second one of both of its joints, and one that closes a loop."""
+    scene = chain(3, ("fixed", "spherical"))
+    base, elbow, tip = scene.joints
+    tip = replace(tip, first=tip.second, second=elbow.first)
+    end = replace(elbow, name="end", first=replace(tip.first, marker="right"), second=base.first)
+    changed = replace(scene, joints=(base, elbow, tip, end))
+    assert has_rows_along_first(changed)
+    check(both(changed, True))
 
 
 def test_rates_of_rotation_vectors_follow_from_angular_velocities() -> None:
