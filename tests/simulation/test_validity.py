@@ -291,13 +291,17 @@ def test_small_deflections_of_a_struck_beam_are_silent() -> None:
 @pytest.mark.parametrize(
     ("frame", "model", "error"),
     [
-        ('{ kind = "tangent", at = -1 }', 'order = 2\nterms = "truncated"', 0.006),
+        ('{ kind = "tangent", at = -1 }', 'order = 2\nterms = "truncated"', 0.015),
         ('"mean"', "pieces = 2", 0.038),
         pytest.param('"mean"', "pieces = 3", 0.017, marks=pytest.mark.long),
     ],
 )
 def test_a_spin_up_is_silent_with_two_shapes_where_its_error_is_small(frame: str, model: str, error: float) -> None:
-    """The errors against the file of the scene are in `docs/monitors.md`."""
+    """The errors of pieces against the file of the scene are in `docs/monitors.md`.
+
+    That of second order is the largest along the beam, in the middle, against full terms and P2 to P5; the file has the
+    tip alone, which is wrong by 0.6 %.
+    """
     shapes = (r"ansatz = \[.*\]", 'ansatz = ["1", "xi", "xi^2", "xi^3"]')
     scene = changed(
         "spun_up_cantilever", shapes, ("frame = {.*}", f"frame = {frame}"), ("mass = 12", f"{model}\nmass = 12")

@@ -102,27 +102,31 @@ class ImpliedErrors:
         missed, rms = self._rms(watched.missed), self._rms(watched.deflection)
         if self.straight:
             return missed / (rms + missed)
-        flexibility, share = 1 / self._stiffness(watched.axial), missed / (rms + missed)
+        flexibility, share = 1 / self._stiffness(watched.axial_missed), missed / (rms + missed)
         late = sorted(map(self._late, watched.vibrations))
         together = np.hypot(late[-1], np.linalg.norm(late[:-1]) / np.sqrt(2)) if late else 0.0
         return float(np.hypot(flexibility * share * rms, together) / self.peak)
 
     def _late(self, of: WatchedVibration) -> float:
         """The lateness of a vibration (rms, m), which is at most that of one that is never in phase."""
-        stiffness = self._stiffness(of.axial)
+        softened = sum(float(self.seen.mean_squares[turn]) for turn in of.turns)
+        stiffness, missed = self._stiffness(of.axial, softened), of.missed / self._stiffness(of.axial_missed)
         frequency = of.frequency * np.sqrt(stiffness)
         return float(
             min(
-                of.missed / (stiffness + of.missed) / 2 * self._rms(of.late),
+                missed / (stiffness + missed) / 2 * self._rms(of.late),
                 np.sqrt(2) * self._rms(of.rate) / frequency,
             )
         )
 
-    def _stiffness(self, axial: int) -> float:
-        """The stiffness with the axial force, whose mean adds a part at second order, relative to that without it."""
+    def _stiffness(self, axial: int, softened: float = 0.0) -> float:
+        """The stiffness with the axial force, whose mean adds a part at second order, relative to that without it.
+
+        softened: the part that a spin takes away.
+        """
         if self.watched.beam.beam.order is FIRST:
             return 1.0
-        return max(1 + float(self.seen.means[axial]), NEARLY_BUCKLED)
+        return max(1 + float(self.seen.means[axial]) - softened, NEARLY_BUCKLED)
 
     def of_lost_inertia(self, lost: float) -> float:
         """The error from the largest fraction of kinetic energy that deflections remove; it affects vibrations only."""
