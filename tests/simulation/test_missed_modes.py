@@ -33,7 +33,7 @@ def test_modes_of_a_clamped_body(modes: dict[str, Any], noted: bool) -> None:
         joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
     )
     run = moved(scene, duration=0.5, output=0.05)
-    assert any("under the forces of its joints its 3 modes imply" in note for note in run.notes) == noted
+    assert any("under its loads its 3 modes imply" in note for note in run.notes) == noted
     assert any("of its deformation" in note or "in its deformation" in note for note in run.notes) == noted
 
 
@@ -67,7 +67,7 @@ def test_a_joint_that_gives_coordinates_has_no_multipliers() -> None:
         )
         run = moved(scene, duration=0.5, output=0.05).motion
         (of,) = mode_errors(scene, run.native, run.k, run.t, run.q, run.v)
-        assert of.of_joints
+        assert of.of_loads
         return of.error
 
     assert implied(False) == pytest.approx(implied(True), rel=1e-3) and implied(False) > 0.05
@@ -98,7 +98,7 @@ def test_a_study_shows_what_a_run_notes() -> None:
     plots = reference_plots(bare, "itself", curves_of(bare, motion(of, 1e-5)), lambda _: None)
     line = measured(of, plots, [1e-4])
     (missed,) = line.missed
-    assert line.valid and missed.of_joints and line.implied == missed.error > 0.05
+    assert line.valid and missed.of_loads and line.implied == missed.error > 0.05
     percent = implied_percent(missed.error)
     assert f"a monitor implies {percent} in" in line.outcome
     assert doubt_lines([line], []).pop().startswith(f"the modes of truss: {line.label} ({percent}, ")
