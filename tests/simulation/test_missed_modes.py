@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import derive
 from derive.percentages import implied_percent
+from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.mode_content import mode_errors
 from derive.study.accuracy.doubts import doubt_lines
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
@@ -102,3 +104,32 @@ def test_a_study_shows_what_a_run_notes() -> None:
     percent = implied_percent(missed.error)
     assert f"a monitor implies {percent} in" in line.outcome
     assert doubt_lines([line], []).pop().startswith(f"the modes of truss: {line.label} ({percent}, ")
+
+
+@pytest.mark.parametrize("load", [{}, {"pull": {"at": "truss.tip", "force": [0, 3, "4*sin(9*t)"]}}])
+def test_a_body_without_joints_is_loaded_by_its_spin_and_by_forces(load: dict[str, Any]) -> None:
+    """Modes that a spin deforms are not told by the fastest one that is kept: it may take no part at all."""
+
+    def run(modes: int) -> tuple[Trajectory, np.ndarray]:
+        body = {
+            "nodes": lattice(2),
+            "units": "SI",
+            "markers": {"tip": 8},
+            "component_modes": "free",
+            "modes": modes,
+            "start": {"angular_velocity": [1.0, -2.0, 0.5] if not load else [0, 0, 0]},
+        }
+        moved_on = moved(derive.spatial_scene("spun", bodies={"truss": body}, forces=load), duration=1.0, output=0.02)
+        motion = moved_on.motion
+        amplitudes = np.zeros((len(motion.t), 12))  # of orthonormal modes
+        amplitudes[:, :modes] = motion.q[
+            :, [motion.native.coordinates.index(f"truss_alpha{i + 1}") for i in range(modes)]
+        ]
+        return moved_on, amplitudes
+
+    (few, own), (_, exact) = run(4), run(12)
+    error = np.sqrt(np.mean(np.sum((own - exact) ** 2, axis=1))) / np.linalg.norm(exact, axis=1).max()
+    motion = few.motion
+    (of,) = mode_errors(motion.scene, motion.native, motion.k, motion.t, motion.q, motion.v)
+    assert of.of_loads and error > 0.05 and error / 2 < of.error < 2 * error
+    assert any("under its loads its 4 modes imply" in note for note in few.notes)
