@@ -18,7 +18,7 @@ from derive.runtime.integrators.watch import Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.observables.beams import piece_names
-from derive.simulation.validity.held_beam import admitted_modes
+from derive.simulation.validity.held_beam import RIGID, moved_by_velocities
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam
 
@@ -61,45 +61,60 @@ def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Lost
         straight = np.where(deformations, 0.0, q)
         bent = straight.copy()
         bent[own] = q[own]
-        value = _lost(native, k, t, straight, bent, held)
+        value = _lost(_Energies.of(native, k, t, straight, bent, held))
         if value > lost:
             time, lost, last = t, value, (straight, bent)
-    before, after = (_frequencies(scene, shapes, time, q) if lost else np.zeros(0) for q in last)
-    count = min(len(before), len(after))
-    return LostInertia(time, lost, before[:count], (after[:count] / before[:count]) ** 2 - 1)
+    if not 0 < lost < 1:
+        return LostInertia(time, lost, np.zeros(0), np.zeros(0))
+    moved = moved_by_velocities(native, last[0], k)[deformations]
+    rates = [i for p in pieces for i in shapes.rates_in(native, p)]
+    others = [i for i in np.flatnonzero(np.any(moved, axis=0)).tolist() if i not in rates]
+    before, after = _vibrations(_Energies.of(native, k, time, *last, [*held, *others]), shapes, [*pieces], native)
+    return LostInertia(time, lost, np.sqrt(before), np.maximum(after / before - 1, 0))
 
 
-def _frequencies(scene: SceneWatch, shapes: PieceShapes, t: float, q: Vector) -> Vector:
-    """The frequencies of a beam in its plane in the state q (nq,) at t, s; none where joints admit no deformation."""
-    native = scene.native
-    own, K = list[int](), np.zeros((native.nv, native.nv))
-    for piece in piece_names(shapes.beam):
-        columns = shapes.rates_in(native, piece)
-        K[np.ix_(columns, columns)] = shapes.stiffness
-        own += columns
-    return np.array([mode.frequency for mode in admitted_modes(K, native, scene.k, t, q, own)])
+@dataclass(frozen=True, eq=False)
+class _Energies:
+    """The velocities (nv, n) that constraints admit in a deflected state, and their inertia before and in it."""
+
+    admitted: Matrix
+    before: Matrix
+    after: Matrix
+
+    @classmethod
+    def of(
+        cls, native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector, held: Sequence[int]
+    ) -> _Energies:
+        """Those of two states (nq,); held: the numbers of velocities that vanish."""
+        before, after = mass_matrix(native, straight, k), mass_matrix(native, bent, k)
+        size = np.sqrt(np.abs(np.diag(before)))
+        scale = np.where(size > 0, size, 1.0)
+        conditions = np.eye(len(scale))[list(held)]
+        if native.nlambda:
+            conditions = np.vstack([constraint_matrix(native, t, bent, k) / scale, conditions])
+        admitted = (null_space(conditions) if len(conditions) else np.eye(len(scale))) / scale[:, None]
+        return cls(admitted, *(admitted.T @ M @ admitted for M in (before, after)))
 
 
-def _lost(native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector, held: Sequence[int]) -> float:
-    """1 less the smallest ratio of kinetic energies in two states (nq,); 0 where a velocity has no inertia at all.
-
-    held: the numbers of velocities that vanish.
-    """
-    before, after = mass_matrix(native, straight, k), mass_matrix(native, bent, k)
-    size = np.sqrt(np.abs(np.diag(before)))
-    scale = np.where(size > 0, size, 1.0)
-    conditions = np.eye(len(scale))[list(held)]
-    if native.nlambda:
-        conditions = np.vstack([constraint_matrix(native, t, bent, k) / scale, conditions])
-    admitted = null_space(conditions) if len(conditions) else np.eye(len(scale))
-    if not admitted.size:
+def _lost(energies: _Energies) -> float:
+    """1 less the smallest ratio of kinetic energies in two states; 0 where a velocity has no inertia at all."""
+    if not energies.before.size:
         return 0.0
-
-    def reduced(M: Matrix) -> Matrix:
-        result: Matrix = admitted.T @ (M / np.outer(scale, scale)) @ admitted
-        return result
-
     try:
-        return float(1.0 - eigh(reduced(after), reduced(before), eigvals_only=True)[0])
+        return float(1.0 - eigh(energies.after, energies.before, eigvals_only=True)[0])
     except np.linalg.LinAlgError:
         return 0.0
+
+
+def _vibrations(
+    energies: _Energies, shapes: PieceShapes, pieces: Sequence[str], native: ConstrainedSystem
+) -> tuple[Vector, Vector]:
+    """The squares of the frequencies of a beam in its plane before and in the deflected state."""
+    K = np.zeros((native.nv,) * 2)
+    for piece in pieces:
+        columns = shapes.rates_in(native, piece)
+        K[np.ix_(columns, columns)] = shapes.stiffness
+    admitted = energies.admitted.T @ K @ energies.admitted
+    before, after = (eigh(admitted, M, eigvals_only=True) for M in (energies.before, energies.after))
+    elastic = before > RIGID * before[-1] if len(before) else np.zeros(0, bool)
+    return before[elastic], after[elastic]
