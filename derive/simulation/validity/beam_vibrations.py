@@ -27,7 +27,7 @@ NEAR = 0.1
 
 @dataclass(frozen=True, eq=False)
 class MissedForms:
-    """What the shapes of a beam miss in a plane, as forms of z = [q; v; outputs; t].
+    """The fields that the shapes of a beam miss in a plane, as forms of z = [q; v; outputs; t].
 
     moments (., z), deflections (PLACES, z): in sections, and along the beam. energies (., z): square roots of parts of
     the strain energy. slopes (pieces, POINTS, z): those of the deflections.
@@ -48,7 +48,7 @@ class Plane(Protocol):
 
     @property
     def missed(self) -> MissedForms:
-        """What its shapes miss."""
+        """The fields that its shapes miss."""
         ...
 
     def stiffened(self, motions: Matrix) -> Iterator[tuple[int, Matrix]]:

@@ -85,7 +85,7 @@ class _Energies:
     def of(
         cls, native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector, held: Sequence[int]
     ) -> _Energies:
-        """Those of two states (nq,); held: the numbers of velocities that vanish."""
+        """The inertia in two states (nq,); held: the numbers of velocities that vanish."""
         before, after = mass_matrix(native, straight, k), mass_matrix(native, bent, k)
         size = np.sqrt(np.abs(np.diag(before)))
         scale = np.where(size > 0, size, 1.0)
