@@ -249,7 +249,7 @@ class _BeamForms:
 
     @cached_property
     def missed(self) -> MissedForms:
-        """The forms that the shapes miss, in sections of all pieces, along the beam, and in the energies of the pieces."""
+        """The fields that the shapes miss: in sections of all pieces, along the beam, and in energies."""
         moments, deflections, energies = list[Matrix](), np.zeros((PLACES, self.forms.size)), list[Matrix]()
         slopes, turned = list[Matrix](), np.zeros(self.forms.size)
         for i, known in enumerate(known_gaps(self.around, self.forms, self.shapes, self.amplitudes)):
