@@ -100,7 +100,7 @@ def dependence(
         return RedundantConstraints(dependences(best.scaled, best.rank, native.multipliers))
     multipliers = involved(singular, native.multipliers)
     if _held_along_beams(native, k, t, q, drives):
-        return InextensibleBeam(t, multipliers)
+        return InextensibleBeam(t, multipliers, native.in_space)
     return SingularConfiguration(t, singular.smallest, multipliers)
 
 
