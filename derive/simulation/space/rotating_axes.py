@@ -65,9 +65,9 @@ def rotating_axes_of(
     assert first
     direction = " about the direction of gravity" if _gravity(scene) is not None else ""
     raise NoSteadyMotion(
-        f"the velocities of the initial state are not those of a rotation of the whole scene{direction}: {first}; "
+        f"the velocities of the initial state are not those of a rotation of the whole scene{direction}: {first}",
         "give velocities of a rotation, to rigid bodies with an axis of symmetry also a spin about that axis, or "
-        f"none{_driven(scene, poses.t)}"
+        f"none{_driven(scene, poses.t)}",
     )
 
 
