@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -265,3 +266,57 @@ def test_motions_that_are_not_steady_say_why() -> None:
     assert "is not the same in axes that rotate with the scene" in refused(beside)
     slow = PENDULUM.replace("KEEP", "").replace("speed = 6", "speed = 2").replace("angle = -0.8", "angle = -1.3")
     assert "far from the initial state: a rotation along arm_phidot by 1.3 rad" in refused(slow)  # it hangs
+
+
+FORK = """
+name = "fork"
+[scene]
+gravity = [0, 0, -9.81]
+start = "steady"
+[ground.markers]
+head = { at = [0, 0, 0.6], rotation = { axis = [0, 1, 0], angle = -0.4 } }
+[bodies.crown]
+mass = 1.2
+inertia = [0.004, 0.002, 0.004, 0, 0, 0]
+[bodies.crown.markers]
+steer = [0, 0, 0]
+left = { at = [0, 0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+right = { at = [0, -0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+[bodies.left]
+mass = 0.8
+inertia = [1e-4, 0.01, 0.01, 0, 0, 0]
+markers = { top = [-0.2, 0, 0], bottom = [0.2, 0, 0] }
+[bodies.right]
+mass = 0.8
+inertia = [1e-4, 0.01, 0.01, 0, 0, 0]
+markers = { top = [-0.2, 0, 0], bottom = [0.2, 0, 0] }
+[bodies.axle]
+mass = 0.4
+inertia = [4e-4, 1e-4, 4e-4, 0, 0, 0]
+[bodies.axle.markers]
+left = { at = [0, 0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+right = { at = [0, -0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+[joints.head]
+kind = "revolute"
+between = ["ground.head", "crown.steer"]
+start = { angle = 0.05, guess = true }
+JOINTS
+[springs.steering]
+kind = "rotational"
+between = ["ground.head", "crown.steer"]
+stiffness = 40
+"""
+
+
+def test_a_loop_of_rigid_bodies_whose_rows_are_rounding_errors_balances_in_its_spring() -> None:
+    """Multipliers along rows of 1e-17 would balance any force, so that the fork would rest where it is guessed."""
+    pairs = {"lt": "crown.left left.top", "rt": "crown.right right.top", "lb": "left.bottom axle.left"}
+    pairs["rb"] = "right.bottom axle.right"
+
+    def fork(names: str) -> Modes:
+        tables = (f'[joints.{n}]\nkind = "fixed"\nbetween = {json.dumps(pairs[n].split())}\n' for n in names.split())
+        return modes(parse(FORK.replace("JOINTS", "".join(tables))))
+
+    closed, open_loop = fork("lt rt lb rb"), fork("lt rt lb")
+    assert np.abs(closed.linear.q).max() < 1e-9  # the centre of mass is below the axis of the head
+    assert angular(closed) == pytest.approx(angular(open_loop), rel=1e-9)
