@@ -12,6 +12,7 @@ from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
 from derive.percentages import percent
 from derive.runtime.compiler import QUICK_FLAGS
+from derive.simulation.errors import SimulationError
 from derive.simulation.observables.beams import fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.plots import PlotCurve
@@ -147,7 +148,10 @@ def _own(
             break
         label = variant.model.label
         progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")
-        moved = motion(opened(models.result(variant)), TOLERANCE)
+        try:
+            moved = motion(opened(models.result(variant)), TOLERANCE)
+        except SimulationError as error:
+            raise SimulationError(f"the reference cannot be made of {label}: {error}") from error
         before, finest = finest, curves_of(bare, moved)
         difference = rms_difference(finest, before) if before else None
         if before and difference is None:  # finer models would hardly tell more
