@@ -178,6 +178,7 @@ class _Fit:
         inverse[~still] = np.linalg.pinv(P[:, ~still], rcond=RANK)
         self.A, self.b = inverse @ D, -inverse @ d
         self.moving = np.repeat(np.any(P.reshape(bodies, -1) != 0.0, axis=1), 6)
+        self.driven = np.repeat(np.any(d.reshape(bodies, -1) != 0.0, axis=1), 6)
         self.residual, self.offset = P @ self.A - D, P @ self.b + d
         G = constraint_matrix(native, poses.t, poses.q, poses.k)
         at_rest = native.constraint_rates(poses.t, poses.q, np.zeros(native.nv), poses.k)
@@ -192,7 +193,7 @@ class _Fit:
     ) -> tuple[RotatingField, float, tuple[str, str]]:
         """The best motion of the axes in a basis, with the largest miss, and what misses it in which unit.
 
-        Joints come first, then rates that are given and guessed, bodies that drives carry, and the velocities v (nv,).
+        Joints come first, then rates that are given and guessed, bodies that drives move, and the velocities v (nv,).
         """
         native, poses = self.poses.native, self.poses
         names = [(f"body {native.bodies[i // 6]}", UNITS[i % 6 // 3]) for i in np.flatnonzero(self.moving)]
@@ -206,6 +207,8 @@ class _Fit:
                 paths = [(t.path, t.unit) for t, (r, _) in zip(own, parts, strict=True) for _ in r]
                 demands.append((rows @ self.A @ basis, -values - rows @ self.b, paths))
         carried = ~self.moving
+        turning = carried & self.driven
+        carried = turning if turning.any() else carried  # what stands on the ground tells nothing of the axes
         demands.append((self.residual[carried] @ basis, -self.offset[carried], []))
         demands.append((self.A @ basis, v - self.b, []))
         z, free = np.zeros(basis.shape[1]), np.eye(basis.shape[1])
@@ -239,6 +242,6 @@ def _nearest(rows: Matrix, values: Vector, z: Vector, free: Matrix) -> tuple[Vec
     if not rows.size or not free.size:
         return z, free
     U, sizes, Vt = np.linalg.svd(rows @ free)
-    rank = int(np.sum(sizes > RANK * np.linalg.norm(rows, 2)))
+    rank = int(np.sum(sizes > RANK * max(1.0, float(np.linalg.norm(rows, 2)))))  # rows may be rounding errors
     step = (U.T @ (values - rows @ z))[:rank] / sizes[:rank]
     return z + free @ Vt[:rank].T @ step, free @ Vt[rank:].T
