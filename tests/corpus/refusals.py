@@ -21,7 +21,7 @@ REFUSALS: dict[str, str] = {
     r"in the frame \w+: .* shapes do not fulfil": "a study of frames needs shapes that fit both",
     r"in the frame \w+: the ansatz is empty after the conditions": "likewise",
     r"families of shape functions are for beams in one piece": "they bend as a whole",
-    r"hold beams along their axes more often than once": "the message names the frame in which they do not resist",
+    r"hold beams along( or about)? their axes more often": "the message names the frame in which they do not resist",
     r"binaries for other platforms need Zig": "the machine lacks a compiler; the message says how to install it",
     r"no static equilibrium is found at t": "modes are those about an equilibrium; the message names --at",
     r"Their multipliers have no unique value": "the message names what computes reactions of least norm",

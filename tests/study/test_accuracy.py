@@ -12,11 +12,13 @@ from typing import Any
 
 import pytest
 
+import derive
 from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import SpecError
 from derive.percentages import percent
+from derive.simulation.errors import SimulationError
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
@@ -449,3 +451,19 @@ def test_wrong_tables_of_peers(
     assert main(["study", "accuracy", str(SCENE), "--peers", str(peers), "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr()
     assert message in said.err and said.out == "" and not (tmp_path / "out").exists()
+
+
+def test_a_reference_that_joints_do_not_permit_is_named() -> None:
+    """The chord of the rod keeps its length as it bends, and so the scene runs; the models of a reference do not."""
+    rod = {"mass": 1, "length": 1, "bending_stiffness": 20, "frame": "chord", "markers": {"a": -1, "m": 0, "b": 1}}
+    held = derive.scene(
+        "held",
+        gravity=(0, -9.81),
+        ground={"a": [0, 0], "b": [1, 0]},
+        bodies={"rod": rod},
+        joints={end: {"kind": "revolute", "between": [f"ground.{end}", f"rod.{end}"]} for end in "ab"},
+        plots={"sag": {"deflection": "rod.m", "chord": ["rod.a", "rod.b"]}},
+        simulation={"duration": 0.05, "output": 0.01},
+    )
+    with pytest.raises(SimulationError, match=r"cannot be made of 1 beam, P2 to P5, truncated: .* by its table axial"):
+        derive.study_accuracy(held, own_reference=True, shapes=[2], pieces=[], sines=[])

@@ -12,6 +12,7 @@ from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
 from derive.percentages import percent
 from derive.runtime.compiler import QUICK_FLAGS
+from derive.simulation.errors import SimulationError
 from derive.simulation.observables.beams import fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.plots import PlotCurve
@@ -148,7 +149,10 @@ def _own(
             break
         label = variant.model.label
         progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")
-        moved = motion(opened(models.result(variant)), TOLERANCE)
+        try:
+            moved = motion(opened(models.result(variant)), TOLERANCE)
+        except SimulationError as error:
+            raise SimulationError(f"the reference cannot be made of {label}: {error}") from error
         before, finest = finest, curves_of(bare, moved)
         pieces.append(variant.model.pieces)
         difference = rms_difference(finest, before) if before else None
