@@ -151,8 +151,8 @@ def _own(
         progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")
         try:
             moved = motion(opened(models.result(variant)), TOLERANCE)
-        except SimulationError as error:
-            raise SimulationError(f"the reference cannot be made of {label}: {error}") from error
+        except SimulationError as cause:
+            raise SimulationError(f"the reference cannot be made of {label}: {cause}") from cause
         before, finest = finest, curves_of(bare, moved)
         pieces.append(variant.model.pieces)
         difference = rms_difference(finest, before) if before else None
