@@ -24,7 +24,7 @@ from derive.simulation.validity.end_loads import held_end
 from derive.simulation.validity.fast_spin import fast_spin_notes, remedy_of
 from derive.simulation.validity.held_beam import admitted_modes
 from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
-from derive.simulation.validity.mode_content import MOST_HELD, modal_stiffness, own_amplitudes
+from derive.simulation.validity.mode_content import MOST_LOADED, modal_stiffness, own_amplitudes
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -54,7 +54,7 @@ def axial_load_notes(
     if not isinstance(scene, SpatialScene):
         return {}
     bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
-    if len(bodies) > MOST_HELD:
+    if len(bodies) > MOST_LOADED:
         return {}
     notes = {body.name: _note(scene, body, native, k, t, q, v) for body in bodies}
     return {name: note for name, note in notes.items() if note}
