@@ -13,10 +13,13 @@ import numpy as np
 from derive.artifacts import MARK
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody, Tie, placed
+from derive.visual.labelled_drawing import LETTER
 from derive.visual.mode_pages import VIEW
 
 WIDTH, MOST, EDGE = 640.0, 420.0, 46.0
 """The largest width and height of the drawing and the width of its margin, in pixels."""
+BESIDE = 6
+"""The distance of a label from its point across and upwards, in pixels."""
 LAMP = np.array([-0.35, -0.55, 0.76])
 """The direction of the light: above the left shoulder of the reader."""
 
@@ -132,14 +135,16 @@ def spatial_picture(
         for marker, number in body.markers
     ]
     named += [(marker, pixels(at[None])[0]) for marker, at in fixed]
-    labels = [label(text, at) for text, at in _together(named)]
+    names = [*_together(named)]
+    labels = [label(text, at) for text, at in names]
     labels += [_text(f"e{k}", tip) for k, tip in enumerate(tips[1:], 1)]
+    width = max(size[0], *(at[0] + 2 * BESIDE + LETTER * len(text) for text, at in names), 0.0)
     marks = [_joint(joint, at[:2], _axes() @ joint.axis) for joint, at in zip(joints, places, strict=True)]
     stands = [_stand(pixels(at[None])[0][:2]) for _, at in fixed]
     bodies_drawn = [text for _, text in sorted(shapes, key=lambda shape: shape[0])]
     content = [*axes, *stands, *bodies_drawn, *marks, *labels]
-    box = f"0 0 {size[0]:.0f} {size[1]:.0f}"
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{size[0]:.0f}" role="img">'
+    box = f"0 0 {width:.0f} {size[1]:.0f}"
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{width:.0f}" role="img">'
     styles = [STYLE, *([_smooth_style()] if any(body.smooth for body in bodies) else [])]
     return "\n".join([head, f"  <!-- {MARK} -->", f"  <title>{escape(name)}</title>", *styles, *content, "</svg>", ""])
 
@@ -243,4 +248,4 @@ def _label(name: str, at: Array) -> str:
 
 
 def _text(name: str, at: Array) -> str:
-    return f'  <text x="{at[0] + 6:.1f}" y="{at[1] - 6:.1f}">{escape(name)}</text>'
+    return f'  <text x="{at[0] + BESIDE:.1f}" y="{at[1] - BESIDE:.1f}">{escape(name)}</text>'

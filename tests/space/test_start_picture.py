@@ -83,3 +83,13 @@ def test_a_notebook_shows_the_drawing() -> None:
     assert page.faults == [] and page.count("svg") == 1
     assert {"bearing: revolute", "ball: spherical", "yoke: universal", "guide: prismatic"} <= {*page.words["title"]}
     assert page.values("class").count("stand") == 2  # both markers of the ground
+
+
+def test_no_label_is_cut_off_at_the_right_edge() -> None:
+    """The slider is at the right, and the markers of three bodies share its place."""
+    scene = derive.read(ROOT / "examples/spatial_crank_slider_beam.toml")
+    assert isinstance(scene, derive.SpatialScene)
+    svg = undeformed_picture(scene)
+    width = float(svg.split('viewBox="0 0 ')[1].split()[0])
+    start = float(svg.split(">yoke, pin, shoe<")[0].rsplit('x="', 1)[1].split('"')[0])
+    assert start + 6.5 * len("yoke, pin, shoe") <= width
