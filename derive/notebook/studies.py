@@ -49,7 +49,7 @@ def sweep_html(result: SweepResult) -> str:
         head(result.name, f"sweep of {counted(len(result.samples), 'sample')}{failed}"),
         picture(drawn, f"Sweep of {result.name}: {', '.join(result.labels)}") if drawn else "",
         table(("output", "least", "at", "largest", "at"), rows),
-        lines(f"{counted(count, 'sample')}: {text}" for text, count, _ in result.reasons()),
+        lines(f"{counted(len(numbers), 'sample')}: {text}" for text, numbers in result.reasons()),
         lines(f"warning: {text}" for texts in result.warnings.values() for text in texts),
     )
 

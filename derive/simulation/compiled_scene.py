@@ -12,6 +12,9 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 
 Mask = NDArray[np.bool_]
+ROUNDING = 1e-12
+"""Rows whose entries are at most this (m or rad), times the size of the coordinates, are zero but for rounding errors,
+as those of a second hinge of a door that has an angle."""
 
 
 class Constraints(Protocol):
@@ -38,12 +41,13 @@ class ConstrainedSystem(Constraints, Protocol):
 
     q is (nq,), v (nv,); qdot = rates(q, v), which is v except in space, where nq > nv. k (nk,) are the constants of
     `setup`, lambda and g are (nlambda,), all in SI units. proximal: whether constraints may be redundant; the
-    multipliers are those of least norm then.
+    multipliers are those of least norm then. in_space: whether the bodies are in space.
     """
 
     name: str
     nlambda: int
     proximal: bool
+    in_space: bool
     coordinates: tuple[str, ...]
     velocities: tuple[str, ...]
     multipliers: tuple[str, ...]
@@ -76,8 +80,15 @@ def mass_matrix(native: Constraints, q: Vector, k: Vector) -> Matrix:
 
 
 def constraint_matrix(native: Constraints, t: float, q: Vector, k: Vector) -> Matrix:
-    """The constraint Jacobian G (nlambda, nv)."""
-    return native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))
+    """The constraint Jacobian G (nlambda, nv); rows that are zero but for rounding errors are zero."""
+    G = native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))
+    G[np.abs(G).max(axis=1, initial=0.0) <= rounding(q)] = 0.0
+    return G
+
+
+def rounding(q: Vector) -> float:
+    """The size (m or rad) of entries of G in the configuration q (nq,) that are zero but for rounding errors."""
+    return ROUNDING * max(1.0, float(np.max(np.abs(q), initial=0.0)))
 
 
 def kkt_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Matrix:

@@ -165,20 +165,34 @@ class DriveCannotBeFollowed(SingularConfiguration):
 
 
 class InextensibleBeam(SimulationError):
-    """Joints hold beams along their axes, where these do not stretch, so that the reactions are not unique.
+    """Joints hold beams where these are rigid, along and in space about their axes, so that reactions are not unique.
 
-    t: in s. multipliers: the names of those that have no unique value.
+    t: in s. multipliers: the names of those that have no unique value. in_space: whether the beams are in space.
     """
 
-    def __init__(self, t: float, multipliers: Sequence[str]) -> None:
+    def __init__(self, t: float, multipliers: Sequence[str], in_space: bool = False) -> None:
         self.t, self.multipliers = t, tuple(multipliers)
+        along, only, remedy = IN_SPACE if in_space else IN_THE_PLANE
         super().__init__(
-            f"at t = {t:.9g} s the joints hold beams along their axes more often than once: a beam bends, but does not "
-            f"stretch, so that {enumeration(multipliers)} have no unique values. Let one end move along the axis: a "
-            "translational joint acts as a roller, with a rigid body that a revolute joint connects to the end of the "
-            'beam; or write frame = "chord" for a rod of one beam that is held at its ends, whose distance its '
-            "deflection does not change in this frame."
+            f"at t = {t:.9g} s the joints hold beams {along} more often than once: a beam bends, and {only}, so that "
+            f'{enumeration(multipliers)} have no unique values. {remedy}; or write frame = "chord" for a rod of one '
+            "beam that is held at its ends, whose distance its deflection does not change in this frame."
         )
+
+
+IN_THE_PLANE = (
+    "along their axes",
+    "stretches only by its table axial",
+    "Give a beam this table, or let one end move along the axis: a translational joint acts as a roller, with a rigid "
+    "body that a revolute joint connects to the end of the beam",
+)
+"""Where joints hold beams, by what these give way, and what to do."""
+IN_SPACE = (
+    "along or about their axes",
+    "stretches or twists only by its tables axial and torsion",
+    "Give a beam the table that it lacks, or let one end move: a cylindrical joint with z along the axis lets it slide "
+    "and turn",
+)
 
 
 class MasslessMotion(SimulationError):

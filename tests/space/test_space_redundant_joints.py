@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import derive
 from derive.pipeline import generate
+from derive.simulation.errors import InextensibleBeam
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulate import with_simulation
 from derive.spec.toml.read import parse
@@ -223,3 +224,40 @@ def test_a_joint_that_a_driven_one_implies(motion: str) -> None:
     assert derive.lower(derive.derive(parse(door.replace("ASKEW", "0"))), explicit=True).kernels
     with pytest.raises(derive.SpecError, match="no coordinate can meet it"):
         derive.lower(derive.derive(parse(door.replace("ASKEW", "0.1"))), explicit=True)
+
+
+def clamped(tables: str) -> derive.Trajectory:
+    """The motion of a beam that is clamped at both ends."""
+    rod = f"""
+name = "clamped"
+[ground.markers]
+a = [0, 0, 0]
+b = [1, 0, 0]
+[bodies.rod]
+length = 1
+mass = 1
+bending_stiffness = 20
+rotary_inertia = 1e-4
+ansatz = ["1", "xi", "xi^2", "xi^3", "xi^4", "xi^5"]
+markers = {{ l = -1, r = 1 }}
+{tables}
+[joints.l]
+kind = "fixed"
+between = ["ground.a", "rod.l"]
+[joints.r]
+kind = "fixed"
+between = ["ground.b", "rod.r"]
+[simulation]
+duration = 0.01
+output = 0.01
+"""
+    return PreparedRun(with_simulation(parse(rod)), complete=False).trajectory()
+
+
+def test_a_beam_that_is_clamped_at_both_ends_needs_the_table_that_the_message_names() -> None:
+    axial = 'axial = { ansatz = ["xi"], stiffness = 1e5 }'
+    torsion = 'torsion = { ansatz = ["xi"], stiffness = 5 }'
+    only = "only by its tables axial and torsion, so that"
+    with pytest.raises(InextensibleBeam, match=f"{only} l_x and r_x have no .*Give a beam the table that it lacks"):
+        clamped(torsion)
+    assert clamped(f"{axial}\n{torsion}").t[-1] == 0.01

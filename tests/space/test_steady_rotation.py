@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -226,6 +227,50 @@ start = {{ position = [0, 0, 0], rotation = [1, 0, 0, 0], angular_velocity = [0,
     assert np.min(np.abs(angular(result) - np.sqrt(stiffness / modal))) < 1e-7 * np.sqrt(stiffness / modal)
 
 
+CRANE = """
+name = "crane"
+[scene]
+gravity = [0, 0, -9.81]
+start = "steady"
+[ground.markers]
+foot = [0, 0, 0]
+[bodies.tower]
+mass = 5
+inertia = [1, 1, 1, 0, 0, 0]
+markers = { foot = [0, 0, 0], top = [0, 0, 3] }
+[bodies.jib]
+mass = 2
+inertia = [0.1, 1, 1, 0, 0, 0]
+markers = { ring = [0, 0, 0], tip = [2, 0, 0] }
+[bodies.load]
+mass = 4
+inertia = [1, 1, 1, 0, 0, 0]
+markers.hook = [0, 0, 0.3]
+start = { guess = true, position = [2.1, 0, 1.6], rotation = { axis = [1, 2, 3], angle = 0.3 } }
+[joints.foot]
+kind = "fixed"
+between = ["ground.foot", "tower.foot"]
+[joints.slew]
+kind = "revolute"
+between = ["tower.top", "jib.ring"]
+[drives.slew]
+joint = "slew"
+speed = 0.9
+[springs.rope]
+between = ["jib.tip", "load.hook"]
+stiffness = 2e4
+rest = 1
+"""
+
+
+def test_a_load_on_a_rope_of_a_crane_rotates_with_the_jib() -> None:
+    """A tower that stands on the ground tells nothing of the axes, nor do rounding errors of a load without joints."""
+    q = modes(parse(CRANE)).linear.q
+    rope = 1 + 4 * np.hypot(9.81, 0.81 * q[0]) / 2e4
+    tilt = np.arctan2(0.81 * q[0], 9.81)  # of the rope, and with it of the load: its centre of mass is in line
+    assert q[:3] == pytest.approx([2 + (rope + 0.3) * np.sin(tilt), 0, 3 - (rope + 0.3) * np.cos(tilt)], abs=1e-8)
+
+
 # ---- the angle about the axis, which nothing determines
 
 
@@ -254,9 +299,10 @@ def refused(text: str) -> str:
 
 def test_motions_that_are_not_steady_say_why() -> None:
     across = PENDULUM.replace("KEEP", KEPT).replace("[0, 0, -9.81]", "[0, -9.81, 0]")
-    assert "not those of a rotation of the whole scene about the direction of gravity" in refused(across)
+    direction = "not those of a rotation of the whole scene about the direction of gravity"
+    assert re.search(rf"{direction}: motor misses it by [.\d]+ m/s or rad/s; give", refused(across))
     unsymmetric = re.sub(r"inertia = \[[^,]*,", "inertia = [0.3,", top(1.0, INCLINED))
-    assert "top.start.angular_velocity misses it by" in refused(unsymmetric)
+    assert re.search(r"top.start.angular_velocity misses it by [.\d]+ rad/s;", refused(unsymmetric))
     wire = '[springs.wire]\nbetween = ["ground.base", "arm.tip"]\nstiffness = 5\nrest = 0.1\n'
     tied = PENDULUM.replace("KEEP", "").replace("markers.top", "markers.tip = [0, 0, -1]\nmarkers.top") + wire
     assert modes(parse(tied)).steady is not None  # the other end of the wire is on the axis
@@ -264,3 +310,57 @@ def test_motions_that_are_not_steady_say_why() -> None:
     assert "is not the same in axes that rotate with the scene" in refused(beside)
     slow = PENDULUM.replace("KEEP", "").replace("speed = 6", "speed = 2").replace("angle = -0.8", "angle = -1.3")
     assert "far from the initial state: a rotation along arm_phidot by 1.3 rad" in refused(slow)  # it hangs
+
+
+FORK = """
+name = "fork"
+[scene]
+gravity = [0, 0, -9.81]
+start = "steady"
+[ground.markers]
+head = { at = [0, 0, 0.6], rotation = { axis = [0, 1, 0], angle = -0.4 } }
+[bodies.crown]
+mass = 1.2
+inertia = [0.004, 0.002, 0.004, 0, 0, 0]
+[bodies.crown.markers]
+steer = [0, 0, 0]
+left = { at = [0, 0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+right = { at = [0, -0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+[bodies.left]
+mass = 0.8
+inertia = [1e-4, 0.01, 0.01, 0, 0, 0]
+markers = { top = [-0.2, 0, 0], bottom = [0.2, 0, 0] }
+[bodies.right]
+mass = 0.8
+inertia = [1e-4, 0.01, 0.01, 0, 0, 0]
+markers = { top = [-0.2, 0, 0], bottom = [0.2, 0, 0] }
+[bodies.axle]
+mass = 0.4
+inertia = [4e-4, 1e-4, 4e-4, 0, 0, 0]
+[bodies.axle.markers]
+left = { at = [0, 0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+right = { at = [0, -0.06, 0], rotation = { x = [0, 0, -1], y = [0, 1, 0] } }
+[joints.head]
+kind = "revolute"
+between = ["ground.head", "crown.steer"]
+start = { angle = 0.05, guess = true }
+JOINTS
+[springs.steering]
+kind = "rotational"
+between = ["ground.head", "crown.steer"]
+stiffness = 40
+"""
+
+
+def test_a_loop_of_rigid_bodies_whose_rows_are_rounding_errors_balances_in_its_spring() -> None:
+    """Multipliers along rows of 1e-17 would balance any force, so that the fork would rest where it is guessed."""
+    pairs = {"lt": "crown.left left.top", "rt": "crown.right right.top", "lb": "left.bottom axle.left"}
+    pairs["rb"] = "right.bottom axle.right"
+
+    def fork(names: str) -> Modes:
+        tables = (f'[joints.{n}]\nkind = "fixed"\nbetween = {json.dumps(pairs[n].split())}\n' for n in names.split())
+        return modes(parse(FORK.replace("JOINTS", "".join(tables))))
+
+    closed, open_loop = fork("lt rt lb rb"), fork("lt rt lb")
+    assert np.abs(closed.linear.q).max() < 1e-9  # the centre of mass is below the axis of the head
+    assert angular(closed) == pytest.approx(angular(open_loop), rel=1e-9)

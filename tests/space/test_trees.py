@@ -12,6 +12,7 @@ from trees_of_bodies import KINDS, both, lowered, random_tree
 
 import derive
 from derive.errors import SpecError
+from derive.export.fmi.variables import fmi_variables
 from derive.mechanics.multibody.space.tree.plan import MOST_BODIES, trees
 from derive.spec.model.spatial_scene import SpatialScene
 
@@ -147,3 +148,19 @@ def test_bodies_without_mass_that_carry_none() -> None:
         derive.derive(derive.spatial_scene(tables))
     tables["bodies"]["end"] |= {"mass": 1, "inertia": INERTIA}
     assert len(derive.derive(derive.spatial_scene(tables)).rows) == 2
+
+
+def test_a_drive_of_a_joint_that_keeps_its_coordinate_has_a_multiplier_in_an_fmu() -> None:
+    """The rotor of a turbine turns on a nacelle that moves: its export ended with an error of the program."""
+    bodies = {
+        "nacelle": {"mass": 2, "inertia": [1, 1, 1, 0, 0, 0], "markers": {"shaft": [0, 0, 0]}},
+        "rotor": {"mass": 1, "inertia": [1, 1, 2, 0, 0, 0], "markers": {"shaft": [0, 0, 0]}},
+    }
+    turbine = derive.spatial_scene(
+        "turbine",
+        bodies=bodies,
+        joints={"shaft": {"kind": "revolute", "between": ["nacelle.shaft", "rotor.shaft"]}},
+        drives={"motor": {"joint": "shaft", "speed": 6}},
+    )
+    names = [variable.name for variable in fmi_variables(derive.host_model(turbine))]
+    assert names[-1] == "shaft.lambda[1]"

@@ -150,3 +150,38 @@ def test_a_beam_of_second_order_without_it_has_no_terms_either() -> None:
         assert with_values(first, {"bodies.rod.order": "2"})[0].bodies == scene.bodies
         with pytest.raises(derive.SpecError, match="is for beams of order 2"):
             with_values(scene, {"bodies.rod.order": "1", "bodies.rod.terms": "full"})
+
+
+BLADE = {
+    "length": 1,
+    "mass": 2,
+    "bending_stiffness": 90,
+    "rotary_inertia": 1e-3,
+    "centre": [0, 0.01],
+    "lateral": {"bending_stiffness": 40},
+    "torsion": {"ansatz": ["xi"], "stiffness": 8},
+    "axial": {"ansatz": ["xi"], "stiffness": 1e5},
+    "damping": {"ratio": 0.01},
+    "masses": {"tip": {"at": 1, "mass": 0.1, "inertia": [1e-3, 1e-3, 2e-3, 0, 0, 0], "centre": [0, 0, 0.01]}},
+}
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        *("length", "mass", "bending_stiffness", "rotary_inertia", "centre[1]", "lateral.bending_stiffness"),
+        *("torsion.stiffness", "axial.stiffness", "damping.ratio"),
+        *("masses.tip.mass", "masses.tip.inertia[2]", "masses.tip.centre[2]"),
+    ],
+)
+def test_all_constants_of_a_beam_in_space_become_parameters(key: str) -> None:
+    spec, (change,) = with_values(derive.spatial_scene("mill", bodies={"blade": BLADE}), {f"bodies.blade.{key}": "0.5"})
+    assert [str(parameter.symbol) for parameter in derive.derive(spec).parameters] == [change.symbol]
+
+
+def test_a_symbol_of_two_beams_in_space_is_one_parameter() -> None:
+    """Each table of a beam counts: the second stiffness would be the first one in silence."""
+    other = BLADE | {"torsion": {"ansatz": ["xi"], "stiffness": {"symbol": "GJ", "default": 5}}}
+    blade = BLADE | {"torsion": {"ansatz": ["xi"], "stiffness": {"symbol": "GJ", "default": 8}}}
+    with pytest.raises(derive.SpecError, match='"GJ" is the symbol of torsion stiffness of the body blade, with the'):
+        derive.spatial_scene("mill", bodies={"blade": blade, "other": other})

@@ -13,6 +13,7 @@ import pytest
 from conftest import ROOT
 from derive.cli.main import main
 from derive.simulation.observables.plots import PlotCurve
+from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
@@ -410,3 +411,19 @@ def test_a_shaft_that_spins_about_its_axis_does_not_turn_it() -> None:
     assert "driven at 60 rad/s" in shaft.text and "turns" not in shaft.text
     assert "its own inertia bends it by about 0.2 % of its length" in shaft.text  # and not what other bodies exert
     assert "its axis turns at up to 5 rad/s" in Screening("shaft", 68.0, 60.0, 5.0, 0.002).text
+
+
+def test_a_cheaper_model_that_a_monitor_doubts_is_named_with_the_doubt() -> None:
+    """A crane got a model of 120 times the operations, because its jib twists, and nothing said so."""
+    warning = Monitor("jib", 1, Cause.TWISTING_MOMENT, DisplacementOrder.TRUNCATED, 0.3, 0.12, 0.0)
+    cheap, dear = (Line(model, 4, (Point(1e-3, 1e-4, 1e-4, (1e-3,), 10, n),)) for model, n in ((SINE, 50), (FINE, 900)))
+    doubted = replace(cheap, warning=warning)
+    known = TrustedReference((), FINE, (Agreement("larger steps", 0.0),))
+    scene = made("a", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
+    choice = Choice(scene, 0.01, known, (doubted, dear))
+    assert choice.chosen is not None and choice.chosen[0] is dear
+    implied = "12 % implied, 0.01 % measured: the twisting moment of jib is in doubt; the estimate is of all of jib"
+    assert f"Cheaper, if its warning does not matter: {SINE.label}, tolerance 0.001, 1 ms: {implied}" in choice_text(
+        choice
+    )
+    assert "does not matter" not in choice_text(replace(choice, tried=(replace(doubted, warning=None), dear)))

@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import derive
 from derive.errors import SpecError
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
+from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, motion
@@ -87,3 +90,18 @@ def test_a_load_that_follows_an_input_is_not_that_of_a_rigid_rod() -> None:
         SpecError, match="it cannot have its loads: the factor of the load wind is an input, and no force"
     ):
         model_scene(scene, RIGID)
+
+
+BLADE: dict[str, object] = {"count": 2, "length": 1, "mass": 1, "bending_stiffness": 9, "markers": {"tip": 1}}
+
+
+@pytest.mark.parametrize("force", [[1, 0], [1, 0, 0]], ids=["in the plane", "in space"])
+def test_loads_of_beams_with_instances_have_names_as_forces_of_rigid_bodies(force: list[int]) -> None:
+    """Names with brackets are those of instances, and three blades of a turbine had no rigid model."""
+    loads = {"loads": {"wind": {"force": force}}}
+    if len(force) == 2:
+        mill: AnyScene = derive.scene("mill", bodies={"blade": BLADE | loads})
+    else:
+        mill = derive.spatial_scene("mill", bodies={"blade": BLADE | {"rotary_inertia": 1e-3} | loads})
+    rigid, _ = with_values(model_scene(mill, RIGID), {"bodies.blade[1].mass": "2"})
+    assert [force.name for force in rigid.forces] == ["blade_0_wind_1_1a", "blade_1_wind_1_1a"]

@@ -35,7 +35,7 @@ from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance, study_stability
 from derive.study.stability.model_path import ModelPath, PathPoint, model_path
 from derive.study.stability.parameter import ParameterRange, studied
-from derive.study.stability.table import stability_data, stability_text
+from derive.study.stability.table import gap_sentences, stability_data, stability_text
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds, wrong_intervals
 
 FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
@@ -486,6 +486,31 @@ def test_after_three_models_without_steady_motion_no_other_is_compiled(monkeypat
     ):
         study_stability(pushed, (SPIN, 0, 40, 3))
     assert len(tried) == 4 and tried[0].shapes is Shapes.RIGID
+
+
+def test_a_reason_that_models_share_is_said_once_and_advice_behind_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reasons differ by amounts, such as that of the rigid model; the advice on them is the same."""
+    told: list[str] = []
+
+    def falling(_: object, model: LadderModel) -> ModelPath:
+        reason = f"it falls by {1 if model.shapes is Shapes.RIGID else 2} m/s"
+        return ModelPath(model, coordinates=1, failure=reason, advice="hold it")
+
+    monkeypatch.setattr("derive.study.stability.ladder_stability.model_path", falling)
+    pushed, _ = with_values(read_scene(SPINNING), {"forces.knock.components": "[0, 1]"})
+    message = r"steady motion:\n  it falls by 1 m/s\n  it falls by 2 m/s\nadvice: hold it\n8 finer models"
+    with pytest.raises(SimulationError, match=message):
+        study_stability(pushed, (SPIN, 0, 40, 3), progress=told.append)
+    assert [" ".join(told).count(f"it falls by {i} m/s") for i in (1, 2)] == [1, 1]
+    assert "it fails as 1 sine, first does" in told[-1]
+
+
+def test_models_with_the_same_gaps_share_a_sentence() -> None:
+    at = PathPoint(40.0, None, failure="it is far away", advice="start nearer")
+    paths = [replace(lost_at(polynomials(n, FIRST), None), points=(at,)) for n in (2, 3)]
+    of = LadderStability("rod", ParameterRange("P", 1, 2, 3), tuple(paths), paths[1], paths[0])
+    both = "; ".join(path.model.label for path in paths)
+    assert gap_sentences(of) == [f"{both}: no steady motion at 40: it is far away", "advice: start nearer"]
 
 
 def test_where_a_model_has_no_steady_motion_it_says_so(

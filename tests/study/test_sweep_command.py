@@ -74,7 +74,8 @@ def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[st
     assert record["failed"] == 3 and record["outputs"][1]["name"] == "final_slider_s"
     before = {path: path.read_bytes() for path in folder.iterdir()}
     assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json", "--resume") == 0
-    assert json.loads(capsys.readouterr().out)["failures"][0]["samples"] == 3
+    failure = json.loads(capsys.readouterr().out)["failures"][0]
+    assert failure["samples"] == 3 and failure["rows"] == [1, 3, 5]
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
 
 

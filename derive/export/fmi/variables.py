@@ -162,8 +162,10 @@ def _structured(known: Identity) -> str:
 def _names_of_multipliers(mechanism: AnyMechanism) -> list[str]:
     """The multipliers of each joint and of its drive, counted from 1, and those of gears."""
     of_joints = [f"{j.joint.name}.lambda[{k}]" for j in mechanism.joints for k in range(1, j.multipliers + 1)]
-    gears = () if isinstance(mechanism, Mechanism) else mechanism.gears
-    return [*of_joints, *(f"{gear.gear.name}.lambda" for gear in gears)]
+    if isinstance(mechanism, Mechanism):
+        return of_joints
+    of_drives = [f"{j.joint.name}.lambda[1]" for j in mechanism.eliminated_joints if j.drive and j.keeps_coordinate]
+    return [*of_joints, *of_drives, *(f"{gear.gear.name}.lambda" for gear in mechanism.gears)]
 
 
 def _output_names(mechanism: AnyMechanism) -> list[str]:

@@ -28,12 +28,6 @@ class SectionMass:
         """Its mass, kg."""
         return self.moments[0, 0]
 
-    @property
-    def centres(self) -> sp.Matrix:
-        """The moments of its mass in its centre of mass."""
-        first = self.moments[:, 0]
-        return first * first.T / self.mass if self.mass else sp.zeros(4, 4)
-
 
 def section_masses(masses: Iterable[SpatialAttachedMass]) -> Iterator[SectionMass]:
     """The moments of attached masses."""

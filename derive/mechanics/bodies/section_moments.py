@@ -160,7 +160,10 @@ class SectionMoments:
         return {axis: self._entry(field, unit, axis, 1, whole=True) for axis in AXES}
 
     def _second(self, f: SectionField, g: SectionField, whole: bool = True) -> Tensor:
-        """The second moment int rho f g^T, or without `whole` that of the mass in the centres of the sections."""
+        """The second moment int rho f g^T, or without `whole` that of the mass in the centres of the sections.
+
+        Attached masses count as a whole: without their inertia, which may be large, M would not be definite.
+        """
         return {(a, b): self._entry(f, g, a, b, whole) for a in AXES for b in AXES}
 
     def _entry(self, f: SectionField, g: SectionField, a: int, b: int, whole: bool) -> Integral:
@@ -172,7 +175,7 @@ class SectionMoments:
                     unit = f.unit(left) * g.unit(right) * weight * self.mass / 2
                     total += Integral(unit * rational(product.integral(self.start)), True, product.is_odd)
                 for m in self.masses:
-                    if weight := (m.moments if whole else m.centres)[left[1], right[1]]:
+                    if weight := m.moments[left[1], right[1]]:
                         there = rational((of * other).at(m.at))
                         unit = f.unit(left) * g.unit(right) * weight
                         total += Integral(unit * there, True, True, CANCEL if there else ZERO_THERE)

@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem
-from derive.simulation.constraints.scaling import SINGULAR, orientations, rounding
+from derive.simulation.compiled_scene import ConstrainedSystem, rounding
+from derive.simulation.constraints.scaling import SINGULAR, orientations
 
 CLEARLY = 10 * SINGULAR
 """Constraints whose scaled singular values are all above this are independent beyond doubt."""

@@ -11,11 +11,11 @@ from derive.lowering.redundancy import dependences
 from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix, max_norm, rounding
 from derive.simulation.configurations import displaced, velocities_with, velocity_names
 from derive.simulation.constraints.certificates import DEFINITE, independent, moves_mass
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
-from derive.simulation.constraints.scaling import SINGULAR, Spectrum, mass_factor, rounding, spectrum
+from derive.simulation.constraints.scaling import SINGULAR, Spectrum, mass_factor, spectrum
 from derive.simulation.errors import InextensibleBeam, MasslessMotion, RedundantConstraints, SingularConfiguration
 
 DependenceError = RedundantConstraints | SingularConfiguration | InextensibleBeam
@@ -100,7 +100,7 @@ def dependence(
         return RedundantConstraints(dependences(best.scaled, best.rank, native.multipliers))
     multipliers = involved(singular, native.multipliers)
     if _held_along_beams(native, k, t, q, drives):
-        return InextensibleBeam(t, multipliers)
+        return InextensibleBeam(t, multipliers, native.in_space)
     return SingularConfiguration(t, singular.smallest, multipliers)
 
 

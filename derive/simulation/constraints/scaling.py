@@ -15,6 +15,7 @@ from derive.simulation.compiled_scene import (
     Mask,
     constraint_matrix,
     mass_matrix,
+    rounding,
 )
 from derive.simulation.configurations import displaced, velocities_with
 
@@ -24,10 +25,6 @@ SINGULAR = 1e-7
 """Singular values of scaled constraints below this count as zero. A rod of 30 beams that are welded
 together has 1e-2. At a dead centre that is a double root, positions have an error of 1e-8, the root of the rounding
 error."""
-
-ROUNDING = 1e-12
-"""Rows whose entries are at most this (m or rad), times the size of the coordinates, are zero but for rounding errors,
-as those of a second hinge of a door that has an angle."""
 
 
 def mass_factor(M: Matrix) -> Matrix:
@@ -71,11 +68,6 @@ def typical_row_norms(
     full = np.sqrt(np.mean([(G != 0.0) @ np.sum(inverse**2, axis=1) for G in every], axis=0))
     zero = norms <= rounding(q) * full
     return np.where(zero, np.where(full > 0.0, full, 1.0), norms)
-
-
-def rounding(q: Vector) -> float:
-    """The size (m or rad) of entries of G in the configuration q (nq,) that are zero but for rounding errors."""
-    return ROUNDING * max(1.0, float(np.max(np.abs(q), initial=0.0)))
 
 
 def orientations(native: Constraints, q: Vector) -> tuple[Vector, ...]:

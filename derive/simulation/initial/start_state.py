@@ -20,7 +20,7 @@ from derive.ir.interpreter import interpret
 from derive.ir.model import Model, StartState
 from derive.roles import Role
 from derive.runtime.interpreted_scene import InterpretedScene
-from derive.simulation.constraints.scaling import rounding
+from derive.simulation.compiled_scene import rounding
 from derive.simulation.initial.spatial_state import spatial_state
 from derive.simulation.inputs import with_functions
 from derive.simulation.scene_start import state_of

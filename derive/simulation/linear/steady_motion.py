@@ -42,7 +42,14 @@ ASIDE = 1e-3
 
 
 class NoSteadyMotion(SimulationError):
-    """A scene has no steady motion from its initial state, or Newton's method does not reach one."""
+    """A scene has no steady motion from its initial state, or Newton's method does not reach one.
+
+    reason: the text. advice: what is to be done, where it is long; it is behind the reason in the message.
+    """
+
+    def __init__(self, reason: str, advice: str = "") -> None:
+        self.reason, self.advice = reason, advice
+        super().__init__("; ".join(filter(None, (reason, advice))))
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,8 @@ SYMMETRIC = 1e-9
 """Moments of inertia that differ by less than this part are equal."""
 STEADY = 1e-9
 """Forces that are out of balance by less than this part of the loads belong to a steady state."""
+UNITS = ("m/s", "rad/s")
+"""The units of the velocity and of the angular velocity of a body."""
 AXES = 6
 """The numbers that the motion of the axes has: W and u."""
 
@@ -49,23 +51,23 @@ def rotating_axes_of(
     given; about its angular momentum free bodies that spin precess. Raises NoSteadyMotion with what the best rotation
     misses.
     """
-    native, fields, first = poses.native, [], None
+    native, fields, first = poses.native, [], ""
     for spins, basis in _candidates(scene, poses, v):
         fit = _Fit(scene, poses, spins)
         field, missed, what = fit.field(basis, rates, v)
-        first = first or (missed, what)
+        first = first or f"{what[0]} misses it by {missed:.4g} {what[1]}"
         if missed <= MET * max(1.0, max_norm(field.velocities(poses.q))):
             if balance(native, poses.k, poses.q, field).rest <= STEADY:
                 return field
             fields.append(field)
     if fields:
         return fields[0]
-    assert first is not None
+    assert first
     direction = " about the direction of gravity" if _gravity(scene) is not None else ""
     raise NoSteadyMotion(
-        f"the velocities of the initial state are not those of a rotation of the whole scene{direction}: {first[1]} "
-        f"misses it by {first[0]:.4g}; give velocities of a rotation, to rigid bodies with an axis of symmetry also a "
-        f"spin about that axis, or none{_driven(scene, poses.t)}"
+        f"the velocities of the initial state are not those of a rotation of the whole scene{direction}: {first}",
+        "give velocities of a rotation, to rigid bodies with an axis of symmetry also a spin about that axis, or "
+        f"none{_driven(scene, poses.t)}",
     )
 
 
@@ -176,6 +178,7 @@ class _Fit:
         inverse[~still] = np.linalg.pinv(P[:, ~still], rcond=RANK)
         self.A, self.b = inverse @ D, -inverse @ d
         self.moving = np.repeat(np.any(P.reshape(bodies, -1) != 0.0, axis=1), 6)
+        self.driven = np.repeat(np.any(d.reshape(bodies, -1) != 0.0, axis=1), 6)
         self.residual, self.offset = P @ self.A - D, P @ self.b + d
         G = constraint_matrix(native, poses.t, poses.q, poses.k)
         at_rest = native.constraint_rates(poses.t, poses.q, np.zeros(native.nv), poses.k)
@@ -185,29 +188,33 @@ class _Fit:
         """The deviations of motions of the axes (6 + spins, n) from those of joints, and of bodies with coordinates."""
         return np.vstack([self.residual[self.moving] @ y, self.joints @ y])
 
-    def field(self, basis: Matrix, rates: Sequence[SpatialTarget], v: Vector) -> tuple[RotatingField, float, str]:
-        """The best motion of the axes in a basis, with the largest miss and what misses it.
+    def field(
+        self, basis: Matrix, rates: Sequence[SpatialTarget], v: Vector
+    ) -> tuple[RotatingField, float, tuple[str, str]]:
+        """The best motion of the axes in a basis, with the largest miss, and what misses it in which unit.
 
-        Joints come first, then rates that are given and guessed, bodies that drives carry, and the velocities v (nv,).
+        Joints come first, then rates that are given and guessed, bodies that drives move, and the velocities v (nv,).
         """
         native, poses = self.poses.native, self.poses
-        names = [f"body {native.bodies[i // 6]}" for i in np.flatnonzero(self.moving)]
-        names += list(native.multipliers)
+        names = [(f"body {native.bodies[i // 6]}", UNITS[i % 6 // 3]) for i in np.flatnonzero(self.moving)]
+        names += [(name, " or ".join(UNITS)) for name in native.multipliers]
         demands = [(self.unmet(basis), -np.concatenate([self.offset[self.moving], self.of_joints]), names)]
         for strength in (Strength.GIVEN, Strength.GUESS):
             own = [target for target in rates if target.strength is strength]
             parts = [target.linearised(poses)[:2] for target in own]
             if own:
                 rows, values = (np.concatenate([part[i] for part in parts]) for i in (1, 0))
-                paths = [t.path for t, (r, _) in zip(own, parts, strict=True) for _ in r]
+                paths = [(t.path, t.unit) for t, (r, _) in zip(own, parts, strict=True) for _ in r]
                 demands.append((rows @ self.A @ basis, -values - rows @ self.b, paths))
         carried = ~self.moving
+        turning = carried & self.driven
+        carried = turning if turning.any() else carried  # what stands on the ground tells nothing of the axes
         demands.append((self.residual[carried] @ basis, -self.offset[carried], []))
         demands.append((self.A @ basis, v - self.b, []))
         z, free = np.zeros(basis.shape[1]), np.eye(basis.shape[1])
         for rows, values, _ in demands:
             z, free = _nearest(rows, values, z, free)
-        missed, what = 0.0, ""
+        missed, what = 0.0, ("", "")
         strict = demands[: 1 + any(target.strength is Strength.GIVEN for target in rates)]
         for rows, values, of in strict:
             off = np.abs(rows @ z - values)
@@ -235,6 +242,6 @@ def _nearest(rows: Matrix, values: Vector, z: Vector, free: Matrix) -> tuple[Vec
     if not rows.size or not free.size:
         return z, free
     U, sizes, Vt = np.linalg.svd(rows @ free)
-    rank = int(np.sum(sizes > RANK * np.linalg.norm(rows, 2)))
+    rank = int(np.sum(sizes > RANK * max(1.0, float(np.linalg.norm(rows, 2)))))  # rows may be rounding errors
     step = (U.T @ (values - rows @ z))[:rank] / sizes[:rank]
     return z + free @ Vt[:rank].T @ step, free @ Vt[rank:].T

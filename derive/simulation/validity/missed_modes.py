@@ -111,6 +111,11 @@ class MissedModes:
         """The markers at which joints hold the body."""
         return {name for name, _ in self._held}
 
+    @property
+    def has_reactions(self) -> bool:
+        """Whether all joints that hold the body have reactions: those that give coordinates of bodies have none."""
+        return all(rows for _, rows in self._held)
+
     def forces(self, t: float, q: Vector, v: Vector) -> dict[str, Vector]:
         """The forces (3,), N, of the joints at each of these markers, in the axes of the body."""
         result = {name: np.zeros(3) for name in self.markers}

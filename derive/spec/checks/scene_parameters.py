@@ -21,6 +21,7 @@ from derive.spec.model.keys import Key, declared_keys, quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.planar_bodies import RigidBody
 from derive.spec.model.scene import NAMED
+from derive.spec.model.spatial_beam_parts import LateralDeflection, SpatialAttachedMass, TorsionalDeformation
 from derive.spec.model.spatial_scene import Gear
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
@@ -107,7 +108,7 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     for name, body in view.bodies.items():
         of = f"of the body {name}"
         if view.is_beam(name):
-            yield from beam_constants(("bodies", name), body, f" {of}")
+            yield from beam_constants(("bodies", name), body, f" {of}", view.in_space)
             continue
         kind = view.kind(name)
         if kind == "flexible":
@@ -140,22 +141,40 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     yield from _of_functions(view)
 
 
-def beam_constants(path: KeyPath, beam: Mapping[str, object], of: str = "") -> Iterator[SceneConstant]:
+def beam_constants(
+    path: KeyPath, beam: Mapping[str, object], of: str = "", in_space: bool = False
+) -> Iterator[SceneConstant]:
     """All constants of a beam that may be parameters; `of` is added to their descriptions in messages."""
     for key, like in BEAM_QUANTITIES.items():
         yield SceneConstant((*path, key), beam.get(key), f"{key}{of}", like.unit)
-    axial, damping, masses = beam.get("axial"), beam.get("damping"), beam.get("masses")
-    if isinstance(axial, Mapping):
-        for key, unit in _units(declared_keys(AxialDeformation)).items():
-            yield SceneConstant((*path, "axial", key), axial.get(key), f"axial {key}{of}", unit)
-    if isinstance(damping, Mapping):
-        for key, unit in _units(declared_keys(BeamDamping)).items():
-            yield SceneConstant((*path, "damping", key), damping.get(key), f"{key} in the damping{of}", unit)
+    if in_space:
+        key = "rotary_inertia"
+        yield SceneConstant((*path, key), beam.get(key), f"{key}{of}", INERTIA_UNIT)
+        yield from _components((*path, "centre"), beam.get("centre"), f"the centre{of}", DEFAULT_LENGTH.unit)
+    for part, (keys, what) in PARTS.items():
+        table = beam.get(part)
+        if isinstance(table, Mapping):
+            for key, unit in _units(keys).items():
+                yield SceneConstant((*path, part, key), table.get(key), f"{what.format(key)}{of}", unit)
+    masses = beam.get("masses")
     for name, mass in masses.items() if isinstance(masses, Mapping) else ():
         if isinstance(mass, Mapping):
-            for key, unit in _units(declared_keys(AttachedMass)).items():
-                what = f"{key} of the attached mass {name}{of}"
-                yield SceneConstant((*path, "masses", str(name), key), mass.get(key), what, unit)
+            own, of_mass = (*path, "masses", str(name)), f"of the attached mass {name}{of}"
+            for key, unit in _units(declared_keys(SpatialAttachedMass if in_space else AttachedMass)).items():
+                yield SceneConstant((*own, key), mass.get(key), f"{key} {of_mass}", unit)
+            if in_space:
+                yield from _components((*own, "inertia"), mass.get("inertia"), f"the inertia {of_mass}", INERTIA_UNIT)
+                centre = mass.get("centre")
+                yield from _components((*own, "centre"), centre, f"the centre {of_mass}", DEFAULT_LENGTH.unit)
+
+
+PARTS = {
+    "axial": (declared_keys(AxialDeformation), "axial {}"),
+    "lateral": (declared_keys(LateralDeflection), "lateral {}"),
+    "torsion": (declared_keys(TorsionalDeformation), "torsion {}"),
+    "damping": (declared_keys(BeamDamping), "{} in the damping"),
+}
+"""The tables of a beam with constants: their keys, and what these are called."""
 
 
 def _of_functions(view: SceneData) -> Iterator[SceneConstant]:

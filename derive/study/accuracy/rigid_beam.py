@@ -16,6 +16,7 @@ from derive.mechanics.bodies.deflection_projection import projection
 from derive.mechanics.multibody.bodies.beam_loads import LoadResultant, load_forces, resultants
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.forces import Force
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.planar_bodies import BeamBody, RigidBody
 from derive.spec.model.simulation import InitialValues
@@ -46,7 +47,8 @@ def rigid_beam(body: BeamBody) -> RigidBody:
 
 def rigid_loads(body: BeamBody) -> tuple[Force, ...]:
     """The forces on the rigid body in place of the loads on the beam."""
-    return tuple(load_forces(replace(body, pieces=1), 0, body.name))
+    forces = load_forces(replace(body, pieces=1), 0, body.name)
+    return tuple(replace(force, name=identifier(force.name)) for force in forces)
 
 
 def _whole(body: BeamBody) -> Iterator[LoadResultant]:

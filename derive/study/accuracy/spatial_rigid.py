@@ -24,6 +24,7 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.space.bent_beams import bent_bodies
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.instances import identifier
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody, FrameMarker, SpatialRigidBody
@@ -104,7 +105,7 @@ def _floats(vector: Vector) -> Any:
 
 def rigid_actions(body: SpatialBeam) -> tuple[SpatialForce | SpatialTorque, ...]:
     """The forces and torques on the rigid body in place of the loads on a beam."""
-    return tuple(load_actions(replace(body, pieces=1)))
+    return tuple(replace(action, name=identifier(action.name)) for action in load_actions(replace(body, pieces=1)))
 
 
 def _places(body: SpatialBeam) -> dict[str, Fraction]:

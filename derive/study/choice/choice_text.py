@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from math import inf
 from typing import Any
 
 from derive.percentages import implied_percent, percent
 from derive.study.accuracy.chart_labels import grouped, milliseconds
+from derive.study.accuracy.doubts import doubt, doubt_reason
 from derive.study.accuracy.headline import GAIN
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.modelled_bodies import flexible_nouns
@@ -14,6 +16,7 @@ from derive.study.accuracy.table import MODEL_DOC, cheapest
 from derive.study.choice.reference_models import ReferenceModels
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
+from derive.study.choice.trusted_reference import Agreement
 from derive.study.table import Row, StudyColumn, StudyTable, general
 
 STEPS = 2
@@ -40,11 +43,18 @@ def choice_text(choice: Choice) -> str:
     lines = [f"{choice.name}: search for the cheapest model with {asked}", "", "Screening"]
     lines += [f"  {one.text}" for one in choice.screening]
     lines += ["", f"Reference: {known.model.label}. Its error is at most {percent(known.error)}, by comparison with"]
-    lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
+    lines += [f"  {a.label}: {percent(a.difference)}{_of_pieces(a)}" for a in known.agreements]
     if choice.untried:
         lines += ["", "Not tried, or not checked", *(f"  {line}" for line in choice.untried)]
     lines += _shares(choice)
     return "\n".join([*lines, "", *tried_table(choice).text, "", *verdict_lines(choice)])
+
+
+def _of_pieces(agreement: Agreement) -> str:
+    """The error of a reference in a direction where it is more than the difference."""
+    if agreement.factor <= 1:
+        return ""
+    return f", an error of {percent(agreement.error)}, as errors fall with the square of the number of beams"
 
 
 def tried_table(choice: Choice) -> StudyTable:
@@ -94,11 +104,11 @@ def verdict_lines(choice: Choice) -> list[str]:
             line, point = choice.best
             implied = f", and a monitor implies {implied_percent(implied_error(line))}" if line.warning else ""
             lines.append(f"The best model is {line.model.label}: error {percent(point.rms)}{implied}, {_ms(point)}.")
-            if any(p.rms + choice.reference.error <= choice.error for of in choice.tried for p in of.points):
+            if doubtful(choice) is not None:
                 lines.append(
                     "Monitors imply larger errors for models that agree with the reference, so it is in doubt."
                 )
-        return lines
+        return [*lines, *_doubtful_line(choice)]
     line, point = choice.chosen
     result = [f"Chosen: {line.model.label}, {point.setting}: error {percent(point.rms)}, {_ms(point)}"]
     for word, steps in neighbours(choice).items():
@@ -106,7 +116,30 @@ def verdict_lines(choice: Choice) -> list[str]:
             error = f"has {p.rms / point.rms:.2g} times the error" if point.rms else f"has an error of {percent(p.rms)}"
             what = f"{p.operations / point.operations:.2g} times the operations and {error}"
             result.append(f"  {word}: {other.model.label}, {p.setting}, takes {what}")
-    return result
+    return [*result, *_doubtful_line(choice)]
+
+
+def doubtful(choice: Choice) -> tuple[Line, Point] | None:
+    """The cheapest run that agrees with the reference, but whose monitors imply a larger error; None if none is cheaper
+    than the chosen one."""
+    most = choice.chosen[1].operations if choice.chosen else inf
+    runs = [
+        (line, p)
+        for line in choice.tried
+        for p in line.points
+        if implied_error(line) > choice.error and p.rms + choice.reference.error <= choice.error and p.operations < most
+    ]
+    return min(runs, key=lambda run: run[1].operations, default=None)
+
+
+def _doubtful_line(choice: Choice) -> list[str]:
+    """The line on the doubtful run, with the doubt."""
+    run = doubtful(choice)
+    if run is None:
+        return []
+    line, point = run
+    text = f"{line.model.label}, {point.setting}, {_ms(point)}: {doubt(line, ())}"
+    return [f"Cheaper, if its warning does not matter: {text}"]
 
 
 def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:
@@ -159,5 +192,6 @@ def choice_data(choice: Choice) -> dict[str, Any]:
             for line in choice.tried
         ],
         "chosen": None if chosen is None else run(*chosen),
+        "doubtful": None if (of := doubtful(choice)) is None else {**run(*of), "doubt": doubt_reason(of[0], ())},
         **{word.replace(" ", "_"): [run(*one) for one in steps] for word, steps in neighbours(choice).items()},
     }

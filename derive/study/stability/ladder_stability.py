@@ -240,8 +240,13 @@ def ladder_stability(
             progress(f"{model_text} ...")
             paths[model] = path = model_path(parameter, model)
             loss = "no loss of stability found" if path.loss is None else f"loses its stability at {path.loss:.7g}"
-            result(f"{model_text}: {path.failure or loss}")
+            result(f"{model_text}: {as_before(path) or path.failure or loss}")
         return paths[model]
+
+    def as_before(path: ModelPath) -> str:
+        """The text on a failure that an earlier model has as well, whose reason is told already."""
+        earlier = next((other for other in paths.values() if path.failure and other.failure == path.failure), path)
+        return "" if earlier is path else f"it fails as {earlier.model.label} does"
 
     def is_hopeless() -> bool:
         """Whether the first models, which are quick, have motions and no steady one: others cost minutes each."""
@@ -261,10 +266,11 @@ def ladder_stability(
             break
     if all(path.failure for path in paths.values()):
         reasons = [f"  {reason}" for reason in dict.fromkeys(path.failure for path in paths.values())]
+        advice = dict.fromkeys(f"advice: {path.advice}" for path in paths.values() if path.advice)
         left = len({*models} - {*paths})
         untried = (
             [f"{counted(left, 'finer model')} of the ladder {'was' if left == 1 else 'were'} not tried"] if left else []
         )
-        raise SimulationError("\n".join(["no model has a steady motion:", *reasons, *untried]))
+        raise SimulationError("\n".join(["no model has a steady motion:", *reasons, *advice, *untried]))
     shown = tuple(paths[model] for model in models)
     return LadderStability(name, parameter.range, shown, paths[richest], paths[before], known, parameter.motion)

@@ -14,6 +14,7 @@ from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.linearisation import linearise
+from derive.simulation.linear.steady_motion import NoSteadyMotion
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.simulation.scene_start import steady_motion_of, units_of_initial_values
 from derive.simulation.validity.fast_spin import fast_spin_notes
@@ -33,20 +34,21 @@ FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", WITHOUT_BATCHES)
 class PathPoint:
     """A value of the parameter with the eigenvalues there, and the coordinates (nq,) of the steady motion.
 
-    failure: the reason why there is no steady motion; empty if there is one. spins: the notes on finite-element bodies
-    that spin fast, by their names.
+    failure: the reason why there is no steady motion; empty if there is one. advice: what is to be done then. spins:
+    the notes on finite-element bodies that spin fast, by their names.
     """
 
     value: float
     eigenvalues: Eigenvalues | None
     q: Vector | None = None
     failure: str = ""
+    advice: str = ""
     spins: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class ModelPath:
-    """A model over the parameter. failure: the reason why it has no points; empty if it has some."""
+    """A model over the parameter. failure: the reason why it has no points, with advice; empty if it has some."""
 
     model: LadderModel
     coordinates: int = 0
@@ -55,6 +57,7 @@ class ModelPath:
     thresholds: tuple[Threshold, ...] = ()
     intervals: tuple[Interval, ...] = ()
     failure: str = ""
+    advice: str = ""
 
     @property
     def loss(self) -> float | None:
@@ -82,7 +85,7 @@ def model_path(parameter: StudiedParameter, model: LadderModel) -> ModelPath:
     for value in parameter.range.values:
         points.append(evaluate(value, points[-1].q if points else None))
     if all(point.eigenvalues is None for point in points):
-        return ModelPath(model, native.nq, unit, failure=points[0].failure)
+        return ModelPath(model, native.nq, unit, failure=points[0].failure, advice=points[0].advice)
 
     def count(value: float) -> int | None:
         return _growing(evaluate(value, next(p.q for p in reversed(points) if p.value <= value)))
@@ -128,6 +131,8 @@ def _compiled(
             k = native.setup({parameter.symbol: value} if parameter.symbol in native.parameters else None)
             steady = steady_motion_of(scene, native, k, guess)
             linear = linearise(native, k, 0.0, steady.q, steady.v, steady.axes)
+        except NoSteadyMotion as error:
+            return PathPoint(value, None, failure=error.reason, advice=error.advice)
         except TisserandError as error:
             return PathPoint(value, None, failure=first_line(error))
         spins = fast_spin_notes(scene, native, k, steady.q[None], steady.v[None], beams=False)

@@ -36,10 +36,14 @@ def loss_table(of: LadderStability) -> StudyTable:
 
 
 def gap_sentences(of: LadderStability) -> list[str]:
-    """A sentence on each model that fails, or has no steady motion at some values, and on bodies that spin fast."""
-    failures = [f"{path.model.label}: {path.failure}" for path in _listed(of) if path.failure]
-    gaps = (gap_text(path) for path in _listed(of) if path.gaps and not path.failure)
-    return [*failures, *gaps, *_spin_notes(of)]
+    """The models that fail, or have no steady motion at some values, for each reason; and bodies that spin fast."""
+    models: dict[str, list[str]] = {}
+    advice: dict[str, None] = {}
+    for path in (path for path in _listed(of) if path.gaps or path.failure):
+        models.setdefault(path.failure or gap_text(path), []).append(path.model.label)
+        advice.update(dict.fromkeys(filter(None, [path.advice, *(point.advice for point in path.gaps)])))
+    reasons = [f"{'; '.join(labels)}: {reason}" for reason, labels in models.items()]
+    return [*reasons, *(f"advice: {text}" for text in advice), *_spin_notes(of)]
 
 
 def _spin_notes(of: LadderStability) -> list[str]:
@@ -126,7 +130,7 @@ def gap_text(path: ModelPath) -> str:
     where = (
         f"at {first.value:g}" if first is last else f"at {len(path.gaps)} values from {first.value:g} to {last.value:g}"
     )
-    return f"{path.model.label}: no steady motion {where}: {first.failure}"
+    return f"no steady motion {where}: {first.failure}"
 
 
 def mode_table(of: LadderStability) -> StudyTable:
@@ -178,7 +182,7 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
                 if of.converged
                 else None,
                 "without_steady_motion": [{"value": p.value, "reason": p.failure} for p in path.gaps],
-                "failure": path.failure,
+                "failure": "; ".join(filter(None, (path.failure, path.advice))),
             }
             for path in _listed(of)
         ],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -105,31 +104,29 @@ class SweepResult(Tabulated):
         """
         return dict(zip(self.samples.names, self.samples.values[number].tolist(), strict=True))
 
-    def reasons(self) -> Iterator[tuple[str, int, int]]:
-        """The reasons of failures, the most frequent first: the text, how often, and the first sample with it.
+    def reasons(self) -> Iterator[tuple[str, tuple[int, ...]]]:
+        """The reasons of failures, the most frequent first: the text, and the numbers of the samples with it.
 
         Examples:
             >>> list(result.reasons())
             []
         """
-        yield from _counted({number: (text,) for number, text in self.failures.items()})
+        yield from _by_text({number: (text,) for number, text in self.failures.items()})
 
-    def remarks(self) -> Iterator[tuple[str, int, int]]:
-        """The notes, the most frequent first: the text, how often, and the first sample with it.
+    def remarks(self) -> Iterator[tuple[str, tuple[int, ...]]]:
+        """The notes, the most frequent first: the text, and the numbers of the samples with it.
 
         Examples:
             >>> list(result.remarks())
             []
         """
-        yield from _counted(self.notes)
+        yield from _by_text(self.notes)
 
 
-def _counted(texts: Mapping[int, tuple[str, ...]]) -> Iterator[tuple[str, int, int]]:
-    first: dict[str, int] = {}
-    counts: Counter[str] = Counter()
+def _by_text(texts: Mapping[int, tuple[str, ...]]) -> Iterator[tuple[str, tuple[int, ...]]]:
+    numbers: dict[str, list[int]] = {}
     for number in sorted(texts):
         for text in texts[number]:
-            first.setdefault(text, number)
-            counts[text] += 1
-    for text, count in counts.most_common():
-        yield text, count, first[text]
+            numbers.setdefault(text, []).append(number)
+    for text, having in sorted(numbers.items(), key=lambda item: -len(item[1])):
+        yield text, tuple(having)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -84,8 +84,12 @@ def _output(result: SweepResult, number: int) -> dict[str, Any]:
     }
 
 
-def _listed(result: SweepResult, texts: Any) -> list[dict[str, Any]]:
-    return [{"text": text, "samples": count, "first": result.sample(first)} for text, count, first in texts]
+def _listed(result: SweepResult, texts: Iterator[tuple[str, tuple[int, ...]]]) -> list[dict[str, Any]]:
+    """Texts with the samples that have them: how many, the first one, and the rows of all in the table, from 0."""
+    return [
+        {"text": text, "samples": len(numbers), "first": result.sample(numbers[0]), "rows": list(numbers)}
+        for text, numbers in texts
+    ]
 
 
 def sweep_text(data: dict[str, Any], samples: Samples) -> str:
