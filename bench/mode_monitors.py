@@ -1,4 +1,4 @@
-"""The error of finite-element bodies that the part of their fastest mode implies, compared with many modes.
+"""The error of finite-element bodies that their loads imply, or the part of their fastest mode, and that of few modes.
 
 python bench/mode_monitors.py FILE 2000:2400    (random scenes of the corpus, a minute each)
 python bench/mode_monitors.py FILE              (the table of what FILE has)
@@ -80,7 +80,7 @@ def of_scene(scene: SpatialScene) -> FlexibleBody:
 
 def deformation(scene: SpatialScene, model: LadderModel) -> tuple[Trajectory, np.ndarray]:
     """A run, and the displacements (n, nodes, 3) of the nodes of the body in its frame times the root of their mass."""
-    run = motion(compiled(scene, model, False), TOLERANCE)
+    run = motion(compiled(scene, model, True), TOLERANCE)
     assert isinstance(run.scene, SpatialScene)
     body = of_scene(run.scene)
     known = prepare(body.body)
@@ -90,7 +90,7 @@ def deformation(scene: SpatialScene, model: LadderModel) -> tuple[Trajectory, np
 
 
 def rows(scene: SpatialScene, number: int) -> Iterator[Row]:
-    """The errors of two models of a scene, and what the joints or the fastest mode of each imply."""
+    """The errors of two models of a scene, and what the loads or the fastest mode of each imply."""
     body = of_scene(scene)
     kind = HELD if can_have(scene, body, LadderModel(HELD)) else FREE
     count = FEW[number // 2 % len(FEW)]
@@ -110,9 +110,7 @@ def rows(scene: SpatialScene, number: int) -> Iterator[Row]:
         row["rms"] = float(np.sqrt(np.mean(size(own - exact) ** 2))) / peak if peak else 0.0
         moved = run.motion
         known = list(mode_errors(run.scene, moved.native, moved.k, moved.t, moved.q, moved.v))
-        yield row | (
-            {"error": known[0].error, "by": "joints" if known[0].of_joints else "fastest mode"} if known else {}
-        )
+        yield row | ({"error": known[0].error, "by": "loads" if known[0].of_loads else "fastest mode"} if known else {})
 
 
 def table(known: Sequence[Row]) -> str:

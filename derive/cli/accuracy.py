@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import drawing, planned_files, print_result, study_files
 from derive.cli.specifications import read_scene
 from derive.spec.model.specification import AnyScene
+from derive.spec.set_values import SetValue
 from derive.study.accuracy.chart import accuracy_svg
 from derive.study.accuracy.ladder_chart import LadderChart
 from derive.study.accuracy.study import study_accuracy
@@ -23,25 +26,34 @@ INTERRUPTED = 130
 """The exit code after Ctrl-C."""
 
 
-def run(scene: AnyScene, options: argparse.Namespace) -> int:
-    """Run the study and write its chart, page, table and data; Ctrl-C leaves those of the finished part."""
+def run(scene: AnyScene, changes: Sequence[SetValue], options: argparse.Namespace) -> int:
+    """Run the study and write its chart, page, table and data; Ctrl-C leaves those of the finished part.
+
+    The notes of these begin with the changes of the scene.
+    """
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     given = {**keywords(study_accuracy, options), "also": [read_scene(path) for path in options.also]}
     parts: list[LadderChart] = []
 
+    def noted(part: LadderChart) -> LadderChart:
+        return replace(part, notes=(*map(str, changes), *part.notes))
+
+    def data_of(part: LadderChart) -> dict[str, Any]:
+        return {**accuracy_data(part), "set": list(map(str, changes))}
+
     def record(part: LadderChart) -> None:
-        parts.append(part)
-        write(_files(part, accuracy_data(part)), folder)
+        parts.append(noted(part))
+        write(_files(parts[-1], data_of(parts[-1])), folder)
 
     interrupted = False
     try:
-        chart = study_accuracy(scene, **given, progress=True, record=record)
+        chart = noted(study_accuracy(scene, **given, progress=True, record=record))
     except KeyboardInterrupt:
         if not parts:
             raise
         chart, interrupted = parts[-1], True
-    data = accuracy_data(chart)
+    data = data_of(chart)
     with drawing(scene.name):
         files = _files(chart, data)
         write(files, folder)

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import drawing, print_result
-from derive.cli.specifications import read_planar_scene, read_scene
+from derive.cli.specifications import read_changed_scene, read_planar_scene
 from derive.errors import SpecError
 from derive.progress_line import show_progress
 from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
+from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
 from derive.study.frame_cost_chart import frame_cost_svg
 from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
@@ -29,10 +30,12 @@ EXPECTED_SIZE = 100_000
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study that is asked for, a key of `STUDIES`. Raises SpecError if it needs a beam and there is none."""
-    scene = read_scene(options.spec) if options.study in IN_SPACE else read_planar_scene(options.spec)
+    """Run the study that is asked for. Raises SpecError if it needs a beam and there is none."""
     try:
-        return STUDIES[options.study](scene, options)
+        if options.study in IN_PLANE:
+            return IN_PLANE[options.study](read_planar_scene(options.spec), options)
+        scene, changes = read_changed_scene(options.spec, options.set)
+        return STUDIES[options.study](scene, changes, options)
     except SpecError as error:
         raise (with_lines(error, options.spec) if error.source is None else error) from None
     finally:
@@ -55,12 +58,11 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     return 0
 
 
-STUDIES: dict[str, Callable[[Any, argparse.Namespace], int]] = {
-    FRAMES: _frames,
-    PIVOTS: _pivots,
+IN_PLANE: dict[str, Callable[[Scene, argparse.Namespace], int]] = {FRAMES: _frames, PIVOTS: _pivots}
+"""The studies of planar scenes alone."""
+STUDIES: dict[str, Callable[[AnyScene, Sequence[SetValue], argparse.Namespace], int]] = {
     accuracy.NAME: accuracy.run,
     methods.NAME: methods.run,
     stability.NAME: stability.run,
 }
-IN_SPACE = (accuracy.NAME, methods.NAME, stability.NAME)
-"""The studies that scenes in space have as well."""
+"""The studies that scenes in space have as well, with values that are set."""

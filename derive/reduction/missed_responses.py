@@ -1,4 +1,4 @@
-"""The part of the static response of a body to loads at markers and to the inertia of its modes that these miss.
+"""The part of the static response of a body to loads at markers, to its spin and its modes' inertia that these miss.
 
 The response of all nodes, with inertia relief, less what the modes can represent of it: their response to the same
 loads. This is the difference of the methods of mode acceleration and of mode displacement of structural
@@ -23,18 +23,28 @@ from derive.reduction.interface import marker_motions
 from derive.spec.model.body import NodalBody
 from derive.spec.model.node_markers import InterfaceMarker
 
+SPIN = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""The entries of a symmetric tensor."""
+
 
 @dataclass(frozen=True, eq=False)
 class MissedResponses:
     """The inner products of the fields that the modes miss, for each unit of the loads.
 
-    The loads are the forces, N, and moments, N m, of each marker, and then the accelerations of the modes. mass, energy
-    (loads, loads): with respect to the mass, and twice the strain energy. stiffness (N, N): of the modes.
+    The loads are the forces, N, and moments, N m, of each marker, the accelerations of the modes, and the entries of
+    `SPIN` in the accelerations per distance of points that turn with the body, 1/s^2. mass, energy (loads, loads): with
+    respect to the mass, and twice the strain energy. stiffness (N, N): of the modes.
     """
 
     mass: Array
     energy: Array
     stiffness: Array
+
+    @staticmethod
+    def of_spin(omega: Array) -> Array:
+        """The last of the loads (6,) for an angular velocity (3,) in the axes of the body, rad/s."""
+        centripetal = np.outer(omega, omega) - omega @ omega * np.eye(len(omega))
+        return np.array([centripetal[entry] for entry in SPIN])
 
 
 def missed_responses(body: NodalBody, markers: Sequence[InterfaceMarker]) -> MissedResponses:
@@ -45,7 +55,11 @@ def missed_responses(body: NodalBody, markers: Sequence[InterfaceMarker]) -> Mis
     k, m, basis = symmetric_matrix(body.data.stiffness), mass_of_displacements(known.mass), rigid_basis(known.mass, x)
     coordinates = rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else csr_array(identity(x.size))
     modes = known.shapes.phi.reshape(len(known.shapes.phi), -1)
-    inertia = -np.asarray((m @ modes.T).T)
+    turned = np.zeros((len(SPIN), *x.shape))
+    for field, (i, j) in zip(turned, SPIN, strict=True):
+        field[:, i] += x[:, j]
+        field[:, j] += x[:, i] * (i != j)
+    inertia = -np.asarray((m @ np.concatenate([modes, turned.reshape(len(turned), -1)]).T).T)
     loads = np.concatenate([*(marker_motions(body, x, marker, 1.0) for marker in markers), inertia])
     responses = inertia_relief(k, m, coordinates, basis.reshape(len(basis), -1))(loads)
     forces = np.asarray((k @ modes.T).T)

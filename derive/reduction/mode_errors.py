@@ -116,7 +116,7 @@ def mode_errors(body: NodalBody, phi: Array, full: Array) -> ModeErrors:
     known = min(len(own), len(full))
     frequency_errors = np.full(len(full), np.inf)
     frequency_errors[:known] = own[:known] / full[:known] - 1
-    forces = phi.reshape(len(phi), -1) @ loads.rows.T
+    forces = phi.reshape(len(phi), k.shape[0]) @ loads.rows.T
     deflections = (
         np.einsum("nl,nl->l", forces, np.linalg.solve(stiffness, forces)) if len(phi) else 0 * loads.deflections
     )

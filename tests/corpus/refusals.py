@@ -38,7 +38,7 @@ REFUSALS: dict[str, str] = {
     r"the steady motion that Newton's method finds is far from the initial state": "the message says what to write",
     r"the mass matrix is no longer positive definite": "truncated beams bend too far; the message says what to write",
     r"the mechanism is at a dead centre at t = ": "its motion comes there; the message says what to change",
-    r"needs a reference whose own error is at most a third of it": "no model that is tried is accurate enough",
+    r"needs a reference that differs by at most a third of it from coarser models": "none that is tried does",
     r"With rk4 a step shorter than \S+ s may pass, such as --step": "its steps are those of the initial state",
     r"vanishes all the time, so that no error of it is known": "a plot of a beam that nothing bends",
     r"there is no beam( and no finite-element body)? here": "there is no flexible body whose models could differ",

@@ -49,7 +49,19 @@ def test_free_modes_miss_the_residual_flexibility(modes: int) -> None:
     force = every.phi[:, LAST].mean(axis=1)[:, 1]  # of a unit force along y at the right marker
     residual = np.sum(force[modes:] ** 2 / np.diag(every.stiffness)[modes:])
     assert found.energy[7, 7] == pytest.approx(residual, rel=1e-6)
-    assert np.abs(found.energy[12:, 12:]).max() < 1e-9 * found.energy[7, 7]
+    own = slice(12, 12 + modes)
+    assert np.abs(found.energy[own, own]).max() < 1e-9 * found.energy[7, 7]
+
+
+def test_free_modes_miss_the_residual_flexibility_of_a_spin() -> None:
+    """The energy that they miss of the centrifugal forces of a spin is that of all natural modes but theirs as well."""
+    body, omega = truss("free", 3), np.array([1.0, -2.0, 0.5])
+    found, every = missed_responses(body, MARKERS), prepare(truss("free", len(lattice(4)["mass"]) * 3 - 6)).shapes
+    centrifugal = -np.cross(omega, np.cross(omega, every.x)) * lattice(4)["mass"][:, None]
+    forces = np.einsum("mij,ij->m", every.phi, centrifugal)
+    load = found.of_spin(omega)
+    missed = load @ found.energy[-len(load) :, -len(load) :] @ load
+    assert missed == pytest.approx(np.sum(forces[3:] ** 2 / np.diag(every.stiffness)[3:]), rel=1e-6)
 
 
 def test_more_modes_miss_less() -> None:

@@ -1,14 +1,16 @@
-"""Finite-element bodies without geometric stiffness that joints pull: a rod with a mass that hangs on it."""
+"""Finite-element bodies without geometric stiffness under axial forces: between two joints, and held at one end."""
 
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
 
 import derive
 from conftest import ROOT
+from derive.spec.model.spatial_scene import SpatialScene
 
 NODES = {"left": list(range(9)), "right": list(range(108, 117))}
 
@@ -50,3 +52,50 @@ def test_a_rod_that_a_weight_pulls_is_stiffer() -> None:
 def test_a_small_weight_changes_little() -> None:
     """2 % are within the limit."""
     assert not notes(2.0)
+
+
+EULER = np.pi**2 / 4 * 8.96 / 0.3**2
+"""The load (N) under which the rod buckles in the soft plane if it is held at one end."""
+
+
+def column(force: tuple[float, float, float], gravity: float = 0.0, *, kind: str = "fixed", **rod: Any) -> SpatialScene:
+    """The rod that is held at its left end under a force at its right one, with its weight along it."""
+    own = {"nodes": str(ROOT / "examples/spatial_rod.npz"), "units": "SI", "modes": 6, **rod}
+    own["markers"] = {name: {"nodes": nodes} for name, nodes in NODES.items()}
+    return derive.spatial_scene(
+        "column",
+        gravity=(-gravity, 0, 0),
+        ground={"wall": (0, 0, 0)},
+        bodies={"rod": own | {"start": {"guess": True, "position": [0.15, 0, 0]}}},
+        joints={"clamp": {"kind": kind, "between": ["ground.wall", "rod.left"]}},
+        forces={"end": {"at": "rod.right", "force": list(force)}},
+        simulation={"duration": 1e-4, "output": 1e-4},
+    )
+
+
+def changes(scene: SpatialScene) -> list[float]:
+    """The changes of the stiffness that the notes of a run and of its modes tell of, which agree."""
+    run, modes = (
+        [float(re.findall(r"about (-?\d+) %", note)[0]) / 100 for note in own if "held at left alone" in note]
+        for own in (derive.simulate(scene).notes, derive.modes(scene).notes)
+    )
+    assert run == pytest.approx(modes, abs=0.02)
+    return modes
+
+
+def test_a_column_loses_the_part_of_its_stiffness_that_its_load_is_of_the_one_that_buckles_it() -> None:
+    """Under a load at its end and under its weight; six free modes are stiffer than the rod, by a known part."""
+    of_rod = 3.516 * np.sqrt(8.96 / (0.07536 * 0.3**3)) / (2 * np.pi)
+    stiffer = derive.modes(column((0, 0, 0))).frequencies[0] / of_rod
+    part = 0.4 / stiffer**2
+    weight = 0.4 * 7.837 * 8.96 / 0.3**2
+    assert changes(column((-0.4 * EULER, 0, 0))) == pytest.approx([-part], abs=0.01)
+    assert changes(column((0, 0, 0), weight / 0.07536)) == pytest.approx([-part], abs=0.01)
+    assert changes(column((0.4 * EULER, 0, 0))) == pytest.approx([part], abs=0.01)
+
+
+def test_what_changes_little_or_does_not_hold_the_rod_as_a_cantilever_has_no_note() -> None:
+    assert not changes(column((0, 0, 0.1 * EULER)))
+    assert not changes(column((-0.02 * EULER, 0, 0)))
+    run = derive.simulate(column((0.4 * EULER, 0, 0), kind="spherical")).notes
+    assert not [note for note in run if "alone" in note]

@@ -16,7 +16,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.observables.beams import function_values, shape_functions
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.beam_line import places
-from derive.simulation.validity.beam_vibrations import Vibration, vibrations_of
+from derive.simulation.validity.beam_vibrations import MissedForms, Vibration, vibrations_of
 from derive.simulation.validity.bending_planes import bending_planes
 from derive.simulation.validity.held_beam import HeldMode
 from derive.simulation.validity.monitors import Cause
@@ -47,15 +47,21 @@ class OneShape:
         return [2 + self.number]
 
     @property
-    def missed(self) -> tuple[Matrix, Matrix, Matrix]:
+    def missed(self) -> MissedForms:
         form = np.zeros((1, FORCE + 1))
         form[0, self.number] = np.sqrt(self.stiffness / 4) if self.misses else 0.0
-        return form, form, form
+        return MissedForms(form, form, form, form[None])
 
-    def stiffened(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
+    def stiffened(self, motions: Matrix) -> Iterator[tuple[int, Matrix]]:
         if self.misses:
-            slopes = velocities[:, [self.number]]
+            slopes = motions[:, [self.number]]
             yield FORCE, slopes @ slopes.T
+
+    def stiffened_fields(self, fields: Matrix) -> Iterator[tuple[int, Matrix]]:
+        yield FORCE, 0.1 * fields[[self.number]].T @ fields[[self.number]]
+
+    def softened(self, motions: Matrix) -> tuple[Vector, Matrix]:
+        return np.zeros(FORCE + 1), np.zeros((len(motions),) * 2)
 
 
 def vibrations(force: float, twist: float) -> list[Vibration]:
@@ -114,9 +120,12 @@ def blade(shapes: int) -> Trajectory:
     return derive.simulate(scene, duration=0.5, output=0.002)
 
 
-def test_a_spinning_blade_in_two_shapes_is_late() -> None:
-    """Its lowest mode is 50 times as stiff as at rest, the second one six times: it is the one that is late."""
-    few, many = blade(2), blade(4)
+def test_a_spinning_blade_in_three_shapes_is_late() -> None:
+    """Its lowest mode is 45 times as stiff as at rest, less 36 that the spin takes away: all shares count for the rest.
+
+    What the shapes miss has less of that stiffness than the mode, and most of its moment is that of the axial force.
+    """
+    few, many = blade(3), blade(5)
 
     def deflections(run: Trajectory) -> Matrix:
         (shapes,) = bending_planes(run.motion.scene)
@@ -126,4 +135,4 @@ def test_a_spinning_blade_in_two_shapes_is_late() -> None:
     exact = deflections(many)
     error = np.sqrt(((deflections(few) - exact) ** 2).mean(axis=0)).max() / np.abs(exact).max()
     (moment,) = (m for m in few.validity if m.cause is Cause.BENDING_MOMENT)
-    assert error > 0.3 and error / 4 < moment.error < 4 * error
+    assert error > 0.2 and error / 1.6 < moment.error < 1.6 * error

@@ -15,6 +15,7 @@ from conftest import ROOT
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.implied_errors import ImpliedErrors
+from derive.simulation.validity.lost_inertia import lost_inertia
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import MOST_PIECES, monitored_pieces, with_monitors
 from derive.simulation.validity.monitors import ERROR_LIMIT, Cause, Monitor
@@ -182,9 +183,10 @@ def test_the_inertia_that_a_truncated_beam_loses_implies_an_error_without_bound(
     assert not trajectory.warnings and monitor(trajectory, Cause.MASS_MATRIX).value == pytest.approx(0.545, abs=0.01)
     motion = trajectory.motion
     scene = scene_watch(motion.scene, motion.native, motion.k, 0.0, motion.q[0], motion.v[0])
-    errors = ImpliedErrors(scene.beams[0], scene.of_rows(motion.t, motion.q, motion.v))
-    assert errors.of_lost_inertia(0.99) > ERROR_LIMIT > 10 * errors.of_lost_inertia(0.4)
-    assert errors.of_lost_inertia(1.0) == errors.of_lost_inertia(np.nan) == np.inf
+    seen = scene.of_rows(motion.t, motion.q, motion.v)
+    errors, known = ImpliedErrors(scene.beams[0], seen), lost_inertia(scene, scene.beams[0], seen)
+    assert not errors.of_lost_inertia(known) > ERROR_LIMIT
+    assert all(errors.of_lost_inertia(replace(known, largest=lost)) == np.inf for lost in (1.0, np.nan))
     lost = replace(monitor(trajectory, Cause.MASS_MATRIX), error=np.inf)
     assert lost.passed and "100 % or more" in lost.warning and 'terms = "full"' in lost.warning
 
@@ -291,13 +293,17 @@ def test_small_deflections_of_a_struck_beam_are_silent() -> None:
 @pytest.mark.parametrize(
     ("frame", "model", "error"),
     [
-        ('{ kind = "tangent", at = -1 }', 'order = 2\nterms = "truncated"', 0.006),
+        ('{ kind = "tangent", at = -1 }', 'order = 2\nterms = "truncated"', 0.015),
         ('"mean"', "pieces = 2", 0.038),
         pytest.param('"mean"', "pieces = 3", 0.017, marks=pytest.mark.long),
     ],
 )
 def test_a_spin_up_is_silent_with_two_shapes_where_its_error_is_small(frame: str, model: str, error: float) -> None:
-    """The errors against the file of the scene are in `docs/monitors.md`."""
+    """The errors of pieces against the file of the scene are in `docs/monitors.md`.
+
+    That of second order is the largest along the beam, in the middle, against full terms and P2 to P5; the file has the
+    tip alone, which is wrong by 0.6 %.
+    """
     shapes = (r"ansatz = \[.*\]", 'ansatz = ["1", "xi", "xi^2", "xi^3"]')
     scene = changed(
         "spun_up_cantilever", shapes, ("frame = {.*}", f"frame = {frame}"), ("mass = 12", f"{model}\nmass = 12")

@@ -106,7 +106,7 @@ def test_mass_matrix_stays_definite_with_the_inertia_of_attached_masses() -> Non
 
 
 def least_eigenvalue(of: Any, amplitudes: Any) -> float:
-    """The least eigenvalue of the scaled mass matrix of a beam alone, over states with amplitudes (n, shapes)."""
+    """The least eigenvalue of the scaled mass matrix of a beam alone with any of the amplitudes (n, shapes)."""
     least = []
     for M in mass_matrices(of, [np.r_[np.zeros(3), 1, np.zeros(3), alpha] for alpha in amplitudes]):
         scale = np.sqrt(np.abs(np.diag(M)))

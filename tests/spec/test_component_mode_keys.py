@@ -43,6 +43,18 @@ def test_what_does_not_go_together_is_one_line(keys: dict[str, Any], path: str, 
     assert "\n" not in wrong[0].message
 
 
+def test_every_wrong_name_of_an_interface_is_a_line_and_no_number_of_modes_follows_from_them() -> None:
+    with pytest.raises(derive.SpecError) as raised:
+        scene(modes=0, interface=["lfet", "right", "right", "rihgt"])
+    assert [problem.path for problem in raised.value.problems] == [f"bodies.truss.interface[{i}]" for i in (0, 2, 3)]
+
+
+def test_no_mode_of_an_interface_misses_every_deflection() -> None:
+    """Held at one set of nodes a body needs no static mode."""
+    (whole,) = [note for note in notes_on_flexible_bodies(scene(modes=0, interface=["left"])) if "deflections" in note]
+    assert "within 100 % of those by the full matrices" in whole
+
+
 def test_an_interface_without_markers_is_none() -> None:
     """As `--set bodies.truss.interface=[]` writes it, beside component_modes=free or alone."""
     crane = scene(modes=8, interface=["left", "right"])

@@ -7,6 +7,8 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -392,6 +394,21 @@ def test_two_models_that_clearly_agree_are_a_reference(
     assert made.source == f"own run, 1 beam, {finest}, truncated"
 
 
+@pytest.mark.parametrize(("enough", "error"), [(0.02, 0.01), (0.005, 0.01 * 9 / 7)], ids=["3 beams", "4 beams"])
+def test_the_error_of_a_reference_counts_what_more_pieces_would_change(
+    crank_slider: Scene, monkeypatch: pytest.MonkeyPatch, enough: float, error: float
+) -> None:
+    """Errors that fall with the square of the number of beams are larger than the difference of three and four."""
+    models = tuple(LadderModel(Shapes.POLYNOMIALS, 4, TRUNCATED, "mean", pieces) for pieces in (1, 2, 3, 4))
+    moved = SimpleNamespace(solution=SimpleNamespace(cost=SimpleNamespace(seconds=0.1)))
+    made_up: dict[str, Any] = {"refinements": models, "opened": None, "motion": moved, "curves_of": (1,)}
+    for name, value in {**made_up, "rms_difference": 0.01, "reference_plots": ()}.items():
+        monkeypatch.setattr(f"derive.study.accuracy.reference.{name}", lambda *_, value=value: value)
+    ahead: Any = SimpleNamespace(expect=list, result=lambda variant: variant)
+    made = reference(crank_slider, crank_slider.plots[0], None, True, lambda _: None, ahead=ahead, enough=enough)
+    assert made.error == pytest.approx(error)
+
+
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
@@ -402,6 +419,7 @@ def test_two_models_that_clearly_agree_are_a_reference(
         (["--error", "2"], "an error is a fraction such as 0.01, not '2'; 2 % is 0.02"),
         (["--error", "0.1%"], "an error is a fraction such as 0.01, not '0.1%'; 0.1 % is 0.001"),
         (["--plot", "x"], 'there is no plot "x"'),
+        (["--set", "EL=3"], '--set: "EL" is no parameter and no key'),
     ],
 )
 def test_wrong_arguments(asked: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
+from conftest import ROOT
 from derive.runtime.compiler import RUN_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.plots import PlotCurve
@@ -19,9 +20,11 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
-from derive.spec.toml.read import parse
+from derive.spec.model.specification import AnyScene
+from derive.spec.toml.read import parse, read
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import CompiledLadderModel, Curves, Line, Point, compiled, motion
+from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import trials, trusted_reference
@@ -81,9 +84,11 @@ Errors = Callable[[LadderModel, float], dict[str, float]]
 class MadeUpRuns(ModelRuns):
     """Runs whose curves have errors that are made up; asked: the models that were run, once each."""
 
-    def __init__(self, scene: Scene, errors: Errors, seconds: Callable[[LadderModel], float] = lambda _: 0.1) -> None:
+    def __init__(
+        self, scene: AnyScene, errors: Errors, seconds: Callable[[LadderModel], float] = lambda _: 0.1
+    ) -> None:
         super().__init__(scene, scene.plots, lambda _: None)
-        self.names = [beam.name for beam in beam_bodies(scene)]
+        self.names = [body.name for body in flexible_members(scene)]
         self.errors, self._time = errors, seconds
         self.asked: list[LadderModel] = []
 
@@ -154,7 +159,53 @@ def test_the_error_that_a_message_promises_is_confirmed(slow: float, beams: int)
     assert promised is not None
     error = float(promised[1]) / 100
     known = searched(error)
-    assert error / (3.7 if beams == 1 else 6) < known.error <= error / 3 * (1 + 1e-12)
+    assert error / (3.7 if beams == 1 else 6) < known.difference <= error / 3 * (1 + 1e-12)
+
+
+@pytest.mark.parametrize(("of_shapes", "again"), [(0.2, False), (2.5, True)])
+def test_more_beams_are_compared_with_fewer_shapes_again_only_where_these_matter(of_shapes: float, again: bool) -> None:
+    """The change by fewer shapes of fewer beams is a bound, and has their model in its label."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.2 / model.pieces**3 + of_shapes * 4.0**-model.count / model.pieces}
+
+    runs = MadeUpRuns(chain(1), errors)
+    known = trusted_reference.trusted_reference(runs, 0.15, lambda _: None)
+    assert known.model == polynomials(3, 3) and (polynomials(2, 3) in runs.asked) == again
+    shapes = next(a for a in known.agreements if a.label.startswith("fewer shapes"))
+    before, after = (of_shapes * 3 * 4.0**-3 / pieces for pieces in (2, 3))
+    assert shapes.difference == pytest.approx(after if again else before, rel=0.05)
+    assert (polynomials(3, 2).label in shapes.label) == (not again)
+
+
+@pytest.mark.parametrize(("of_kind", "counts"), [(1e-3, [14]), (0.03, [14, 18])], ids=["agree", "differ"])
+def test_modes_of_another_kind_confirm_a_reference_that_agrees_with_fewer_modes(
+    of_kind: float, counts: list[int]
+) -> None:
+    """They refine nothing else, so that coarser references need none of them; where they differ they are refined."""
+    scene = read(ROOT / "examples" / "spatial_crank_slider.toml")
+    assert isinstance(scene, AnyScene)
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        of_other = of_kind * (model.count < 18) * (model.shapes is Shapes.ATTACHMENT)
+        return {"rod": 0.5 * 0.7**model.count + of_other}
+
+    runs = MadeUpRuns(scene, errors)
+    known = trusted_reference.trusted_reference(runs, 0.06, lambda _: None)
+    assert known.model == LadderModel(Shapes.CRAIG_BAMPTON, counts[-1])
+    assert [model.count for model in runs.asked if model.shapes is Shapes.ATTACHMENT] == counts
+    assert [a.label.split(":")[0] for a in known.agreements] == ["fewer modes", "other modes", "larger steps"]
+
+
+@pytest.mark.parametrize("error", [0.1, 0.009, 0.0045])
+def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(error: float) -> None:
+    """Four beams differ from three by 0.78 of their error, which falls with the square of the number of beams."""
+
+    def of_pieces(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.05 / model.pieces**2}
+
+    known = trusted_reference.trusted_reference(MadeUpRuns(chain(1), of_pieces), error, lambda _: None)
+    assert known.difference <= error / 3 and known.error >= 0.05 / known.model.pieces**2 * (1 - 1e-3)
 
 
 @pytest.mark.parametrize(("ratio", "up"), [(0.00312, 0.0032), (0.14201, 0.15), (0.003, 0.0031), (0.0999, 0.1)])
@@ -244,7 +295,28 @@ def test_errors_of_a_kind_rule_out_others_of_it() -> None:
     assert cannot_do(polynomials(1), errors, 0.1) and not cannot_do(polynomials(1), errors, 0.15)
     assert not cannot_do(polynomials(3), errors, 0.1) and not cannot_do(polynomials(1, 2), errors, 0.1)
     assert cannot_do(sines(4), errors, 0.1)  # two shapes more have not helped
+    several = {polynomials(2, 1): 0.9, polynomials(2, 2): 0.9}
+    assert cannot_do(polynomials(2, 3), several, 0.1) and not cannot_do(polynomials(3, 3), several, 0.1)
+    assert not cannot_do(polynomials(2, 3), several, 0.13)  # 0.9 (2/3)^4 is within 1.5 times it
     assert not cannot_do(sines(4), errors | {sines(3): 0.2}, 0.1) and not cannot_do(sines(2, FULL), errors, 0.1)
+
+
+@pytest.mark.parametrize(("best", "tried"), [(0.16, [1, 8]), (0.05, [1, 8, 2, 3])], ids=["hopeless", "good"])
+def test_the_most_modes_tell_whether_fewer_need_a_trial(
+    best: float, tried: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Free modes of a body that joints hold stagnate: two models show it, where five were tried."""
+    scene = read(ROOT / "examples" / "spatial_crank_slider.toml")
+    assert isinstance(scene, AnyScene)
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        of_free = best if model.count > 2 else 0.6
+        return {"rod": {Shapes.FREE: of_free, Shapes.RIGID: 0.9}.get(model.shapes, 0.5 / (1 + model.count))}
+
+    runs = MadeUpRuns(scene, errors)
+    try_one_beam(trials_of(monkeypatch, runs, 0.08, reference_of((LadderModel(Shapes.CRAIG_BAMPTON, 6), 0.05))))
+    assert [model.count for model in runs.asked if model.shapes is Shapes.FREE] == tried
+    assert (runs.asked[-1].shapes is Shapes.CRAIG_BAMPTON) == (best > 0.1)
 
 
 # ---- trials ----

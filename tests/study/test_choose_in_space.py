@@ -141,8 +141,9 @@ def test_references_in_space_are_refined_in_pieces_shapes_and_modes() -> None:
         assert few == f"{text}, P2, P3, 1 twist, truncated" and full == f"{text}, P2, P3, 1 twist, full"
     assert nodes.truncated(nodes.first, 1) is None
     assert nodes.first == LadderModel(Shapes.CRAIG_BAMPTON, 6)
-    others = [way.coarser(nodes.first) for way in nodes.directions]
+    others = [way.coarser(nodes.first) for way in (*nodes.directions, *nodes.confirming)]
     assert others == [replace(nodes.first, count=2), LadderModel(Shapes.ATTACHMENT, 6)]
+    assert nodes.needed(nodes.first) == [nodes.first, others[0]] and beams.confirming == ()
     assert nodes.finer(nodes.first, True) == replace(nodes.first, count=10)
 
 
@@ -155,6 +156,7 @@ def test_bodies_that_no_joint_holds_have_free_modes_alone() -> None:
     lines = untried(loose, modes)
     assert any(line.startswith("rod has no Craig-Bampton modes") for line in lines)
     assert "rod has modes of first order alone: a load along it does not change its stiffness" in lines
+    assert "rod: errors are those of its modes; what finer elements would change is not known" in lines
     assert untried(scene_of(BEAM), modes)[0] == "rod does not stretch, as its table has no stiffness against it"
 
 

@@ -210,9 +210,10 @@ def test_the_methods_of_a_rigid_mechanism(tmp_path: Path, capsys: pytest.Capture
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = str(ROOT / "scenes/spinning_beam.toml")
     asked = ["--steps", "500", "--states", "5", "--integrators", "rk4", "--out", str(tmp_path), "--json"]
-    assert main(["study", "methods", spec, *asked]) == 0
+    assert main(["study", "methods", spec, *asked, "--set", "simulation.output=0.02"]) == 0
     said = capsys.readouterr()
     data = json.loads(said.out)
+    assert data["set"] == data["notes"][:1] and data["set"][0].endswith("-> 0.02")
     assert said.err == "" and data["files"] == [
         str(tmp_path / f"methods.{kind}") for kind in ("svg", "html", "csv", "json")
     ]

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.study.methods.drift import conserves
+from derive.study.methods.methods_table import step_limit_table
 from derive.study.methods.scene_methods import Method, method_scene
-from derive.study.methods.step_limits import highest_frequency, step_limits
+from derive.study.methods.step_limits import HighestFrequency, highest_frequency, step_limits
 
 RIGID = ROOT / "examples/spatial_crank_slider_rigid.toml"
 
@@ -69,3 +72,13 @@ def test_explicit_steps_of_a_beam_in_space_are_stable_up_to_their_limit_alone() 
     assert conserves(of, states)
     for limit in step_limits(of, frequency, [Method.RK4, Method.ADAPTIVE], lambda _: None):
         assert limit.below and not limit.above and limit.ratio == pytest.approx(1, abs=0.05)
+
+
+def test_implicit_methods_whose_steps_do_not_resolve_the_motion_are_not_tried() -> None:
+    """Where a revolution has less than seven periods of the fastest mode; nothing is said to grow."""
+    scene: Any = SimpleNamespace(scene=SimpleNamespace(name="slow"), period=1.0)
+    frequency = HighestFrequency(1.0, 1.0, (0.0, *np.zeros((2, 1))), 1.0)
+    limits = step_limits(scene, frequency, [Method.TRAPEZOIDAL], lambda _: None)
+    study: Any = SimpleNamespace(frequency=frequency, limits=limits, along="one revolution of spin")
+    text = " ".join(line.strip() for line in step_limit_table(study).text)
+    assert "grows at" not in text and "not tried: steps of omega h = 3 are more than a 20th of one revolution" in text

@@ -13,6 +13,7 @@ from derive.cli.arguments.types import (
     SPEC,
     add_command,
     add_no_cache,
+    add_set,
     among,
     count,
     error_fraction,
@@ -127,6 +128,7 @@ def _add_methods(studies: Any) -> None:
         metavar="FOLDER",
         help="folder of the picture, the page and the table (default: results/NAME)",
     )
+    add_set(methods)
     add_no_cache(methods)
     methods.add_argument("--json", action="store_true", help="print the numbers as JSON")
 
@@ -206,6 +208,7 @@ def _add_accuracy(studies: Any) -> None:
     accuracy.add_argument(
         "--runs", type=count, default=RUNS, metavar="N", help=f"interleaved measurements of each run (default: {RUNS})"
     )
+    add_set(accuracy)
     add_no_cache(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the numbers as JSON")
 

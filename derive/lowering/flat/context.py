@@ -104,6 +104,8 @@ class Context:
     def symbols(self, *inputs: Input) -> Symbols:
         """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them.
 
+        An argument may be a definition, which is then not computed.
+
         A kernel with the argument t also has the argument u, the run-time inputs.
         """
         if self.t in inputs:
@@ -119,6 +121,8 @@ class Context:
         symbols = self._constant_symbols.copy()
         for symbol in inputs:
             symbols.input(symbol, ScalarRef(symbol.name))
+        defined = {d.symbol for d in self.equations.definitions}
+        symbols.fixed |= {symbol: symbols.values[symbol] for symbol in inputs if symbol in defined}
         define(symbols, self.equations.definitions)
         return symbols
 

@@ -61,3 +61,12 @@ def section_rotation() -> tuple[sp.ImmutableMatrix, sp.ImmutableMatrix, sp.Immut
     change = sum((rate.diff(theta) * r for theta, r in zip(THETA, RATE, strict=True)), sp.zeros(3, 1))
     bias = (of_scale * rate + SCALE * change).applyfunc(sp.factor_terms)
     return sp.ImmutableMatrix(matrix), sp.ImmutableMatrix(SCALE * unscaled), sp.ImmutableMatrix(bias)
+
+
+@cache
+def inverse_tangent() -> sp.ImmutableMatrix:
+    """The inverse of the tangent operator of `section_rotation`, a polynomial of THETA without its scale."""
+    _, tangent, _ = section_rotation()
+    scale = 1 / (1 + sum(theta**2 for theta in THETA) / 4)
+    inverse = sp.Matrix(tangent).xreplace({SCALE: scale}).inv()
+    return sp.ImmutableMatrix(inverse.applyfunc(lambda entry: sp.expand(sp.cancel(entry))))

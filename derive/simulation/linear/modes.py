@@ -31,7 +31,7 @@ from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import state_of
 from derive.simulation.simulate import with_simulation
-from derive.simulation.validity.fast_spin import fast_spin_notes
+from derive.simulation.validity.axial_loads import missing_stiffness_notes
 from derive.spec.model.beam_pieces import in_pieces
 from derive.spec.model.scene import EQUILIBRIUM, STEADY, Scene
 from derive.spec.model.scene_functions import input_functions, time_functions
@@ -72,7 +72,7 @@ class Modes:
         equilibrium: the equilibrium of a scene if the state is one; None otherwise and for a body.
         steady: the steady motion of a scene if the state is one, about which the modes are those in axes that rotate
             with it; None otherwise.
-        notes: on bodies of first order that spin fast in the state.
+        notes: on bodies of first order that spin fast, or that forces pull or press, in the state.
 
     Examples:
         >>> import derive
@@ -191,7 +191,8 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
     linear = linearise(state.native, state.k, state.t, state.q, state.v, axes)
     whole, notes = in_pieces(spec), {}
     if isinstance(whole, SpatialScene):
-        notes = fast_spin_notes(whole, state.native, state.k, state.q[None], state.v[None])
+        of_state = np.array([state.t]), state.q[None], state.v[None]
+        notes = missing_stiffness_notes(whole, state.native, state.k, *of_state)
     found, about = eigenmodes(linear), (state.equilibrium, state.steady)
     return Modes(whole, state.native, state.k, linear, found, *about, tuple(notes.values()))
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.simulation.observables.motion import Array, SceneMotion, body_coordinates, planar, transformed
-from derive.simulation.space.marker_frames import frame_of
+from derive.simulation.space.marker_frames import frames_of
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.beam_pieces import located
 from derive.spec.model.instances import joined
@@ -22,8 +22,8 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     if isinstance(motion.scene, SpatialScene):
         states = zip(motion.t, motion.q, strict=True)
         poses = (SpatialPoses(native, motion.k, float(t), q, 1.0) for t, q in states)
-        own = located(motion.scene, marker)
-        return np.array([frame_of(motion.scene, at, own).position for at in poses])
+        frame_at = frames_of(motion.scene, native, located(motion.scene, marker))
+        return np.array([frame_at(pose).position for pose in poses])
     if marker.body == GROUND:
         return np.tile(body_coordinates(planar(motion.scene), marker), (len(motion.t), 1))
     body = next(b for b in motion.scene.bodies if b.name == marker.body)

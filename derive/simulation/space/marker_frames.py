@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,6 +11,7 @@ import numpy as np
 from derive.mechanics.bodies.modal_body import ModalFrame
 from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.beam_frames import beam_frames
@@ -59,13 +61,22 @@ def frame_in_body(scene: SpatialScene, marker: MarkerRef) -> MarkerFrame:
 
 def frame_of(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) -> MarkerFrame:
     """A marker in the inertial frame, on a body that is deformed by its amplitudes."""
+    return frames_of(scene, poses.native, marker)(poses)
+
+
+def frames_of(scene: SpatialScene, native: NativeScene, marker: MarkerRef) -> Callable[[SpatialPoses], MarkerFrame]:
+    """The function of poses that gives a marker in the inertial frame, for many of them: see `frame_of`."""
     own = frame_in_body(scene, marker)
     if marker.body == GROUND:
-        return own
-    if deformed := deformed_frame(scene, poses, marker):
-        own = deformed.frame
-    Q = poses.rotation(marker.body)
-    return MarkerFrame(poses.position(marker.body) + Q @ own.position, Q @ own.axes)
+        return lambda _: own
+    deforming = _deforming_marker(scene, native, marker)
+
+    def at(poses: SpatialPoses) -> MarkerFrame:
+        frame = own if deforming is None else deforming.at(poses.q).frame
+        Q = poses.rotation(marker.body)
+        return MarkerFrame(poses.position(marker.body) + Q @ frame.position, Q @ frame.axes)
+
+    return at
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,21 +95,43 @@ class DeformedFrame:
 
 def deformed_frame(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) -> DeformedFrame | None:
     """A marker of a flexible body in its floating frame; None for a marker of another body."""
+    deforming = _deforming_marker(scene, poses.native, marker)
+    return None if deforming is None else deforming.at(poses.q)
+
+
+@dataclass(frozen=True, eq=False)
+class _DeformingMarker:
+    """A marker of a flexible body: how it moves with the amplitudes, and its axes without them.
+
+    places: the amplitudes among the coordinates. columns: their velocities among those of the scene.
+    """
+
+    of: ModalFrame
+    axes: Matrix
+    places: Sequence[int]
+    columns: tuple[int, ...]
+
+    def at(self, q: Vector) -> DeformedFrame:
+        """The marker at these coordinates (nq,) of the scene."""
+        of, point, alpha = self.of, self.of.point, q[self.places]
+        bent = np.zeros_like(point.shapes) if point.second is None else np.einsum("j,ijk->ik", alpha, point.second)
+        position = point.position + alpha @ (point.shapes + bent / 2)
+        bent_twists = 0 * of.twists if of.second_twists is None else np.einsum("j,ijk->ik", alpha, of.second_twists)
+        theta = alpha @ (of.twists + bent_twists / 2)
+        tangents = of.twists + bent_twists
+        p = np.array([1.0, *(theta / 2)])
+        turns = (tangents + np.cross(theta, tangents) / 2) / (p @ p)
+        frame = MarkerFrame(position, rotation_matrix(p / np.linalg.norm(p)) @ self.axes)
+        return DeformedFrame(frame, self.columns, (point.shapes + bent).T, turns.T)
+
+
+def _deforming_marker(scene: SpatialScene, native: NativeScene, marker: MarkerRef) -> _DeformingMarker | None:
+    """A marker of a flexible body; None for a marker of another body."""
     body = next((b for b in scene.bodies if b.name == marker.body), None)
     if not isinstance(body, (FlexibleBody, SpatialBeam)):
         return None
     of = modal_frames_of(body)[marker.marker]
-    point, native = of.point, poses.native
-    modes = range(1, len(point.shapes) + 1)
-    alpha = poses.q[[native.coordinates.index(amplitude_of(body.name, i).shown) for i in modes]]
+    modes = range(1, len(of.point.shapes) + 1)
+    places = [native.coordinates.index(amplitude_of(body.name, i).shown) for i in modes]
     columns = tuple(native.velocities.index(amplitude_of(body.name, i, 1).shown) for i in modes)
-    bent = np.zeros_like(point.shapes) if point.second is None else np.einsum("j,ijk->ik", alpha, point.second)
-    position = point.position + alpha @ (point.shapes + bent / 2)
-    bent_twists = 0 * of.twists if of.second_twists is None else np.einsum("j,ijk->ik", alpha, of.second_twists)
-    theta = alpha @ (of.twists + bent_twists / 2)
-    tangents = of.twists + bent_twists
-    p = np.array([1.0, *(theta / 2)])
-    own = own_frame(next(m for m in body.markers if m.name == marker.marker), body)
-    axes = rotation_matrix(p / np.linalg.norm(p)) @ own.axes
-    turns = (tangents + np.cross(theta, tangents) / 2) / (p @ p)
-    return DeformedFrame(MarkerFrame(position, axes), columns, (point.shapes + bent).T, turns.T)
+    return _DeformingMarker(of, frame_in_body(scene, marker).axes, places, columns)

@@ -4,7 +4,7 @@ An axial force P changes the bending stiffness of a body, which first order does
 K0F and K0t is missing. A uniform body between two joints at a distance l that vibrates as a half sine wave with the
 frequency omega has omega^2 + pi^2 P/(m l). P is the mean of the axial forces at both ends, which differ by the inertia
 of the body. Where the joints are closer to each other than half of its length, the force acts on a part of it alone,
-and is left out.
+and is left out. A body that joints hold at one end alone has loads, weight and acceleration along it, `end_loads`.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import coordinates_with, mass_matrix
 from derive.simulation.space.marker_frames import modal_frames_of
+from derive.simulation.validity.end_loads import held_end
 from derive.simulation.validity.fast_spin import fast_spin_notes, remedy_of
 from derive.simulation.validity.held_beam import admitted_modes
 from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
-from derive.simulation.validity.mode_content import MOST_HELD, modal_stiffness, own_amplitudes
+from derive.simulation.validity.mode_content import MOST_LOADED, modal_stiffness, own_amplitudes
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -53,7 +54,7 @@ def axial_load_notes(
     if not isinstance(scene, SpatialScene):
         return {}
     bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
-    if len(bodies) > MOST_HELD:
+    if len(bodies) > MOST_LOADED:
         return {}
     notes = {body.name: _note(scene, body, native, k, t, q, v) for body in bodies}
     return {name: note for name, note in notes.items() if note}
@@ -69,7 +70,7 @@ def _note(
     loads = MissedModes(scene, body, native, k, columns, rates)
     ends = _ends(body, loads.markers)
     if ends is None:
-        return ""
+        return _note_of_cantilever(loads, t, q, v)
     (left, right), axis, length = ends
     some = rows_of_run(len(t))
     try:
@@ -90,6 +91,33 @@ def _note(
         f"with {abs(tension[worst]):.3g} N at t = {t[some][worst]:.6g} s, which changes its bending stiffness by about "
         f"{largest} (rms over the run {usual}; the limit is {percent(ERROR_LIMIT)}), and displacements of first order "
         f"know nothing of it: {remedy_of(body.body)}"
+    )
+
+
+def _note_of_cantilever(loads: MissedModes, t: Vector, q: Matrix, v: Matrix) -> str:
+    """The note on a body that joints hold at one end alone; see `end_loads`."""
+    spec, native, k = loads.body.body, loads.native, loads.k
+    end = held_end(loads, spec.data.positions)
+    if end is None:
+        return ""
+    some = rows_of_run(len(t))
+    try:
+        rows = np.array([end.change(*state) for state in zip(t[some], q[some], v[some], strict=True)])
+    except ModelError:
+        return ""
+    squared = _squared_frequency(native, k, float(t[0]), q[0], [*loads.columns], [*loads.rates])
+    mass = mass_matrix(native, q[0], k)[loads.rates[0] - 6, loads.rates[0] - 6]
+    change = rows[:, 2] / (mass * end.length * squared) if squared else np.zeros(len(rows))
+    rms = float(np.sqrt(np.mean(change**2)))
+    if not rms > ERROR_LIMIT:
+        return ""
+    worst = int(np.abs(change).argmax())
+    at_end, spread, _ = rows[worst]
+    return (
+        f"{loads.name}: it is held at {end.marker} alone, and along it act {at_end:.3g} N of loads and {spread:.3g} N "
+        f"of its weight and acceleration at t = {t[some][worst]:.6g} s, which change its bending stiffness by about "
+        f"{percent(float(change[worst]))} (rms over the run {percent(rms)}; the limit is {percent(ERROR_LIMIT)}), and "
+        f"displacements of first order know nothing of it: {remedy_of(spec)}"
     )
 
 

@@ -25,23 +25,42 @@ NEAR = 0.1
 """Frequencies that differ by less are almost equal."""
 
 
-class Plane(Protocol):
-    """A plane in which a beam bends, or its twist: the numbers of its amplitudes and of all their rates.
+@dataclass(frozen=True, eq=False)
+class MissedForms:
+    """The fields that the shapes of a beam miss in a plane, as forms of z = [q; v; outputs; t].
 
-    missed: forms of z = [q; v; outputs; t], of which the last are square roots of the strain energy that shapes miss.
+    moments (., z), deflections (PLACES, z): in sections, and along the beam. energies (., z): square roots of parts of
+    the strain energy. slopes (pieces, POINTS, z): those of the deflections.
     """
+
+    moments: Matrix
+    deflections: Matrix
+    energies: Matrix
+    slopes: Matrix
+
+
+class Plane(Protocol):
+    """A plane in which a beam bends, or its twist: the numbers of its amplitudes and of all their rates."""
 
     shapes: PieceShapes
     amplitudes: list[list[int]]
     rates: list[int]
 
     @property
-    def missed(self) -> tuple[Matrix, Matrix, Matrix]:
-        """The moments, deflections and energies that its shapes miss."""
+    def missed(self) -> MissedForms:
+        """The fields that its shapes miss."""
         ...
 
-    def stiffened(self, velocities: Matrix) -> Iterator[tuple[int, Matrix]]:
-        """The numbers in z of axial forces, and what each unit of them adds to the stiffness for motions (n, nv)."""
+    def stiffened(self, motions: Matrix) -> Iterator[tuple[int, Matrix]]:
+        """The numbers in z of axial forces, and what each unit of them adds to the stiffness for motions (n, nq)."""
+        ...
+
+    def stiffened_fields(self, fields: Matrix) -> Iterator[tuple[int, Matrix]]:
+        """The same for what the shapes miss in changes of z, columns of `fields` (z, n)."""
+        ...
+
+    def softened(self, motions: Matrix) -> tuple[Vector, Matrix]:
+        """The spin in this plane as a form (z,), and what the square of a unit of it takes away of the stiffness."""
         ...
 
 
@@ -52,7 +71,8 @@ class Vibration:
     frequency: that of its strain energy alone, rad/s. missed: the strain energy that the shapes miss, relative to it.
     columns, part: the numbers in z of the rates of all its amplitudes, and the factors of these that give how much of
     the motion it is. axial: the factors of axial forces, by their numbers in z, in the stiffness that they add to it,
-    relative to that of its strain energy.
+    relative to that of its strain energy. axial_missed: the same of what is missed. turns: forms (z,);
+    the square of each is the part of the stiffness that a spin takes away.
     """
 
     motion: Vector
@@ -61,6 +81,8 @@ class Vibration:
     columns: list[int]
     part: Matrix
     axial: dict[int, float]
+    axial_missed: dict[int, float]
+    turns: list[Vector]
 
 
 def vibrations_of(
@@ -72,7 +94,7 @@ def vibrations_of(
     """
     if not modes:
         return ()
-    motions, velocities = (np.array([getattr(mode, of) for mode in modes]) for of in ("motion", "velocities"))
+    motions = np.array([mode.motion for mode in modes])
     squares = np.array([mode.frequency**2 for mode in modes])
     columns = [column for plane in planes for column in plane.rates]
     parts = [
@@ -81,17 +103,25 @@ def vibrations_of(
     ]
     added = defaultdict[int, Matrix](lambda: np.zeros((len(modes),) * 2))
     for plane in planes:
-        for force, stiffness in plane.stiffened(velocities):
+        for force, stiffness in plane.stiffened(motions):
             added[force] += stiffness
+    softened = [plane.softened(motions) for plane in planes]
     total = np.diag(squares) + sum(start[force] * of for force, of in added.items())
+    total -= sum((spin @ start) ** 2 * of for spin, of in softened)
 
     changes = np.array([response(motion) for motion in motions]).T
-    fields = np.vstack([np.sqrt(2) * plane.missed[2] @ changes for plane in planes])
+    fields = np.vstack([np.sqrt(2) * plane.missed.energies @ changes for plane in planes])
+    stiffer = defaultdict[int, Matrix](lambda: np.zeros((len(modes),) * 2))
+    for plane in planes:
+        for force, stiffness in plane.stiffened_fields(changes):
+            stiffer[force] += stiffness
 
     def of_modes(c: Vector) -> Vibration:
         kept, missed = float(c**2 @ squares), float(np.sum((fields @ c) ** 2))
         axial = {force: float(c @ of @ c) / kept for force, of in added.items()}
-        return Vibration(c @ motions, np.sqrt(kept), missed / kept, columns, c[None] @ parts, axial)
+        of_missed = {force: float(c @ of @ c) / missed for force, of in stiffer.items() if missed}
+        turns = [spin * np.sqrt(c @ of @ c / kept) for spin, of in softened if spin.any()]
+        return Vibration(c @ motions, np.sqrt(kept), missed / kept, columns, c[None] @ parts, axial, of_missed, turns)
 
     stiffnesses, combinations = eigh(total)
     return tuple(map(of_modes, _apart(stiffnesses, combinations, fields)))

@@ -74,13 +74,13 @@ def admitted_modes(
         return ()
     elastic = squares > RIGID * squares[-1]
     velocities = (admitted @ modes[:, elastic]).T
-    motions = velocities @ _moved_by_velocities(native, q, k).T
+    motions = velocities @ moved_by_velocities(native, q, k).T
     return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions, velocities))
 
 
 def admitted_velocities(native: NativeScene, k: Vector, t: float, q: Vector, own: Sequence[int]) -> Matrix:
     """The velocities (nv, n) that joints admit in the undeformed state q, with no deformation rates but `own` ones."""
-    moved = _moved_by_velocities(native, q, k)
+    moved = moved_by_velocities(native, q, k)
     free = ~np.any(moved[coordinates_with(native, Role.AMPLITUDE)], axis=0)
     free[list(own)] = True
     size = np.sqrt(np.diag(mass_matrix(native, q, k))[free])
@@ -94,7 +94,7 @@ def admitted_velocities(native: NativeScene, k: Vector, t: float, q: Vector, own
     return result
 
 
-def _moved_by_velocities(native: NativeScene, q: Vector, k: Vector) -> Matrix:
+def moved_by_velocities(native: NativeScene, q: Vector, k: Vector) -> Matrix:
     """The rates (nq, nv) of the coordinates for unit velocities; in the plane velocities are these rates."""
     if native.nq == native.nv:
         return np.eye(native.nq)
@@ -103,32 +103,35 @@ def _moved_by_velocities(native: NativeScene, q: Vector, k: Vector) -> Matrix:
 
 @dataclass(frozen=True, eq=False)
 class StaticResponse:
-    """The change of z that a small motion from a state q (nq,) at rest at t (s) causes by itself."""
+    """The change of z that a small motion from a state q (nq,) at t (s) causes by itself.
+
+    v (nv,): the velocities, at rest or those with which the motion turns.
+    """
 
     native: NativeScene
     k: Vector
     t: float
     q: Vector
+    v: Vector
 
     def __call__(self, motion: Vector) -> Vector:
         """The change of z = [q; v; outputs; t] for a motion (nq,); zero where the model has no accelerations."""
         step = SMALL * max(1.0, float(np.abs(self.q).max())) / float(np.abs(motion).max())
-        still = np.zeros(self.native.nv)
         try:
-            ahead, behind = (self.outputs(self.q + sign * step * motion, still) for sign in (1, -1))
+            ahead, behind = (self.outputs(self.q + sign * step * motion) for sign in (1, -1))
         except ModelError:
             return np.zeros(self.native.nq + self.native.nv + len(self.native.outputs) + 1)
         return np.concatenate([motion, np.zeros(self.native.nv), (ahead - behind) / (2 * step), [0.0]])
 
-    def start(self, v: Vector) -> Vector:
-        """The z of the state with the velocities v (nv,); no outputs where the model has no accelerations."""
+    def start(self) -> Vector:
+        """The z of the state; no outputs where the model has no accelerations."""
         try:
-            outputs = self.outputs(self.q, v)
+            outputs = self.outputs(self.q)
         except ModelError:  # the run says so, or it is what the monitors are to find
             outputs = np.zeros(len(self.native.outputs))
-        return np.concatenate([self.q, v, outputs, [0.0]])
+        return np.concatenate([self.q, self.v, outputs, [0.0]])
 
-    def outputs(self, q: Vector, v: Vector) -> Vector:
-        """The outputs (nout,) of a state."""
-        native = self.native
+    def outputs(self, q: Vector) -> Vector:
+        """The outputs (nout,) of a configuration."""
+        native, v = self.native, self.v
         return native.evaluate_outputs(self.t, q, v, *native.solve(self.t, q, v, self.k), self.k)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.runtime.integrators.watch import Watched
+from derive.simulation.validity.lost_inertia import LostInertia
 from derive.simulation.validity.watched_beam import WatchedBeam, WatchedVibration
 from derive.spec.model.body import DisplacementOrder
 
@@ -26,9 +27,9 @@ VIBRATION = 1.5
 """A stiffness that grows with the square of the deflection counts by 3/4 of its peak in a vibration, whose mean square
 is half of that of its peak."""
 INERTIA = 0.03
-"""The part of the largest loss of inertia that a vibration has, since another velocity loses most.
+"""The part of the largest loss of inertia that the lowest vibration has in a beam that spins as fast as it vibrates.
 
-Measured on beams that are struck while they spin; without spin it is less.
+Measured on beams that are struck while they spin.
 """
 ROTATING = {FIRST: 1 / 3, TRUNCATED: 1 / 6, FULL: 1 / 6}
 """The part of the hardening by which beams err if joints act on the rotations of their ends, or of pieces.
@@ -102,33 +103,52 @@ class ImpliedErrors:
         missed, rms = self._rms(watched.missed), self._rms(watched.deflection)
         if self.straight:
             return missed / (rms + missed)
-        flexibility, share = 1 / self._stiffness(watched.axial), missed / (rms + missed)
+        flexibility, share = 1 / self._stiffness(watched.axial_missed), missed / (rms + missed)
         late = sorted(map(self._late, watched.vibrations))
         together = np.hypot(late[-1], np.linalg.norm(late[:-1]) / np.sqrt(2)) if late else 0.0
         return float(np.hypot(flexibility * share * rms, together) / self.peak)
 
     def _late(self, of: WatchedVibration) -> float:
-        """The lateness of a vibration (rms, m), which is at most that of one that is never in phase."""
-        stiffness = self._stiffness(of.axial)
-        frequency = of.frequency * np.sqrt(stiffness)
-        return float(
-            min(
-                of.missed / (stiffness + of.missed) / 2 * self._rms(of.late),
-                np.sqrt(2) * self._rms(of.rate) / frequency,
-            )
-        )
+        """The lateness of a vibration by the strain energy that its shapes miss (rms, m)."""
+        stiffness, missed = self._of_vibration(of), of.missed / self._stiffness(of.axial_missed)
+        return self._late_by(of, missed / (stiffness + missed) / 2)
 
-    def _stiffness(self, axial: int) -> float:
-        """The stiffness with the axial force, whose mean adds a part at second order, relative to that without it."""
+    def _late_by(self, of: WatchedVibration, faster: float) -> float:
+        """The lateness of a vibration (rms, m) with this relative error of its frequency.
+
+        It is at most that of one that is never in phase.
+        """
+        frequency = of.frequency * np.sqrt(self._of_vibration(of))
+        return float(min(faster * self._rms(of.late), np.sqrt(2) * self._rms(of.rate) / frequency))
+
+    def _of_vibration(self, of: WatchedVibration) -> float:
+        """The stiffness of a vibration with the axial force and the spin, relative to that without them."""
+        return self._stiffness(of.axial, sum(float(self.seen.mean_squares[turn]) for turn in of.turns))
+
+    def _stiffness(self, axial: int, softened: float = 0.0) -> float:
+        """The stiffness with the axial force, whose mean adds a part at second order, relative to that without it.
+
+        softened: the part that a spin takes away.
+        """
         if self.watched.beam.beam.order is FIRST:
             return 1.0
-        return max(1 + float(self.seen.means[axial]), NEARLY_BUCKLED)
+        return max(1 + float(self.seen.means[axial]) - softened, NEARLY_BUCKLED)
 
-    def of_lost_inertia(self, lost: float) -> float:
-        """The error from the largest fraction of kinetic energy that deflections remove; it affects vibrations only."""
-        if not lost < 1:
+    def of_lost_inertia(self, lost: LostInertia) -> float:
+        """The error from the kinetic energy that deflections remove; it affects vibrations only.
+
+        Each vibration is too fast by half of its own change in the deflected state. Where the beam spins, terms of
+        third order in the deflections are missing as well, the more, the faster it spins against its lowest vibration.
+        """
+        if not lost.largest < 1:
             return np.inf
-        return 0.0 if self.straight else self._error(0.0, INERTIA * lost / (1 - lost))
+        if self.straight:
+            return 0.0
+        late = [self._late_by(of, lost.of_frequency(of.frequency) / 2) for of in self.watched.vibrations]
+        lowest = self.watched.vibrations[:1]
+        spin = np.sqrt(sum(float(self.seen.mean_squares[turn]) for of in lowest for turn in of.turns))
+        spinning = self._error(0.0, INERTIA * lost.largest / (1 - lost.largest)) * min(1.0, spin)
+        return float(np.hypot(np.linalg.norm(late) / self.peak, spinning))
 
     def _error(self, difference: float, stiffness: float) -> float:
         """The error from a difference (rms, m) of deflections and from a mean relative change of the stiffness."""

@@ -1,10 +1,10 @@
 """The error of the deformation of a finite-element body that the modes which are left out imply.
 
-The joints load a body at their markers, and its modes with their inertia. What the modes miss of the static response to
-these loads, root mean square over the run, is the first part of the error. The vibrations of the body, as its joints
-hold it, are too fast by half the share of the strain energy that is missed in them, and late by that: this is the
-second part, as that of a beam is (`implied_errors.py`). Loads that do not come from joints are left out; without a
-stiffness matrix nothing is known.
+Joints, forces, torques and springs load a body at their markers, its spin loads it everywhere, and its modes with their
+inertia. What the modes miss of the static response to these loads, root mean square over the run, is the first part of
+the error. The vibrations of the body, as its joints hold it, are too fast by half the share of the strain energy that
+is missed in them, and late by that: this is the second part, as that of a beam is (`implied_errors.py`). Gravity
+deforms no body by itself. Without a stiffness matrix nothing is known.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.symbols import Family, Identity
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
@@ -24,9 +25,10 @@ from derive.simulation.compiled_scene import constraint_matrix, coordinates_with
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.held_beam import SMALL, HeldMode, admitted_modes
+from derive.simulation.validity.monitoring_outputs import acting_loads
 from derive.spec.model.instances import joined
 from derive.spec.model.node_markers import InterfaceMarker
-from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_bodies import FlexibleBody, NodeFrame
 from derive.spec.model.spatial_scene import SpatialScene
 
 if TYPE_CHECKING:
@@ -68,8 +70,21 @@ class MissedModes:
         """The responses to unit loads that the modes miss."""
         from derive.reduction.missed_responses import missed_responses  # only for finite-element bodies
 
-        markers = [next(m for m in self.body.markers if m.name == name) for name, _ in self._held]
+        markers = [self._marker(name) for name in (*(name for name, _ in self._held), *self._acting)]
         return missed_responses(self.body.body, [InterfaceMarker(m.name, m.nodes, m.weights) for m in markers])
+
+    def _marker(self, name: str) -> NodeFrame:
+        return next(m for m in self.body.markers if m.name == name)
+
+    @cached_property
+    def _acting(self) -> dict[str, list[int]]:
+        """The markers on which actions act, with the numbers of the outputs of their loads."""
+        numbers = {name: number for number, name in enumerate(self.native.outputs)}
+        return {
+            marker.marker: [numbers[output.name] for output in outputs]
+            for marker, outputs in acting_loads(self.scene).items()
+            if marker.body == self.name and outputs[0].name in numbers
+        }
 
     @cached_property
     def _held(self) -> list[tuple[str, list[int]]]:
@@ -96,6 +111,11 @@ class MissedModes:
         """The markers at which joints hold the body."""
         return {name for name, _ in self._held}
 
+    @property
+    def has_reactions(self) -> bool:
+        """Whether all joints that hold the body have reactions: those that give coordinates of bodies have none."""
+        return all(rows for _, rows in self._held)
+
     def forces(self, t: float, q: Vector, v: Vector) -> dict[str, Vector]:
         """The forces (3,), N, of the joints at each of these markers, in the axes of the body."""
         result = {name: np.zeros(3) for name in self.markers}
@@ -104,15 +124,26 @@ class MissedModes:
         return result
 
     def _loads(self, t: float, q: Vector, v: Vector) -> Vector:
-        """The forces and moments of joints at their markers, in the axes of the body, and accelerations of modes."""
+        """The forces and moments at markers, in the axes of the body, and the accelerations by modes and by spin."""
         vdot, multipliers = self.native.solve(t, q, v, self.k)
         result = list[Vector]()
         for name, wrench, Q in self._wrenches(t, q, multipliers):
             force, frame = Q.T @ wrench[:3], modal_frames_of(self.body)[name]
-            result.append(force)
-            if len(next(m for m in self.body.markers if m.name == name).nodes) > 1:
-                result.append(wrench[3:] - np.cross(frame.point.position, force))
-        return np.concatenate([*result, vdot[self.rates]])
+            result.append(np.append(force, wrench[3:] - np.cross(frame.point.position, force)))
+        if self._acting:
+            outputs = self.native.evaluate_outputs(t, q, v, vdot, multipliers, self.k)
+            result += [np.asarray(outputs)[numbers] for numbers in self._acting.values()]
+        names = (*(name for name, _ in self._held), *self._acting)
+        single = [len(self._marker(name).nodes) == 1 for name in names]  # a node has no rotation of its own
+        at_markers = [load[:3] if lone else load for load, lone in zip(result, single, strict=True)]
+        return np.concatenate([*at_markers, vdot[self.rates], self.missed.of_spin(self._spin(v))])
+
+    def _spin(self, v: Vector) -> Vector:
+        """The angular velocity in the axes of the body; zero where its rates are not velocities of the scene."""
+        names = [Identity(Family.ANGULAR_VELOCITY, components=(i,), owner=self.name).shown for i in (1, 2, 3)]
+        if names[0] not in self.native.velocities:
+            return np.zeros(3)
+        return np.asarray(v[[self.native.velocities.index(name) for name in names]])
 
     def _wrenches(self, t: float, q: Vector, multipliers: Vector) -> Iterator[tuple[str, Vector, Matrix]]:
         """The force in the inertial axes and the moment in those of the body (6,) of each joint, and these axes."""

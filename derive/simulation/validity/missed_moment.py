@@ -31,14 +31,15 @@ SECTIONS = 9
 class MissedFields:
     """The fields that a piece misses, for each unit that is known to be missed.
 
-    moments (units, SECTIONS): in `sections`. values (units, PLACES), slopes (units, 2): the deflection at `places`, and
-    its derivative along the axis at both ends, but for a rigid motion of the piece. energies (parts, units): square
-    roots of parts of the strain energy.
+    moments (units, SECTIONS): in `sections`. values (units, PLACES), slopes (units, 2), along (units, POINTS): the
+    deflection at `places`, and its derivative along the axis at both ends and at Gauss points, but for a rigid motion
+    of the piece. energies (parts, units): square roots of parts of the strain energy.
     """
 
     moments: Matrix
     values: Matrix
     slopes: Matrix
+    along: Matrix
     energies: Matrix
 
 
@@ -68,11 +69,11 @@ def missed_fields(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> Mi
     scale = np.linalg.norm(conditions, axis=1, keepdims=True)
     unit = np.vstack([np.zeros((len(kept), len(known))), np.eye(len(known))])
     factors = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0].T  # for each unit, of each function
-    curvatures, slopes, values = (
+    slopes, along, values = (
         factors @ each(-times, at) * half**power / shapes.bending_stiffness
-        for power, (times, at) in enumerate(((0, sections()), (1, ENDS), (strain, places())))
+        for power, times, at in ((1, 1, ENDS), (1, 1, xi), (2, strain, places()))
     )
-    along = factors @ each(0, xi)
-    squares, axes = np.linalg.eigh((along * weights) @ along.T * half / (2 * shapes.bending_stiffness))
+    moments = factors @ each(0, xi)
+    squares, axes = np.linalg.eigh((moments * weights) @ moments.T * half / (2 * shapes.bending_stiffness))
     energies = np.sqrt(np.maximum(squares, 0))[:, None] * axes.T
-    return MissedFields(curvatures * shapes.bending_stiffness, values, slopes, energies)
+    return MissedFields(factors @ each(0, sections()), values, slopes, along, energies)

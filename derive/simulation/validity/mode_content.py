@@ -1,9 +1,9 @@
 """Finite-element bodies whose modes do not suffice for their deformation in a run.
 
-Of a body with a stiffness matrix that joints hold, equilibrium tells what its modes miss (`missed_modes.py`). Of others
-the fastest mode takes part in the deformation about as much as the modes that are left out, where there are enough: its
-part, root mean square over the run, over the peak of the whole deformation, both in the norm of the mass, is an
-estimate of the error of the deformation.
+Of a body with a stiffness matrix, equilibrium tells what its modes miss (`missed_modes.py`). Of others the fastest mode
+takes part in the deformation about as much as the modes that are left out, where there are enough: its part, root mean
+square over the run, over the peak of the whole deformation, both in the norm of the mass, is an estimate of the error
+of the deformation.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
 from derive.simulation.validity.missed_modes import MissedModes
+from derive.simulation.validity.monitoring_outputs import acting_loads
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -29,8 +30,8 @@ from derive.spec.model.specification import AnyScene
 
 FEWEST = 3
 """A body with fewer modes has none whose part tells that of the others."""
-MOST_HELD = 6
-"""Finite-element bodies of a scene of which the forces of joints are known: they take time with all constraints."""
+MOST_LOADED = 6
+"""Finite-element bodies of a scene of which the loads are known: they take time with all constraints."""
 STILL = 1e-12
 """Deformations are none that are smaller than this in the norm of the mass, m kg^(1/2)."""
 
@@ -39,24 +40,23 @@ STILL = 1e-12
 class ModeError:
     """The error of the deformation of a body that its modes imply, over its peak.
 
-    of_joints: whether it is that under the forces of joints; else the part of the fastest mode. frequency: of that,
-    rad/s.
+    of_loads: whether it is that under its loads; else the part of the fastest mode. frequency: of that, rad/s.
     """
 
     body: str
     modes: int
     frequency: float
     error: float
-    of_joints: bool
+    of_loads: bool
 
     @property
     def note(self) -> str:
         """The error, the limit and the remedy, in one line."""
         of = f"(rms over the run, relative to the peak; the limit is {percent(ERROR_LIMIT)})"
         remedy = "choose more modes, or component modes with `interface` at its joints"
-        if self.of_joints:
+        if self.of_loads:
             return (
-                f"{self.body}: under the forces of its joints its {self.modes} modes imply an error of "
+                f"{self.body}: under its loads its {self.modes} modes imply an error of "
                 f"{implied_percent(self.error)} in its deformation {of}; {remedy}"
             )
         return (
@@ -79,13 +79,15 @@ def mode_errors(
             continue
         frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
         of = partial(ModeError, body.name, len(columns), float(frequencies[-1]))
+        loaded = {output.name for outputs in acting_loads(scene).values() for output in outputs}
         held = any(body.name in (joint.first.body, joint.second.body) for joint in scene.joints)
-        if held and body.body.data.stiffness is not None and len(bodies) <= MOST_HELD:
-            yield of(MissedModes(scene, body, native, k, columns, rows).error(t, q, v), of_joints=True)
+        known = (held or loaded <= {*native.outputs}) and scene.lowering != "instances"
+        if known and body.body.data.stiffness is not None and len(bodies) <= MOST_LOADED:
+            yield of(MissedModes(scene, body, native, k, columns, rows).error(t, q, v), of_loads=True)
         elif len(columns) >= FEWEST:
             peak = float(np.linalg.norm(amplitudes, axis=1).max())
             part = float(np.sqrt(np.mean(amplitudes[:, -1] ** 2)) / peak) if peak > STILL else 0.0
-            yield of(part, of_joints=False)
+            yield of(part, of_loads=False)
 
 
 def mode_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix) -> Iterator[str]:

@@ -1,4 +1,7 @@
-"""Axial forces and bending moments of beams as further outputs of a compiled scene: C computes their equilibrium."""
+"""Axial forces and bending moments of beams as further outputs of a compiled scene: C computes their equilibrium.
+
+Of finite-element bodies there are the loads of forces, torques and springs.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +22,7 @@ from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.spatial_beam import SpatialBeam
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
@@ -26,6 +30,8 @@ S = TypeVar("S", bound=AnyScene)
 
 MOMENT_GAP, SHEAR_GAP = "moment_gap", "shear_gap"
 """The outputs of sections."""
+ACTING_LOAD, LOAD_NUMBERS = "acting_load", range(1, 7)
+"""The outputs of loads on finite-element bodies, and their numbers: three forces and three torques."""
 MOST_PIECES = 4
 """Pieces of a beam whose axial force is monitored: evenly spaced ones, both ends among them, where there are more."""
 
@@ -137,16 +143,33 @@ def monitoring_note(scene: AnyScene) -> tuple[str, ...]:
     return (f"validity: {many}: it takes time with their third power, and at most {MOST_BEAMS} are",)
 
 
+def acting_loads(scene: AnyScene) -> dict[MarkerRef, tuple[SceneOutput, ...]]:
+    """The outputs of the six loads of actions on markers of finite-element bodies; none of loops over bodies."""
+    if not isinstance(scene, SpatialScene) or scene.lowering == "instances":
+        return {}
+    bodies = {body.name for body in scene.bodies if isinstance(body, FlexibleBody)}
+    taken, actions = {output.name for output in scene.outputs}, (*scene.forces, *scene.torques, *scene.springs)
+    markers = dict.fromkeys(m for action in actions for m in scene.markers_of(action) if m.body in bodies)
+
+    def outputs(marker: MarkerRef) -> Iterator[SceneOutput]:
+        for number in LOAD_NUMBERS:
+            name = _name(identifier(ACTING_LOAD, marker.body, marker.marker, str(number)), taken)
+            yield SceneOutput(name, ACTING_LOAD, {"marker": marker, "number": number})
+
+    return {marker: tuple(outputs(marker)) for marker in markers}
+
+
 def monitoring_outputs(scene: AnyScene) -> tuple[SceneOutput, ...]:
     """All outputs that are monitored, each with one component."""
+    of_bodies = [output for outputs in acting_loads(scene).values() for output in outputs]
     if not is_monitored(scene):
-        return ()
+        return tuple(of_bodies)
     of_pieces = (output for piece in monitored_pieces(scene) for output in piece.outputs)
-    return (*of_pieces, *monitored_sections(scene).values())
+    return (*of_pieces, *monitored_sections(scene).values(), *of_bodies)
 
 
 def with_monitors(scene: S) -> S:
-    """The scene with the outputs that are monitored behind its own; a scene without beams as it is."""
+    """The scene with the outputs that are monitored behind its own."""
     changed: Any = scene
     result: S = replace(changed, outputs=(*scene.outputs, *monitoring_outputs(scene)))
     return result

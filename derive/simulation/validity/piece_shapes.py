@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from derive.mechanics.bodies.displacement_fields import stretching_shapes
-from derive.mechanics.symbols import Family, Identity, amplitude_of
+from derive.mechanics.symbols import amplitude_of
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.observables.beams import function_values, half_length, shape_functions
@@ -26,12 +26,6 @@ IN_PLANE = 0
 """The axis of deflections in the plane, where there is no other."""
 TWIST = 1
 """The axis about which a beam in space twists."""
-TURNS = {
-    IN_PLANE: (Family.ANGLE, (), 1),
-    2: (Family.ANGULAR_VELOCITY, (3,), 1),
-    3: (Family.ANGULAR_VELOCITY, (2,), -1),
-}
-"""The rotation of the frame that is a slope of deflections along an axis: its components, and its sign."""
 
 
 @dataclass(frozen=True)
@@ -121,18 +115,6 @@ class PieceShapes:
     def rates_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the velocities of a scene that are the rates of these amplitudes."""
         return [native.velocities.index(name) for name in self._names(piece, 1)]
-
-    def total_slopes(self, native: ConstrainedSystem, piece: str, velocities: Matrix, xi: Vector) -> Matrix:
-        """(motions, len(xi)): the slopes of a piece for velocities (motions, nv), with the rotation of its frame.
-
-        A body in space with coordinates of a joint in place of its own has them relative to its frame.
-        """
-        slopes: Matrix = velocities[:, self.rates_in(native, piece)] @ self.slopes(xi)
-        family, components, sign = TURNS[self.axis]
-        name = Identity(family, components=components, derivative=int(not components), owner=piece).shown
-        if name in native.velocities:
-            slopes += sign * velocities[:, [native.velocities.index(name)]]
-        return slopes
 
     def beside_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the velocities of a piece in space that do not belong to its motion in this plane.

@@ -51,7 +51,7 @@ def _interface_faults(
         **{name: {"set": name} for name in sets},
         **(markers if isinstance(markers, Mapping) else {}),
     }
-    motions = 0
+    motions, wrong = 0, False
     for i, name in enumerate(names):
         if not isinstance(name, str):
             return
@@ -59,16 +59,18 @@ def _interface_faults(
             of_file = " and no set" if sets else ""
             hint = did_you_mean(name, known, f"there are {names_text(known)}") if known else "; it has none"
             yield Fault(("body", "interface", i), f"the body has no marker{of_file} {quoted(name)}{hint}")
-            return
+            wrong = True
+            continue
         if name in names[:i]:
             yield Fault(("body", "interface", i), f"the marker {name} is named twice; name it once")
-            return
+            wrong = True
+            continue
         marker = known[name]
         several = isinstance(marker, Mapping) and ("nodes" in marker or sets.get(str(marker.get("set")), 0) > 1)
         motions += 6 if several else 3
     least = motions - 6 if kind == "craig_bampton" else motions
     count = readable(values.mode_count, body.get("modes"))
-    if count is not None and count < least:
+    if not wrong and count is not None and count < least:
         text = f"{count} modes are too few for this interface of {motions} displacements and rotations"
         text += f": it has {least} {STATIC[kind]}; write modes = {least} or more, which adds modes of vibration"
         yield Fault(("body", "modes"), text)

@@ -210,7 +210,7 @@ class NodalBody:
             "(static modes of the interface, and the vibration modes of the body that is held there) or attachment "
             "(static modes of loads at the interface, balanced by inertia forces, and free modes). By default "
             "craig_bampton with an interface; without one the modes of the files, or free ones if these have none.",
-            choice_of="the component modes",
+            choice_of="the kind of component modes",
             optional=True,
         ),
     ] = None

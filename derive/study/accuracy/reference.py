@@ -37,6 +37,7 @@ from derive.study.accuracy.measurement import (
 )
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
 from derive.study.accuracy.models import refinements
+from derive.study.accuracy.piece_errors import error_over_difference
 
 TOLERANCE = 1e-10
 """The tolerance of the runs that make a reference, so small that the error of the reference is that of the models."""
@@ -134,14 +135,14 @@ def _own(
     progress: Progress,
     report: Progress,
 ) -> Reference:
-    """The reference from the finest of ever finer models; its error is its difference from the one before.
+    """The reference from the finest of ever finer models; its error follows from its difference from the one before.
 
-    Beyond `LEAST` models, finer ones are run only while that error is larger than `enough`; the third model only if the
-    error is larger than `CLEARLY` of it.
+    Beyond `LEAST` models, finer ones are run only while that difference is larger than `enough`; the third model only
+    if it is larger than `CLEARLY` of it.
     """
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
-    difference: float | None = None
+    difference, pieces = None, list[int]()
     models.expect(variants[:LEAST])
     for n, variant in enumerate(variants, 1):
         if difference is not None and difference <= (enough if n > LEAST else CLEARLY * enough):
@@ -150,9 +151,10 @@ def _own(
         progress(f"reference: model {n} of {LEAST if n <= LEAST else len(variants)}: {label} ...")
         try:
             moved = motion(opened(models.result(variant)), TOLERANCE)
-        except SimulationError as error:
-            raise SimulationError(f"the reference cannot be made of {label}: {error}") from error
+        except SimulationError as cause:
+            raise SimulationError(f"the reference cannot be made of {label}: {cause}") from cause
         before, finest = finest, curves_of(bare, moved)
+        pieces.append(variant.model.pieces)
         difference = rms_difference(finest, before) if before else None
         if before and difference is None:  # finer models would hardly tell more
             break
@@ -161,7 +163,8 @@ def _own(
     if difference is None:
         text = "it vanishes all the time, so that no error of it is known; choose another by --plot"
         raise SpecError((Problem(f"plots.{plot.name}", text),))
-    return Reference(reference_plots(bare, label, finest, report), f"own run, {label}", difference)
+    error = error_over_difference(pieces[-1], pieces[-2]) * difference
+    return Reference(reference_plots(bare, label, finest, report), f"own run, {label}", error)
 
 
 def undeformed_note(plots: Sequence[str], error: float | None) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import rms_difference
-from derive.study.choice.body_candidates import candidates, cannot_do
+from derive.study.choice.body_candidates import candidates, cannot_do, trials_if_all_fail
 from derive.study.choice.model_runs import ModelRuns
 
 TOLERANCE = 1e-6
@@ -98,6 +98,7 @@ class BeamShares:
             self._left[beam] = [m for m in left if not cannot_do(m, errors, target)]
             if not self._left[beam]:
                 return
+            self._left[beam].sort(key=next(trials_if_all_fail(self._left[beam], errors, target)).__ne__)
             self._try_next(beam)
 
     def _try_next(self, beam: str) -> None:

@@ -8,7 +8,7 @@ and polynomials whose curvature is linear at most where the moment vanishes. The
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import permutations
 
@@ -43,6 +43,8 @@ FULL = 2.0
 """The approximate operations of a full model relative to those of a truncated one."""
 STAGNANT = 0.7
 """More shapes of a kind are not tried if some more have not reduced the error below this part of it."""
+FAR = 5.0
+"""The most modes of a kind are tried next if fewer of them have more than this times the requested error."""
 HOPELESS = 1.5
 """Fewer shapes of a kind are not tried if a model has more than this times the requested error."""
 
@@ -123,6 +125,24 @@ def suits(model: LadderModel, clamped: frozenset[int]) -> bool:
             return True
 
 
+def trials_if_all_fail(left: Sequence[LadderModel], errors: Errors, error: float) -> Iterator[LadderModel]:
+    """Yield models in the order of their trials if none of them is accurate enough.
+
+    They are tried as they are sorted, but where some modes of a kind are far from an error, the most modes of it come
+    next: if these fail, fewer need no trial. Free modes of a body that joints hold are such. The richest models of
+    beams take too long to derive.
+    """
+    failed = dict(errors)
+    while left:
+        model, *others = left
+        of_kind = [of for known, of in failed.items() if known.kind == model.kind]
+        if model.shapes in COMPONENT_MODES and min(of_kind, default=0.0) > FAR * error:
+            model = max((other for other in left if other.kind == model.kind), key=lambda other: other.count)
+            others = [other for other in left if other.kind != model.kind]
+        yield model
+        left, failed[model] = others, math.inf
+
+
 def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     """Whether models of its kind that have run show that a model is not within an error.
 
@@ -136,7 +156,26 @@ def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     stagnant = len(fewer) > apart and fewer[-1] > max(error, STAGNANT * fewer[-1 - apart])
     far = HOPELESS * error
     hopeless = bool(more) and more[0] > far
-    return stagnant or hopeless or _lacks(model, errors, far) or _truncation_is_no_reason(model, errors, far)
+    return (
+        stagnant
+        or hopeless
+        or _lacks(model, errors, far)
+        or _has_too_few_pieces(model, errors, far)
+        or _truncation_is_no_reason(model, errors, far)
+    )
+
+
+def _has_too_few_pieces(model: LadderModel, errors: Errors, error: float) -> bool:
+    """Whether fewer pieces, but several, of the same shapes are so wrong that no rate of convergence helps.
+
+    Polynomials up to the degree p give a deflection whose error falls with the power p + 1 of the number of pieces, at
+    best.
+    """
+    return any(
+        of * (other.pieces / model.pieces) ** (model.count + 2) > error
+        for other, of in errors.items()
+        if 1 < other.pieces < model.pieces and other == replace(model, pieces=other.pieces)
+    )
 
 
 def _truncation_is_no_reason(model: LadderModel, errors: Errors, error: float) -> bool:

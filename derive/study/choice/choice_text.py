@@ -16,6 +16,7 @@ from derive.study.accuracy.table import MODEL_DOC, cheapest
 from derive.study.choice.reference_models import ReferenceModels
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
+from derive.study.choice.trusted_reference import Agreement
 from derive.study.table import Row, StudyColumn, StudyTable, general
 
 STEPS = 2
@@ -42,11 +43,18 @@ def choice_text(choice: Choice) -> str:
     lines = [f"{choice.name}: search for the cheapest model with {asked}", "", "Screening"]
     lines += [f"  {one.text}" for one in choice.screening]
     lines += ["", f"Reference: {known.model.label}. Its error is at most {percent(known.error)}, by comparison with"]
-    lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
+    lines += [f"  {a.label}: {percent(a.difference)}{_of_pieces(a)}" for a in known.agreements]
     if choice.untried:
         lines += ["", "Not tried, or not checked", *(f"  {line}" for line in choice.untried)]
     lines += _shares(choice)
     return "\n".join([*lines, "", *tried_table(choice).text, "", *verdict_lines(choice)])
+
+
+def _of_pieces(agreement: Agreement) -> str:
+    """The error of a reference in a direction where it is more than the difference."""
+    if agreement.factor <= 1:
+        return ""
+    return f", an error of {percent(agreement.error)}, as errors fall with the square of the number of beams"
 
 
 def tried_table(choice: Choice) -> StudyTable:

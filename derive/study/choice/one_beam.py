@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import islice
 
 from derive.errors import TisserandError
 from derive.percentages import percent
@@ -22,6 +23,7 @@ from derive.study.choice.body_candidates import (
     candidates,
     cannot_do,
     has_more,
+    trials_if_all_fail,
 )
 from derive.study.choice.trials import Trials, usable
 
@@ -44,8 +46,9 @@ def try_one_beam(trials: Trials) -> None:
     twists = twists_that_matter(trials, body)
     models = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes, twists)
     while left := [m for m in (*models, *_with_all_terms(models, errors, trials)) if _is_worth_it(m, errors, trials)]:
-        model, *others = sorted(left, key=order)
-        trials.runs.expect([model, *others[: trials.runs.spare]], monitored=True)
+        in_order = trials_if_all_fail(sorted(left, key=order), errors, trials.budget)
+        model, *others = islice(in_order, 1 + trials.runs.spare)
+        trials.runs.expect([model, *others], monitored=True)
         best = min((trials.cost.operations(line.model) for line in trials.good), default=math.inf)
         if trials.cost.operations(model) > NEAR * best:
             break

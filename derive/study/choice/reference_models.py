@@ -6,7 +6,7 @@ of finite-element bodies, and truncation.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 from derive.spec.model.body import DisplacementOrder
@@ -67,15 +67,23 @@ class ReferenceModels:
 
     @property
     def directions(self) -> tuple[CoarserModels, ...]:
-        """The directions in which references of the scene may be too coarse, besides truncation."""
-        of_beams = [CoarserModels("fewer beams", lambda model: self._pieces(model, -1), True)] if self._beams else []
-        fewer = "fewer shapes" if self._beams else "fewer modes"
-        others = CoarserModels("other modes", self._other_modes)
+        """The directions in which references of the scene may be too coarse, and are refined, besides truncation."""
+        if not self._beams:
+            return (CoarserModels("fewer modes", lambda model: self._shapes(model, -1)),)
         return (
-            *of_beams,
-            CoarserModels(fewer, lambda model: self._shapes(model, -1)),
-            *([others] if self._nodal else []),
+            CoarserModels("fewer beams", lambda model: self._pieces(model, -1), True),
+            CoarserModels("fewer shapes", lambda model: self._shapes(model, -1)),
+            *(self._kinds if self._nodal else ()),
         )
+
+    @property
+    def confirming(self) -> tuple[CoarserModels, ...]:
+        """The directions that a reference is compared in once it agrees in the others: they refine nothing else."""
+        return () if self._beams else self._kinds
+
+    @property
+    def _kinds(self) -> tuple[CoarserModels, ...]:
+        return (CoarserModels("other modes", self._other_modes),)
 
     def finer(self, model: LadderModel, beams_first: bool) -> LadderModel | None:
         """The model after another one, with more pieces of beams or more shapes; None where there is none."""
@@ -102,9 +110,13 @@ class ReferenceModels:
         """The largest number of pieces of a beam of a model."""
         return max(model.of(body.name).pieces for body in self._bodies)
 
-    def needed(self, model: LadderModel) -> list[LadderModel]:
-        """The model of a reference, those that it is compared with first, and two that show the error of truncation."""
-        coarser = [other for way in self.directions if (other := way.coarser(model)) is not None]
+    def needed(self, model: LadderModel, settled: Collection[str] = ()) -> list[LadderModel]:
+        """The model of a reference, those that it is compared with first, and two that show the error of truncation.
+
+        settled: the labels of directions that need no comparison.
+        """
+        directions = [way for way in self.directions if way.label not in settled]
+        coarser = [other for way in directions if (other := way.coarser(model)) is not None]
         return [model, *coarser, *(self.truncated(model, 1) or ())]
 
     def _first(self, body: Flexible, of_beam: LadderModel) -> LadderModel:

@@ -26,18 +26,23 @@ from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import Curves
 from derive.study.accuracy.modelled_bodies import flexible_members
+from derive.study.accuracy.piece_errors import error_over_difference
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.reference_models import CoarserModels
 from derive.study.choice.rigid_shares import MATTERS
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
 SHARE = 1 / 3
-"""The largest error of a reference relative to the requested error."""
+"""The largest difference of a reference from coarser models relative to the requested error."""
 CHEAPER = 1.5
 """The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
+SETTLED = 0.25
+"""The difference with fewer shapes over that with fewer beams up to which more beams are not compared with fewer shapes
+again: it is smaller there."""
 LONGEST = 120.0
 """The longest time (s) that may be predicted for a run of a finer reference."""
 
@@ -54,10 +59,19 @@ def expect_first(runs: ModelRuns) -> None:
 
 @dataclass(frozen=True)
 class Agreement:
-    """The difference of the reference from a coarser model, rms over the peak, in the direction that `label` names."""
+    """The difference of the reference from a coarser model, rms over the peak, in the direction that `label` names.
+
+    factor: the error of the reference in this direction over the difference.
+    """
 
     label: str
     difference: float
+    factor: float = 1.0
+
+    @property
+    def error(self) -> float:
+        """The error of the reference in this direction."""
+        return self.factor * self.difference
 
 
 @dataclass(frozen=True)
@@ -76,9 +90,14 @@ class TrustedReference:
     truncation: float = 0.0
 
     @property
-    def error(self) -> float:
-        """The largest of the differences."""
+    def difference(self) -> float:
+        """The largest of the differences, which decides on a finer reference."""
         return max(a.difference for a in self.agreements)
+
+    @property
+    def error(self) -> float:
+        """The largest of the errors, which the error of a chosen model has to leave room for."""
+        return max(a.error for a in self.agreements)
 
 
 class NotConverged(TisserandError):
@@ -88,7 +107,7 @@ class NotConverged(TisserandError):
 def trusted_reference(
     runs: ModelRuns, error: float, report: Progress, rigid: Sequence[BeamShare] = ()
 ) -> TrustedReference:
-    """A reference whose own error is at most a third of `error`. Raises NotConverged.
+    """A reference that differs from coarser models by at most a third of `error`. Raises NotConverged.
 
     report: takes a line on each comparison. rigid: the shares of beams that hardly matter, and are rigid.
     """
@@ -101,14 +120,14 @@ def trusted_reference(
             break
         try:
             known = references.add(model)
-            if known.error <= SHARE * error:
-                known = references.with_larger_steps(known)
+            if known.difference <= SHARE * error:
+                known = references.confirmed(known)
         except TisserandError as failure:
             if not references.made or isinstance(failure, NotConverged):
                 raise NotConverged(f"the reference cannot be made: {failure}") from failure
             further = f"; {model.label} cannot be run: {first_line(failure)}"
             break
-        if known.error <= SHARE * error:
+        if known.difference <= SHARE * error:
             return known
         model = references.finer(model)
     raise NotConverged(_without_reference(references, error, further))
@@ -118,12 +137,12 @@ def _without_reference(references: _References, error: float, further: str) -> s
     """The text on why no reference is good enough, with the least error for which one of those made is."""
     best = references.best
     worst = max(best.agreements, key=lambda a: a.difference)
-    possible = rounded_up(best.error / references.share)
+    possible = rounded_up(best.difference / references.share)
     larger = f"an error of {percent(possible)} or more, or " if possible < 1 else ""
     return (
-        f"an error of {percent(error)} needs a reference whose own error is at most a third of it. No reference was "
-        f"accurate enough: {best.model.label} differs by {percent(worst.difference)} from the model with {worst.label}"
-        f"{further}. Ask for {larger}a shorter time"
+        f"an error of {percent(error)} needs a reference that differs by at most a third of it from coarser models. No "
+        f"reference was accurate enough: {best.model.label} differs by {percent(worst.difference)} from the model with "
+        f"{worst.label}{further}. Ask for {larger}a shorter time"
     )
 
 
@@ -146,16 +165,24 @@ class _References:
         self._truncation: dict[int, Agreement] = {}
         self._cost = PredictedCost(runs.scene)
         self._complete: dict[LadderModel, TrustedReference] = {}
+        self._settled, self._pieces = dict[str, Agreement](), 0
+        self._unmixed: dict[LadderModel, LadderModel] = {}
         self.made: list[TrustedReference] = []
 
     def add(self, model: LadderModel) -> TrustedReference:
-        """Add a model as the reference, without a comparison with larger steps, which gives no direction to refine."""
+        """Add a model as the reference, without the comparisons of `confirmed`, which give no direction to refine."""
         models = self._runs.models
-        self._runs.expect(map(self._mixture, models.needed(model)))
+        settled = self._settled if models.pieces(model) > self._pieces else {}
+        self._runs.expect(map(self._mixture, models.needed(model, settled)))
         compared = [(way, other) for way in models.directions if (other := way.coarser(model)) is not None]
-        agreements = [self._agreement(model, way.label, other) for way, other in compared]
+        agreements = [settled.get(way.label) or self._agreement(model, way, other) for way, other in compared]
         by_beams = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if way.beams]
         by_shapes = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if not way.beams]
+        self._pieces, self._settled = models.pieces(model), {}
+        if max(by_shapes, default=0.0) <= SETTLED * max(by_beams, default=0.0):
+            for (way, other), a in zip(compared, agreements, strict=True):
+                label = f"{way.label} of {model.label}: {other.label}"
+                self._settled |= {} if way.beams else {way.label: settled.get(way.label) or replace(a, label=label)}
         if full := self._full(model, max(a.difference for a in agreements)):
             agreements.append(full)
             by_beams.append(full.difference)
@@ -165,22 +192,25 @@ class _References:
         plots = reference_plots(self._runs.bare, mixture.label, curves, report)
         truncation = self._truncation[1].difference if full else 0.0
         errors = tuple(self._errors(curves))
+        self._unmixed[mixture] = model
         made = TrustedReference(plots, mixture, (*agreements, *self._flexible), errors, truncation)
         self.made.append(made)
         return made
 
-    def with_larger_steps(self, known: TrustedReference) -> TrustedReference:
-        """A reference that is compared with larger steps as well."""
+    def confirmed(self, known: TrustedReference) -> TrustedReference:
+        """A reference that is compared with other modes and with larger steps as well."""
         model = known.model
         if model not in self._complete:
+            ways, unmixed = self._runs.models.confirming, self._unmixed[model]
+            more = [self._agreement(unmixed, way, other) for way in ways if (other := way.coarser(unmixed)) is not None]
             curves = self._runs.curves(model, FINE), self._runs.curves(model, COARSE)
             steps = self._compared(f"larger steps: {model.label}", model, *curves)
-            self._complete[model] = replace(known, agreements=(*known.agreements, steps))
+            self._complete[model] = replace(known, agreements=(*known.agreements, *more, steps))
         return self._complete[model]
 
     @property
     def share(self) -> float:
-        """The error of a reference over a larger one that may be requested: more beams may be rigid then.
+        """The difference of a reference over a larger error that may be requested: more beams may be rigid then.
 
         Each difference of two models changes by twice their share at most.
         """
@@ -188,11 +218,11 @@ class _References:
 
     @property
     def best(self) -> TrustedReference:
-        """The reference with the least error, of those that can be compared with larger steps."""
+        """The reference with the least difference, of those that can be compared with larger steps."""
         for known in self.made:
             with suppress(TisserandError):
-                self.with_larger_steps(known)
-        return min(self._complete.values() or self.made, key=lambda known: known.error)
+                self.confirmed(known)
+        return min(self._complete.values() or self.made, key=lambda known: known.difference)
 
     def finer(self, model: LadderModel) -> LadderModel | None:
         """The model after the last one, refined in the direction that differs most; None where there is none."""
@@ -232,9 +262,11 @@ class _References:
     def _curves(self, runs: ModelRuns, model: LadderModel, tolerance: float) -> Curves:
         return runs.curves(self._mixture(model), tolerance)
 
-    def _agreement(self, model: LadderModel, label: str, other: LadderModel) -> Agreement:
+    def _agreement(self, model: LadderModel, way: CoarserModels, other: LadderModel) -> Agreement:
         curves = (self._curves(self._runs, of, FINE) for of in (model, other))
-        return self._compared(f"{label}: {other.label}", model, *curves)
+        result = self._compared(f"{way.label}: {other.label}", model, *curves)
+        of_pieces = error_over_difference(*map(self._runs.models.pieces, (model, other)))
+        return replace(result, factor=of_pieces) if way.beams else result
 
     def _compared(self, label: str, model: LadderModel, finer: Curves, coarser: Curves) -> Agreement:
         result = Agreement(label, self._difference(finer, coarser))

@@ -43,5 +43,6 @@ def _of_modes(body: FlexibleBody, modes: ModesOfBodies) -> Iterator[str]:
     for (name, kind), why in modes.refusals.items():
         if name == body.name:
             yield f"{name} has no {kind.value}: {why}"
+    yield f"{body.name}: errors are those of its modes; what finer elements would change is not known"
     if modes.order(body) is DisplacementOrder.FIRST_ORDER:
         yield f"{body.name} has modes of first order alone: a load along it does not change its stiffness"

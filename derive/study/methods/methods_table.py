@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, isnan
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,14 @@ from derive.study.methods.formulations import FORM_NAMES
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.methods_chart import methods_svg
 from derive.study.methods.stability_functions import bdf, last_growth
-from derive.study.methods.step_limits import GROWN, LARGE, STEPS, StepLimit
+from derive.study.methods.step_limits import GROWN, LARGE, LONGEST, STEPS, StepLimit
 from derive.study.table import StudyColumn, StudyTable, fixed, general, plain
 from derive.terminal import magnitude, wrapped
 
 
 def tables(study: MethodStudy) -> tuple[StudyTable, ...]:
     """All tables of a study."""
-    made = (_limits(study), _drift(study), _forms(study), _conditioning(study))
+    made = (step_limit_table(study), _drift(study), _forms(study), _conditioning(study))
     return tuple(table for table in made if table.rows)
 
 
@@ -71,26 +71,31 @@ LIMITS = (
     StudyColumn("at_1.05", _stable, "at 1.05"),
     StudyColumn("growth", general(5), "growth per step at 1.05"),
 )
+NOT_TRIED = "not tried"
 EXPERIMENT = (
     f"experiment: the longest step with which a disturbance of the fastest mode grows by less than {GROWN:g} times in "
     f"{STEPS} steps, from the state with the highest frequency"
 )
 
 
-def _limits(study: MethodStudy) -> StudyTable:
+def step_limit_table(study: MethodStudy) -> StudyTable:
+    """The largest stable steps, by theory and by experiment."""
     w = study.frequency
     title = (
         f"largest stable step; omega_max {w.unloaded:.0f} rad/s undeformed at rest, {w.largest:.0f} at most in "
         f"{study.along}"
     )
-    return StudyTable(LIMITS, tuple(map(_limit, study.limits)), title, notes=(EXPERIMENT, _bdf_note()))
+    long = f"{NOT_TRIED}: steps of omega h = {LARGE[-1]:g} are more than a {LONGEST}th of {study.along}"
+    notes = (EXPERIMENT, *((long,) if any(isnan(line.measured) for line in study.limits) else ()), _bdf_note())
+    return StudyTable(LIMITS, tuple(map(_limit, study.limits)), title, notes=notes)
 
 
 def _limit(line: StepLimit) -> tuple[Any, ...]:
     if isfinite(line.theory):
         cells = (line.predicted, _seconds(line.measured), line.ratio, line.below, line.above, line.growth)
         return (line.method.value, line.theory, *cells)
-    tried = f">= {_seconds(line.measured)}" if line.measured else f"grows at omega h = {LARGE[-1]:g}"
+    grows = f"grows at omega h = {LARGE[-1]:g}"
+    tried = NOT_TRIED if isnan(line.measured) else f">= {_seconds(line.measured)}" if line.measured else grows
     return (line.method.value, line.theory, None, tried, None, None, None, None)
 
 

@@ -46,8 +46,8 @@ class StepLimit:
 
     theory: omega h of the stability function, infinite if there is no limit. growth: the factor by which a step 5 %
     beyond it makes vibrations grow. predicted, measured: the steps (s) by theory and by experiment; without a limit,
-    `measured` is the longest that was tried and did not grow. below, above: whether 0.95 and 1.05 of the predicted step
-    are stable; None where no step is predicted.
+    `measured` is the longest that was tried and did not grow, 0 if all did, and not a number if none resolved the
+    motion. below, above: whether 0.95 and 1.05 of the predicted step are stable; None where no step is predicted.
     """
 
     method: Method
@@ -118,7 +118,8 @@ def _limited(of: MethodScene, method: Method, frequency: HighestFrequency, growt
 
 def _unlimited(of: MethodScene, method: Method, frequency: HighestFrequency) -> StepLimit:
     tried = [y / frequency.largest for y in LARGE if y / frequency.largest <= of.period / LONGEST]
-    measured = next((h for h in tried if disturbance_growth(of, method, h, frequency) < GROWN), 0.0)
+    none = 0.0 if tried else float("nan")
+    measured = next((h for h in tried if disturbance_growth(of, method, h, frequency) < GROWN), none)
     return StepLimit(method, float("inf"), 1.0, float("inf"), measured, None, None)
 
 

@@ -19,13 +19,14 @@ from derive.lowering.instances.classes.dimension import AnyJoint, of_joint
 from derive.lowering.instances.classes.gears import CoupledJoints, constraining
 from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.lowering.instances.classes.varying_joints import at_rest, varies
-from derive.lowering.instances.classes.varying_parts import VaryingPart, gear_part, varying_part
+from derive.lowering.instances.classes.varying_parts import VaryingPart, gear_part, part_along_first, varying_part
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism
 from derive.mechanics.terms import Constraint, Eliminated, Intermediate, MarkerEquations
 from derive.spec.model.markers import MarkerRef
@@ -39,7 +40,8 @@ class ClassEquations:
     numbers for each of its handles, none for varying joints. system, system_rows: the same with varying joints, of
     which there are rows of G alone; varying: what it contributes to these by its handle. given: the symbols of what is
     known that the equations contain, given_still: those that do not depend on the time; constants: the number
-    of those whose values may differ from member to member, first among the coefficients.
+    of those whose values may differ from member to member, first among the coefficients. axes: the rotation tensor of
+    the body if its joints are along the axes of their first bodies, and its translation in `system` along its own.
     """
 
     equations: Equations
@@ -50,10 +52,16 @@ class ClassEquations:
     system: Equations
     system_rows: tuple[tuple[int, ...], ...]
     varying: Mapping[int, VaryingPart]
+    axes: sp.ImmutableMatrix | None = None
 
 
-def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) -> ClassEquations:
-    """The equations of the first member of a class, in its symbols."""
+def class_equations(
+    mechanism: AnyMechanism, of: BodyClass, known: KnownMotion, along_first: bool = False
+) -> ClassEquations:
+    """The equations of the first member of a class, in its symbols.
+
+    along_first: whether its joints are along the axes of their first bodies.
+    """
     instance = of.first.instance
     own = instance_equations(instance, mechanism.kinds[instance.kind], False)
     forces = _forces(of.first, own, known)
@@ -65,6 +73,9 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
         joint = elements[handle.joint]
         if isinstance(joint, CoupledJoints):
             part = varying[h] = gear_part(joint, instance.name, own)
+            defined, contributed = part.definitions, part.constraints
+        elif along_first and isinstance(joint, SpatialJointInstance):
+            part = varying[h] = part_along_first(joint, handle.marker, handle.is_first, own)
             defined, contributed = part.definitions, part.constraints
         elif varies(joint):
             part = varying[h] = varying_part(joint, handle.marker, handle.is_first, own)
@@ -113,7 +124,8 @@ def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) 
         eliminated=carried,
         splines=known.context.equations.splines,
     )
-    return with_known(equations, known, len(of_members), parts, varying)
+    result = with_known(equations, known, len(of_members), parts, varying)
+    return replace(result, axes=own.motions[of.first.handles[0].marker].frame) if along_first else result
 
 
 def with_known(

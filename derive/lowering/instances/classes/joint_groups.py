@@ -5,21 +5,24 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from typing import Any
 
+from derive.algebra import sp
 from derive.lowering.instances.classes.dimension import AnyJoint, plain_joint
 from derive.lowering.instances.classes.gears import CoupledJoints, constraining, gears_of
 from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
 from derive.lowering.instances.classes.varying_joints import drive_of, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
+from derive.mechanics.multibody.space.first_body_rows import joint_along_first
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.spec.model.markers import MarkerRef
 
 
-def joint_groups(bodies: Bodies) -> tuple[Group, ...]:
-    """The groups of the varying joints that have a body with coordinates."""
+def joint_groups(bodies: Bodies, along_first: bool = False) -> tuple[Group, ...]:
+    """The groups of the varying joints that have a body with coordinates; along_first: of all joints."""
     groups: dict[Hashable, list[GroupElement]] = {}
     for number, joint in enumerate(bodies.mechanism.joints):
         names = tuple(marker.body for marker in markers_of(joint) if marker.body in bodies.members)
-        if varies(joint) and names:
+        if (along_first or varies(joint)) and names:
             ends = tuple(map(bodies.form, markers_of(joint)))
             prescribed = drive_of(joint) if joint.drive and drive_of(joint) == joint.drive else None
             key = joint.type, plain_joint(joint), joint.multipliers, prescribed, ends, fixed_of(bodies, names)
@@ -41,8 +44,11 @@ def _gear_groups(bodies: Bodies) -> Iterator[Group]:
     yield from (Group("gear", tuple(members)) for members in groups.values())
 
 
-def joint_equations(bodies: Bodies, group: Group) -> Equations:
-    """The equations of the first joint or gear of a group: its constraints, with the drive of `drive_of`."""
+def joint_equations(bodies: Bodies, group: Group, along_first: bool = False) -> tuple[Equations, tuple[sp.Expr, ...]]:
+    """The equations of the first joint or gear of a group: its constraints, with the drive of `drive_of`.
+
+    along_first: with rows along the axes of its first body, and then the multipliers from those of these rows.
+    """
     joint = constraining(bodies.mechanism)[group.first.number]
     own = {m.instance.name: bodies.equations(m.instance.name) for m in group.first.bodies}
     rows = tuple(row for body in own.values() for row in body.rows)
@@ -51,10 +57,14 @@ def joint_equations(bodies: Bodies, group: Group) -> Equations:
         return own[marker.body].motions[marker.marker] if marker.body in own else bodies.known.point(marker)
 
     if isinstance(joint, CoupledJoints):
-        return group_equations(bodies, own, GeneralisedForce((), ()), conditions=(joint.constraint(at, rows),))
+        return group_equations(bodies, own, GeneralisedForce((), ()), conditions=(joint.constraint(at, rows),)), ()
     first, second = map(at, markers_of(joint))
+    if along_first and isinstance(joint, SpatialJointInstance):
+        of = joint_along_first(joint, first, second, rows)
+        force = GeneralisedForce((), of.definitions)
+        return group_equations(bodies, own, force, conditions=of.constraints), of.reactions
     definitions, conditions = joint.constraints(first, second, drive_of(joint), rows)
-    return group_equations(bodies, own, GeneralisedForce((), definitions), conditions=conditions)
+    return group_equations(bodies, own, GeneralisedForce((), definitions), conditions=conditions), ()
 
 
 def markers_of(joint: AnyJoint) -> tuple[MarkerRef, MarkerRef]:

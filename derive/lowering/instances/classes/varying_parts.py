@@ -16,6 +16,8 @@ from derive.lowering.instances.classes.known_motion import moving_symbols
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.classes.varying_joints import drive_of
 from derive.mechanics.multibody.instances import InstanceEquations
+from derive.mechanics.multibody.space.first_body_rows import AXES, factors_along_own_axes, rows_along_first
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.symbols import Identity, local
 from derive.mechanics.terms import Constraint, Intermediate
 
@@ -50,6 +52,31 @@ def gear_part(gear: CoupledJoints, body: str, own: InstanceEquations) -> Varying
     of = space()
     condition = gear.constraint(lambda m: own.motions[m.marker] if m.body == body else of.other, own.rows)
     return _part((), (condition,), frozenset(of.symbols), own)
+
+
+def part_along_first(joint: SpatialJointInstance, marker: str, is_first: bool, own: InstanceEquations) -> VaryingPart:
+    """The rows of a body in a joint whose first rows are along the axes of its first body.
+
+    The factors of the second body that depend on the first one are then a rotation tensor.
+    """
+    other = varying_part(joint, marker, is_first, own)
+    held = rows_along_first(joint)
+    factors = {place: symbol for place, symbol in other.factors.items() if place[0] >= held}
+    of_marker = factors_along_own_axes(own.motions[marker])
+    parts = list(other.constraints)
+    for k in range(held):
+        start = k - k % AXES
+        turned = [local(f"factor_{parts[k].name}_{m + 1}") for m in range(AXES)]
+        if not is_first:
+            factors |= {(k, m): symbol for m, symbol in enumerate(turned)}
+        total: dict[str, list[sp.Expr]] = {}
+        own_factors = [(k, sp.Integer(-1))] if is_first else [(start + m, symbol) for m, symbol in enumerate(turned)]
+        for n, factor in own_factors:
+            for row, value in of_marker[n].items():
+                total.setdefault(row, []).append(factor * value)
+        jacobian = tuple((row.name, sp.Add(*total[row.name])) for row in own.rows if row.name in total)
+        parts[k] = replace(parts[k], jacobian=jacobian)
+    return VaryingPart(tuple(parts), dict(sorted(factors.items(), key=lambda item: item[0][0])), other.definitions)
 
 
 def _part(

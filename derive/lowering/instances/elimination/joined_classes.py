@@ -51,9 +51,12 @@ MOST = 4
 
 
 def joined_classes(
-    mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None
+    mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None, along_first: bool = False
 ) -> tuple[BodyClass, ...]:
-    """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
+    """The classes of bodies in lanes: those given, and in place of some the class that they have joined.
+
+    along_first: whether the rows of joints are along the axes of their first bodies, so that all joints vary.
+    """
     result = tuple(classes)
     if system is None or system.adds or gears_of(mechanism) or any(map(_needs_class, mechanism.joints)):
         return result
@@ -61,7 +64,7 @@ def joined_classes(
         return result  # bodies would compute many rows that joints do not have
     for larger in classes:
         if any(of is larger for of in result):
-            result = _with_smaller(mechanism, result, larger, system)
+            result = _with_smaller(mechanism, result, larger, system, along_first)
     return result
 
 
@@ -90,13 +93,13 @@ def _needs_class(joint: AnyJoint) -> bool:
 
 
 def _with_smaller(
-    mechanism: AnyMechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks
+    mechanism: AnyMechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks, along_first: bool
 ) -> tuple[BodyClass, ...]:
     """The classes after some have joined one of them, if this takes less, or little more with fewer classes."""
     smaller = [
         (of, members)
         for of in classes
-        if of is not larger and (members := _as_members(mechanism, of, larger)) is not None
+        if of is not larger and (members := _as_members(mechanism, of, larger, along_first)) is not None
     ][:MOST]
     options = [(_work(mechanism, classes), classes)]
     for number in range(1, len(smaller) + 1):
@@ -119,14 +122,20 @@ def _work(mechanism: AnyMechanism, classes: Iterable[BodyClass]) -> int:
     return total
 
 
-def _as_members(mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass) -> tuple[Member, ...] | None:
+def _as_members(
+    mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass, along_first: bool
+) -> tuple[Member, ...] | None:
     """The bodies of a class as members of another one; None if they have what the bodies of that one have not."""
     first, own = larger.first, smaller.first
     if force_keys(first) != force_keys(own) or body_key(first) != body_key(own) or first.instance.coordinates.reason:
         return None
     numbers: list[int] = []
     for handle in own.handles:  # of the joints that are left the one with the fewest rows, so that others find theirs
-        left = (k for k, other in enumerate(first.handles) if k not in numbers and _fits(mechanism, handle, other))
+        left = (
+            k
+            for k, other in enumerate(first.handles)
+            if k not in numbers and _fits(mechanism, handle, other, along_first)
+        )
         number = min(left, key=lambda k: mechanism.joints[first.handles[k].joint].multipliers, default=None)
         if number is None:
             return None
@@ -134,12 +143,12 @@ def _as_members(mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass) 
     return tuple(_member(member, first.handles, numbers) for member in smaller.members)
 
 
-def _fits(mechanism: AnyMechanism, handle: Handle, larger: Handle) -> bool:
+def _fits(mechanism: AnyMechanism, handle: Handle, larger: Handle, along_first: bool) -> bool:
     """Whether the rows of a joint are the first ones of another, at the same marker of a body; all of varying ones."""
     here, there = mechanism.joints[handle.joint], mechanism.joints[larger.joint]
     return (
         (handle.is_first, handle.marker) == (larger.is_first, larger.marker)
-        and (not (varies(here) or varies(there)) or plain_joint(here) == plain_joint(there))
+        and (not (along_first or varies(here) or varies(there)) or plain_joint(here) == plain_joint(there))
         and _axes(here) is _axes(there)
         and _rows(here) == _rows(there)[: here.multipliers]
     )

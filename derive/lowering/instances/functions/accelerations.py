@@ -14,6 +14,7 @@ from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.flat.accelerations import balanced
+from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import RequiredValue, Step, StepItem
 from derive.lowering.instances.elimination.block_system import (
@@ -33,7 +34,9 @@ from derive.lowering.instances.elimination.graph_elimination import in_graph
 from derive.lowering.instances.elimination.joined_classes import written_too_much
 from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
+from derive.lowering.instances.functions.body_motions import BodyMotions
 from derive.lowering.instances.functions.compliance_loops import RowTargets
+from derive.lowering.instances.functions.first_body_reactions import reactions_of_joints
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
 from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.functions.varying_factors import VaryingFactors
@@ -58,6 +61,7 @@ from derive.lowering.instances.loop_code.context import (
 )
 from derive.lowering.instances.places import Place
 from derive.lowering.model_functions import ModelFunction
+from derive.mechanics.motion.products import product
 from derive.mechanics.symbols import local
 from derive.roles import Source
 
@@ -82,12 +86,15 @@ def _system(
     """The loops of a class: the compliance of its markers, and its unknowns from the reactions."""
     ctx = of.system
     side = right(context, of)
-    read = [*side.inputs, *VaryingFactors(context).reads(of)]
+    read = [*side.inputs, *VaryingFactors(context, in_lanes).reads(of)]
+    if in_lanes and context.along_first:
+        read.append(BodyMotions(context).of_class(of))
     loads = [*state(of, *names), *read]
     given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
     system = local_system(of, symbols, side, in_lanes)
-    unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
+    found = _inertial(of, symbols, system.unknowns)
+    unknowns, kept, values = kept_values(symbols, found, symbols.values_of(ctx.forces), system.inverses)
     items: list[StepItem] = [*system.checks]
     targets: dict[str, LoopTarget] = {}
     inner: dict[str, InnerLoops] = {}
@@ -133,6 +140,18 @@ def _system(
         in_lanes,
     )
     return _Solution(before, work, after)
+
+
+def _inertial(of: ClassCode, symbols: Symbols, unknowns: list[ca.SX]) -> list[ca.SX]:
+    """The unknowns of a body with its translation in the inertial frame."""
+    if of.axes is None:
+        return unknowns
+    along = unknowns[: of.axes.cols]
+    turned = [
+        balanced([symbols(factor) * value for factor, value in zip(row, along, strict=True)])
+        for row in of.axes.tolist()
+    ]
+    return [*turned, *unknowns[of.axes.cols :]]
 
 
 def _finite(unknowns: list[ca.SX]) -> tuple[StepItem, ...]:
@@ -279,9 +298,9 @@ def solved(
     systems = [_system(context, of, right, names, unknown, in_lanes) for of in classes]
     works = [s.work for s in systems if s.work]
     applied = applied_sums(context) if right is _forces else ()
-    has_bias = bool(context.joints) and right is _forces
+    factors = VaryingFactors(context, in_lanes)
+    has_bias = bool(factors.groups) and right is _forces
     has_known = (bool(given) and not alone) or has_bias
-    factors = VaryingFactors(context)
     steps: list[Part] = [
         (
             "bodies",
@@ -291,7 +310,9 @@ def solved(
         )
     ]
     if context.blocks:
-        varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
+        motions = BodyMotions(context).statements() if in_lanes and context.along_first else ()
+        loops = factors.loops(context.blocks, names, has_bias, in_lanes)
+        varying: list[Statement] = [*factors.works(), *motions, *loops]
         written = {element for of in classes for element in written_too_much(of.of, of.system_rows, context.blocks)}
         arrays = declared(context.blocks, has_known, context.proximal, written)
         before = [s for s in arrays if isinstance(s, Work) or not are_joined]
@@ -317,7 +338,9 @@ def solved(
         ("unknowns", Source.FACTORISATION, "the unknowns of each body from the reactions", [s.after for s in systems])
     )
     if "lam" in results and context.blocks:
-        steps.append(("lambda", "", "the reactions", list(_reactions(context, context.blocks))))
+        along_first = in_lanes and context.along_first
+        reactions = reactions_of_joints(context, context.blocks) if along_first else _reactions(context, context.blocks)
+        steps.append(("lambda", "", "the reactions", list(reactions)))
     return kernel(context, function, results, *steps, inputs=inputs)
 
 
@@ -364,7 +387,10 @@ def _forces(context: InstanceContext, of: ClassCode) -> Right:
     eq = of.system.equations
     applied = applied_forces(context, of)
     own = (*(applied[0][2].symbols if applied else [sp.S.Zero] * len(eq.rows)),)
-    return Right([-h - more for h, more in zip(eq.force, own, strict=True)], [-c.bias for c in eq.constraints], applied)
+    forces = [-h - more for h, more in zip(eq.force, own, strict=True)]
+    if of.axes is not None:
+        forces[: of.axes.rows] = product(of.axes.T, sp.Matrix(forces[: of.axes.rows]))
+    return Right(forces, [-c.bias for c in eq.constraints], applied)
 
 
 def accel(context: InstanceContext, function: ModelFunction) -> Kernel:

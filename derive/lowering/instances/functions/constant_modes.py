@@ -3,7 +3,8 @@
 In the mean frame the modes of a finite-element body are coupled with its rotation alone, and c8 is diagonal. With
 G_a = P_a B of each constraint a, in which B has constants of the modes at the markers and P_a few coefficients, its
 compliance is P_a (B c8^-1 B^T) P_b^T: the matrix between is constant. The rotation, which is eliminated last, adds a
-correction of rank three through B C with C = M between modes and rotation.
+correction of rank three through B C with C = M between modes and rotation. A translation that moves the markers along
+these constants, as it does along the axes of the body, is one mode more of each of them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes, mode_coefficients
 from derive.lowering.instances.functions.marker_modes import MarkerModes
@@ -54,6 +56,7 @@ class ConstantModes:
         rows: Sequence[_Row],
         half_force: Mapping[int, ca.SX],
         in_loop: bool,
+        translations: Mapping[Identity, int],
     ) -> None:
         context = of.system
         self.factors, self.rows = factors, rows
@@ -67,6 +70,9 @@ class ConstantModes:
             if label in self.constants:
                 (shape,) = identity(symbol).shapes
                 self.constants[label][self.modes[shape]] = symbols(symbol)
+        shapes = {label: dict(of_modes) for label, of_modes in self.constants.items()}
+        for label, j in translations.items():
+            self.constants[label][j] = ca.SX(1)
         weighted = {
             label: {j: self.inverse[j] * value for j, value in of_modes.items()}
             for label, of_modes in self.constants.items()
@@ -79,10 +85,13 @@ class ConstantModes:
         last = factors.order[-ROTATIONS:]
         self.coupled = [j for j in last if any(j == i for of_j in factors.lower.values() for i, _ in of_j)]
         self.half_force = half_force
+        self.of_translations = {label: self.inverse[j] * half_force[j] for label, j in translations.items()}
         self.markers: MarkerModes | None = None
         if in_loop:
-            self.markers = MarkerModes(of.name, self.constants, factors, self.coupled, half_force)
+            self.markers = MarkerModes(of.name, shapes, factors, self.coupled, half_force)
             self.couplings, self.of_labels = self.markers.inputs(symbols)
+            for label, value in self.of_translations.items():
+                self.of_labels[label] = self.of_labels[label] + value
         else:
             self.couplings = {
                 label: {
@@ -180,14 +189,36 @@ def constant_modes(
     context = of.system
     constants = constants_of_modes(c.symbol for c in context.equations.coefficients)
     number = {name: j for j, name in enumerate(context.rows)}
-    rows = []
+    found: list[tuple[dict[int, sp.Expr], dict[Identity, sp.Expr]]] = []
     for condition in context.equations.constraints:
         factors_of = {number[row]: factor for row, factor in condition.jacobian}
         of_modes = {j: factor for j, factor in factors_of.items() if factor.free_symbols & constants.keys()}
         coefficients = mode_coefficients(of_modes, constants)
         if of_modes and coefficients is None:
             return None
-        others = {j: symbols(factor) for j, factor in factors_of.items() if j not in of_modes}
-        rows.append(_Row(others, {label: symbols(c) for label, c in (coefficients or {}).items()}))
+        found.append(({j: factor for j, factor in factors_of.items() if j not in of_modes}, coefficients or {}))
+    translations = _translations(found)
+    moved = {*translations.values()}
+    rows = []
+    for others, own in found:
+        plain = {j: symbols(factor) for j, factor in others.items() if j not in moved}
+        rows.append(_Row(plain, {label: symbols(c) for label, c in own.items()}))
     some = any(row.coefficients for row in rows)
-    return ConstantModes(of, symbols, factors, rows, half_force, in_loop) if some else None
+    return ConstantModes(of, symbols, factors, rows, half_force, in_loop, translations) if some else None
+
+
+def _translations(rows: Sequence[tuple[Mapping[int, sp.Expr], Mapping[Identity, sp.Expr]]]) -> dict[Identity, int]:
+    """The constants of modes along which a coordinate moves a marker, with this coordinate.
+
+    rows: for each constraint its factors of coordinates without constants, and the coefficients of the constants. All
+    constraints have equal factors of such a coordinate and of its constant at the marker.
+    """
+    result: dict[Identity, int] = {}
+    points = [{label.point for label in own} for _, own in rows]
+    for j in sorted({j for others, _ in rows for j in others}):
+        along = {label for others, own in rows for label, factor in own.items() if others.get(j) == factor}
+        whole = all(j not in others or along & own.keys() for others, own in rows)
+        of_marker = [(others.get(j), own, at) for (others, own), at in zip(rows, points, strict=True)]
+        if whole and all(own.get(n) == factor for factor, own, at in of_marker for n in along if n.point in at):
+            result |= dict.fromkeys(along, j)
+    return result

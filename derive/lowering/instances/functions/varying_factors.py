@@ -18,6 +18,7 @@ from derive.lowering.instances.classes.body_classes import NO_JOINT
 from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.elimination.block_system import KNOWN, ZERO, Blocks, spaced
+from derive.lowering.instances.functions.body_motions import BodyMotions
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround
@@ -42,9 +43,9 @@ def _coefficients(context: Context, columns: range) -> dict[int, dict[Identity, 
 class VaryingFactors:
     """The arrays of the factors of all varying joints, one of these after the other in each component."""
 
-    def __init__(self, context: InstanceContext) -> None:
-        self.context = context
-        joints = [joint for group in context.joints for joint in group.joints]
+    def __init__(self, context: InstanceContext, in_lanes: bool) -> None:
+        self.context, self.groups = context, context.joints_in_lanes if in_lanes else context.joints
+        joints = [joint for group in self.groups for joint in group.joints]
         self.has_spare = bool(joints) and any(of.of.is_joined for of in context.classes_in_lanes)
         self.number = {joint: n for n, joint in enumerate([*joints, *([NO_JOINT] if self.has_spare else [])])}
         self.spacing = spaced(len(self.number))
@@ -52,7 +53,7 @@ class VaryingFactors:
     def works(self) -> Iterator[Statement]:
         """The arrays of factors, one for each side of the joints that has any, with zeros where there is no joint."""
         for side, array in enumerate(FACTORS):
-            count = max((len(group.factors.get(side, ())) for group in self.context.joints), default=0)
+            count = max((len(group.factors.get(side, ())) for group in self.groups), default=0)
             if count:
                 yield Work(array, count * self.spacing, spacing=self.spacing)
             for k in range(count if self.has_spare else 0):
@@ -64,12 +65,16 @@ class VaryingFactors:
         has_bias: whether it writes gamma as well, to what is known.
         """
         context = self.context
-        for group in context.joints_in_lanes if in_lanes else context.joints:
-            if isinstance(group, JointsWithGround):
-                sizes = {"q": context.coordinates, "v": len(context.rows)}
-                yield from group.copies((name, sizes[name]) for name in names if name in sizes)
+        for group in self.groups:
             code, ctx = group.code, group.code.context
-            symbols = ctx.symbols(*given_inputs(code, *names))
+            if group.turned:
+                read = BodyMotions(context).of_joint(group)
+                symbols = ctx.symbols(*given_inputs(code), *(given for _, _, given in read))
+            else:
+                read, symbols = group.state(*names), ctx.symbols(*given_inputs(code, *names))
+                if isinstance(group, JointsWithGround):
+                    sizes = {"q": context.coordinates, "v": len(context.rows)}
+                    yield from group.copies((name, sizes[name]) for name in names if name in sizes)
             entries = jacobian_entries(ctx, symbols)
             items: list[StepItem] = []
             targets: dict[str, LoopTarget] = {}
@@ -77,19 +82,21 @@ class VaryingFactors:
             for side, factors in group.factors.items():
                 columns = group.bodies[side]
                 of_modes = _coefficients(ctx, columns) if any(isinstance(what, Identity) for _, what in factors) else {}
-                values = [
-                    entries.get((k, columns[what]), ca.SX(0))
-                    if isinstance(what, int)
-                    else symbols(of_modes[k].get(what, sp.S.Zero))
-                    for k, what in factors
-                ]
+                values = []
+                for k, what in factors:
+                    if (k, what) in group.turned:
+                        values.append(symbols(group.turned[k, what]))
+                    elif isinstance(what, int):
+                        values.append(entries.get((k, columns[what]), ca.SX(0)))
+                    else:
+                        values.append(symbols(of_modes[k].get(what, sp.S.Zero)))
                 items += stores(FACTORS[side], values)
                 targets[FACTORS[side]] = code.target(FACTORS[side], place)
             if has_bias:
                 more, targets[KNOWN] = self._bias(system, group, symbols)
                 items += more
             step = Step(code.name, "(6)", "", tuple(items))
-            yield code.loop(symbols, [step], group.state(*names), targets, in_lanes)
+            yield code.loop(symbols, [step], read, targets, in_lanes)
 
     def _bias(self, system: Blocks, group: JointCode, symbols: Symbols) -> tuple[tuple[StepItem, ...], LoopTarget]:
         """The items that write gamma of the joints of a group, which is added to that of their drives."""

@@ -216,14 +216,14 @@ class ClassCode(LoopCode):
     """The code of a class of bodies; `rows` are the numbers of its constraints for each of its handles.
 
     system, system_rows: the context and these numbers in the system of the joints, where it contributes to all of them;
-    varying: what it contributes to varying joints, by its handle.
+    varying: what it contributes to varying joints, by its handle; axes: see `ClassEquations`.
     """
 
     def __init__(
         self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants, name: str = ""
     ) -> None:
         super().__init__(of, equations, places, constants, name)
-        self.of, self.rows = of, equations.rows
+        self.of, self.rows, self.axes = of, equations.rows, equations.axes
         self.varying, self.system_rows, self.system = equations.varying, equations.system_rows, self.context
         if self.varying:
             self.system = Context(replace(self.context.equations, constraints=equations.system.constraints))

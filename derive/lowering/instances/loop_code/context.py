@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -24,6 +24,7 @@ from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, handles_of, marker_classes
 from derive.lowering.instances.classes.class_equations import class_equations, with_known
+from derive.lowering.instances.classes.first_body_joints import has_rows_along_first
 from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
 from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
@@ -45,6 +46,7 @@ from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.outputs.output_type import SumOutput
+from derive.mechanics.multibody.space.first_body_rows import turned_axes
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
@@ -64,6 +66,8 @@ class InstanceContext:
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
         self.classes = [self._class(of) for of in body_classes(mechanism)]
+        of_classes = [(code.of, code.context.equations) for code in self.classes]
+        self.along_first = not proximal and has_rows_along_first(mechanism, of_classes, self.known)
         rows = [of.multipliers for of in constraining(mechanism)]
         self.first_rows = [0, *accumulate(rows)]
         handles, gears = handles_of(m for c in self.classes for m in c.of.members)
@@ -79,8 +83,8 @@ class InstanceContext:
         self.forces = [self._group(group, equations) for group, equations in forces]
         outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)
         self.outputs = [self._group(group, equations) for group, equations in outputs]
-        self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
-        self.joints_in_lanes = self._with_ground(self.joints)
+        self.joints = [self._joint(group, self.classes) for group in joint_groups(bodies)]
+        self.joints_in_lanes = self._with_ground(self._joints_along_first() if self.along_first else self.joints)
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         self.coordinates = len(mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
@@ -95,26 +99,39 @@ class InstanceContext:
 
     def _joined(self) -> list[ClassCode]:
         """The codes of the classes after some have joined others, for which the system then has a spare place."""
-        classes = joined_classes(self.mechanism, [of.of for of in self.classes], self.blocks)
+        classes = joined_classes(self.mechanism, [of.of for of in self.classes], self.blocks, self.along_first)
         if self.blocks and any(of.is_joined for of in classes):
             self.blocks = replace(self.blocks, has_spare=True)
+        if self.along_first:
+            return [self._class(of, f"{of.name}_along_first", True) for of in classes]
         return [next((code for code in self.classes if code.of is of), None) or self._class(of) for of in classes]
 
-    def _class(self, of: BodyClass, name: str = "") -> ClassCode:
-        return ClassCode(of, class_equations(self.mechanism, of, self.known), self.places, self.constants, name)
+    def _class(self, of: BodyClass, name: str = "", along_first: bool = False) -> ClassCode:
+        equations = class_equations(self.mechanism, of, self.known, along_first)
+        return ClassCode(of, equations, self.places, self.constants, name)
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
         return GroupCode(self._code(group, equations), group.members)
 
-    def _joint(self, group: Group, equations: Equations) -> JointCode:
+    def _joints_along_first(self) -> list[JointCode]:
+        """The codes of all joints with rows along the axes of their first bodies."""
+        return [self._joint(group, self.classes_in_lanes, True) for group in joint_groups(self.bodies, True)]
+
+    def _joint(self, group: Group, classes: Sequence[ClassCode], along_first: bool = False) -> JointCode:
         factors, bodies, first = dict[int, tuple[FactorPlace, ...]](), dict[int, range](), 0
-        for member in group.first.bodies:
-            (of,) = (code for code in self.classes if member in code.of.members)
+        for body in group.first.bodies:
+            of, member = next((code, m) for code in classes for m in code.of.members if m.number == body.number)
             (h,) = (h for h, handle in enumerate(member.handles) if handle.joint == group.first.number)
             side, count = member.handles[h].side, len(member.instance.coordinates.rows)
             factors[side], bodies[side] = (*of.varying[h].factors,), range(first, first + count)
             first += count
-        return JointCode(self._code(group, equations), group.members, factors, bodies)
+        equations, reactions = joint_equations(self.bodies, group, along_first)
+        name = f"{group.name}_along_first" if along_first else ""
+        code = self._code(group, equations, name)
+        turned: dict[FactorPlace, sp.Symbol] = {}
+        if along_first:
+            turned = {(k, m): s for k, row in enumerate(turned_axes()) for m, s in enumerate(row)}
+        return JointCode(code, group.members, factors, bodies, reactions, turned)
 
     def _with_ground(self, joints: list[JointCode]) -> list[JointCode]:
         """The codes of varying joints after one at the ground has joined those between bodies that are like it."""
@@ -125,17 +142,18 @@ class InstanceContext:
             if found := joined_element(self.bodies, ground, others, self.blocks):
                 side, element = found
                 elements = tuple(sorted([element, *others.elements], key=lambda e: e.number))
-                equations = joint_equations(self.bodies, Group("joint", others.elements))
+                equations, reactions = joint_equations(self.bodies, Group("joint", others.elements), self.along_first)
                 of, constants = Group("joint", elements), len(element.constants)
                 known = with_known(equations, self.known, constants)
                 code = LoopCode(of, known, self.places, self.constants, f"{others.code.name}_and_ground")
-                joined = JointsWithGround(code, elements, others.factors, others.bodies, side)
+                own = others.factors, others.bodies, reactions, others.turned
+                joined = JointsWithGround(code, elements, *own, side=side)
                 return [joined if of is others else of for of in joints if of is not ground]
         return joints
 
-    def _code(self, group: Group, equations: Equations) -> LoopCode:
+    def _code(self, group: Group, equations: Equations, name: str = "") -> LoopCode:
         constants = len(group.first.constants)
-        return LoopCode(group, with_known(equations, self.known, constants), self.places, self.constants)
+        return LoopCode(group, with_known(equations, self.known, constants), self.places, self.constants, name)
 
     def is_loaded(self, of: ClassCode) -> bool:
         """Whether a force that acts between bodies acts on a body of a class."""
@@ -146,7 +164,7 @@ class InstanceContext:
         """All codes of loops over instances."""
         in_lanes = (group for group in self.joints_in_lanes if group not in self.joints)
         groups = (group.code for group in (*self.forces, *self.outputs, *self.joints, *in_lanes))
-        joined = (of for of in self.classes_in_lanes if of.of.is_joined)
+        joined = (of for of in self.classes_in_lanes if of not in self.classes)
         return (*self.classes, *joined, *self.marker_classes.values(), *groups)
 
     @cached_property

@@ -8,7 +8,7 @@ bodies in copies of q and v: amplitudes and velocities are zero, and the frame i
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -42,7 +42,7 @@ MOST = 16
 class JointsWithGround(JointCode):
     """The code of varying joints of which one is at the ground, on this side."""
 
-    side: int
+    side: int = field(kw_only=True)
 
     def copies(self, sizes: Iterable[tuple[str, int]]) -> Iterator[Statement]:
         """The copies of the state with that of the ground before it; sizes: of the arrays by their names."""

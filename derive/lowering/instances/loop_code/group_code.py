@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
+from derive.algebra import sp
 from derive.ir.expressions import Operator
 from derive.lowering.flat.context import Input, array_input
 from derive.lowering.instances.classes.groups import GroupElement
@@ -51,11 +53,14 @@ class JointCode(GroupCode):
     """The code of a group of varying joints, or of gears.
 
     factors: for each side of the joint with coordinates the places of the factors in G that the body there reads, in
-    the order in which they are stored; bodies: the columns of G of this body.
+    the order in which they are stored; bodies: the columns of G of this body. turned: the symbols of the factors in
+    rows along the axes of the first body; multipliers: those of the joint from those of these rows.
     """
 
     factors: Mapping[int, tuple[FactorPlace, ...]]
     bodies: Mapping[int, range]
+    multipliers: tuple[sp.Expr, ...] = ()
+    turned: Mapping[FactorPlace, sp.Symbol] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def are_gears(self) -> bool:

@@ -20,7 +20,7 @@ from derive.mechanics.motion.material_points import (
     tangent_vectors,
 )
 from derive.mechanics.motion.products import product
-from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
+from derive.mechanics.motion.rotations import RATE, SCALE, THETA, inverse_tangent, section_rotation
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.symbols import Family, Identity
 from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate, OwnAxes, load_symbols
@@ -73,7 +73,7 @@ class FrameMotion:
     `lever` is the vector from the origin O of the body to the marker, `frame` the rotation tensor Q of the body,
     `displacement` that of the marker by deformation, u, in the frame of the body, and `tangent` turns the rate of the
     rotation vector of a flexible body at the marker into an angular velocity. `stress` are the components of the stress
-    there, Pa, along the axes of the body, where an output asks for them.
+    there, Pa, along the axes of the body, where an output asks for them. `inverse_tangent` is the inverse of `tangent`.
     `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
     `in_body` has the position and the axes of a marker of a body in a tree, in the frame of the body `carrier`;
     `own` is the motion along the axes of a body that keeps all coordinates.
@@ -91,6 +91,7 @@ class FrameMotion:
     tangent: sp.ImmutableMatrix = field(default_factory=fixed_axes)
     displacement: sp.ImmutableMatrix = field(default_factory=still)
     stress: sp.ImmutableMatrix = field(default_factory=unstressed)
+    inverse_tangent: sp.ImmutableMatrix = field(default_factory=fixed_axes)
     virtual: tuple[VirtualMotion, ...] = ()
     in_body: tuple[sp.ImmutableMatrix, sp.ImmutableMatrix] | None = None
     carrier: str = ""
@@ -167,7 +168,7 @@ class FrameMotion:
             return VirtualMotion(row, **{name: changed(sp.ImmutableMatrix(total)) for name, total in sums.items()})
 
         vectors = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration", "displacement")
-        matrices = ("axes", "lever", "frame", "tangent", "stress")
+        matrices = ("axes", "lever", "frame", "tangent", "stress", "inverse_tangent")
         return replace(
             self,
             **{name: changed(getattr(self, name)) for name in (*vectors, *matrices)},
@@ -247,6 +248,7 @@ def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
         tangent=sp.ImmutableMatrix(turned.tangent),
         displacement=sp.ImmutableMatrix(u),
         stress=sp.ImmutableMatrix(_stress(motion, section)),
+        inverse_tangent=turned.inverse_tangent,
         virtual=tuple(_virtual(motion, point, turned)),
     )
 
@@ -288,13 +290,14 @@ class _Turned:
     acceleration: sp.Matrix
     twists: tuple[sp.ImmutableMatrix, ...]
     deforms: bool
+    inverse_tangent: sp.ImmutableMatrix
 
 
 def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turned:
     twists, second = section.twists, section.second_twists
     if not any(entry for twist in (*twists, *chain(*second)) for entry in twist):
         none = sp.zeros(3, 1)
-        return _Turned(sp.eye(3), sp.eye(3), none, none, (still(),) * len(motion.alpha), False)
+        return _Turned(sp.eye(3), sp.eye(3), none, none, (still(),) * len(motion.alpha), False, fixed_axes())
     name = section.point.name
     tangents = twists
     if second:
@@ -321,6 +324,7 @@ def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turn
         bias + product(tangent, _total(tangents, motion.alphaddot) + of_rates),
         tuple(map(sp.ImmutableMatrix, tangents)),
         True,
+        inverse_tangent().xreplace(values),
     )
 
 

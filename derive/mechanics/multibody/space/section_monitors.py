@@ -1,7 +1,7 @@
-"""Outputs that a simulation adds to a scene in space to watch the validity of its beams; no specification names them.
+"""Outputs that a simulation adds to a scene in space to watch the validity of its bodies; no specification names them.
 
-They are those of planar beams, in one of the planes in which a beam bends: along its e2 or its e3. A positive bending
-moment goes with a positive curvature of the deflection.
+Those of beams are those of planar beams, in one of the planes in which a beam bends: along its e2 or its e3. A positive
+bending moment goes with a positive curvature of the deflection.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from derive.mechanics.bodies.section_fields import Direction
 from derive.mechanics.motion.vectors import dot
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.outputs.section_forces import SECTION
+from derive.mechanics.multibody.space.acting_loads import ACTING_LOAD
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import Key, KeyType
@@ -93,6 +94,7 @@ def _axial_load(power: int) -> SpatialOutputType:
 
 
 SPATIAL_MONITORS: Mapping[str, SpatialOutputType] = {
+    "acting_load": ACTING_LOAD,
     "axial_load": _axial_load(0),
     "axial_load_linear": _axial_load(1),
     "axial_load_quadratic": _axial_load(2),
