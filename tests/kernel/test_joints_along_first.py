@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import pytest
 from test_instance_graphs import LATER
 from test_instances_in_space import both, check
 from test_sums_over_modes import chain
@@ -70,14 +69,12 @@ def test_a_translation_along_constants_of_modes_is_found() -> None:
     assert _translations([turned[0], ({0: d, 1: c}, {along[0]: c, along[1]: d})]) == {}
 
 
-@pytest.mark.parametrize(("count", "places"), [(3, {1}), (5, {1})])
-def test_what_a_first_body_has_in_common_is_no_factor(count: int, places: set[int]) -> None:
+def test_what_a_first_body_has_in_common_is_no_factor() -> None:
     """The first body of a joint has constants, so that the second one alone reads a tensor from the joint."""
-    mechanism = derive.derive(chain(count, ("fixed",)))
+    mechanism = derive.derive(chain(5, ("fixed",)))
     assert isinstance(mechanism, SpatialMechanism)
     for group in InstanceContext(mechanism).joints_in_lanes:
-        assert {side for side, of in group.factors.items() if of} == places
-        assert {len(group.factors[side]) for side in places} == {18}
+        assert {side: len(of) for side, of in group.factors.items() if of} == {1: 18}
 
 
 def test_a_body_reads_each_of_its_numbers_once() -> None:

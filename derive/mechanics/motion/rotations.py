@@ -7,6 +7,7 @@ from functools import cache
 
 from derive.algebra import sp
 from derive.mechanics.motion.spatial import rotation_of
+from derive.mechanics.motion.vectors import skew
 from derive.mechanics.symbols import local
 
 THETA = tuple(local("theta", k) for k in (1, 2, 3))
@@ -65,8 +66,6 @@ def section_rotation() -> tuple[sp.ImmutableMatrix, sp.ImmutableMatrix, sp.Immut
 
 @cache
 def inverse_tangent() -> sp.ImmutableMatrix:
-    """The inverse of the tangent operator of `section_rotation`, a polynomial of THETA without its scale."""
-    _, tangent, _ = section_rotation()
-    scale = 1 / (1 + sum(theta**2 for theta in THETA) / 4)
-    inverse = sp.Matrix(tangent).xreplace({SCALE: scale}).inv()
-    return sp.ImmutableMatrix(inverse.applyfunc(lambda entry: sp.expand(sp.cancel(entry))))
+    """The inverse of the tangent operator of `section_rotation`, 1 - THETA~/2 + THETA THETA^T/4."""
+    theta = sp.Matrix(THETA)
+    return sp.ImmutableMatrix(sp.eye(3) - skew(theta) / 2 + theta * theta.T / 4)

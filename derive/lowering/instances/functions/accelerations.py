@@ -14,7 +14,6 @@ from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.flat.accelerations import balanced
-from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import RequiredValue, Step, StepItem
 from derive.lowering.instances.elimination.block_system import (
@@ -36,7 +35,7 @@ from derive.lowering.instances.elimination.path_elimination import along_path
 from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
 from derive.lowering.instances.functions.body_motions import BodyMotions
 from derive.lowering.instances.functions.compliance_loops import RowTargets
-from derive.lowering.instances.functions.first_body_reactions import reactions_of_joints
+from derive.lowering.instances.functions.first_body_results import inertial_translation, reactions_of_joints
 from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
 from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.functions.varying_factors import VaryingFactors
@@ -93,7 +92,7 @@ def _system(
     given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
     system = local_system(of, symbols, side, in_lanes)
-    found = _inertial(of, symbols, system.unknowns)
+    found = inertial_translation(of, symbols, system.unknowns)
     unknowns, kept, values = kept_values(symbols, found, symbols.values_of(ctx.forces), system.inverses)
     items: list[StepItem] = [*system.checks]
     targets: dict[str, LoopTarget] = {}
@@ -140,18 +139,6 @@ def _system(
         in_lanes,
     )
     return _Solution(before, work, after)
-
-
-def _inertial(of: ClassCode, symbols: Symbols, unknowns: list[ca.SX]) -> list[ca.SX]:
-    """The unknowns of a body with its translation in the inertial frame."""
-    if of.axes is None:
-        return unknowns
-    along = unknowns[: of.axes.cols]
-    turned = [
-        balanced([symbols(factor) * value for factor, value in zip(row, along, strict=True)])
-        for row in of.axes.tolist()
-    ]
-    return [*turned, *unknowns[of.axes.cols :]]
 
 
 def _finite(unknowns: list[ca.SX]) -> tuple[StepItem, ...]:

@@ -95,9 +95,11 @@ def _symbols(equations: Equations, columns: range) -> list[sp.Symbol]:
 
 def _at_rest(group: JointsWithGround) -> list[Number]:
     """The components of the ground as a body: zero but for its axes, the scale of its rotations, and its marker."""
-    equations, element = group.code.context.equations, group.elements[0]
+    equations = group.code.context.equations
+    element = next(e for e in group.elements if any(body.coordinate < 0 for body in e.bodies))
+    own = equations.coefficients[: len(element.constants)]
     values: dict[sp.Symbol, sp.Expr] = {
-        c.symbol: own.value for c, own in zip(equations.coefficients, element.constants, strict=False)
+        c.symbol: constant.value for c, constant in zip(own, element.constants, strict=True)
     }
     values |= {c.q: sp.Integer(_is_scalar(c.q)) for c in equations.coordinates}
     values |= {row.v: sp.S.Zero for row in equations.rows}

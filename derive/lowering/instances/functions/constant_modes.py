@@ -216,9 +216,10 @@ def _translations(rows: Sequence[tuple[Mapping[int, sp.Expr], Mapping[Identity, 
     result: dict[Identity, int] = {}
     points = [{label.point for label in own} for _, own in rows]
     for j in sorted({j for others, _ in rows for j in others}):
-        along = {label for others, own in rows for label, factor in own.items() if others.get(j) == factor}
-        whole = all(j not in others or along & own.keys() for others, own in rows)
+        equal = (label for others, own in rows for label, factor in own.items() if others.get(j) == factor)
+        along = dict.fromkeys(equal, j)
+        whole = all(j not in others or along.keys() & own.keys() for others, own in rows)
         of_marker = [(others.get(j), own, at) for (others, own), at in zip(rows, points, strict=True)]
         if whole and all(own.get(n) == factor for factor, own, at in of_marker for n in along if n.point in at):
-            result |= dict.fromkeys(along, j)
+            result |= along
     return result

@@ -46,7 +46,8 @@ from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.outputs.output_type import SumOutput
-from derive.mechanics.multibody.space.first_body_rows import turned_axes
+from derive.mechanics.multibody.space.first_body_rows import rows_along_first, turned_axes
+from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
@@ -128,9 +129,10 @@ class InstanceContext:
         equations, reactions = joint_equations(self.bodies, group, along_first)
         name = f"{group.name}_along_first" if along_first else ""
         code = self._code(group, equations, name)
-        turned: dict[FactorPlace, sp.Symbol] = {}
-        if along_first:
-            turned = {(k, m): s for k, row in enumerate(turned_axes()) for m, s in enumerate(row)}
+        joint = constraining(self.mechanism)[group.first.number]
+        held = rows_along_first(joint) if along_first and isinstance(joint, SpatialJointInstance) else 0
+        rows = enumerate(turned_axes()[:held])
+        turned: dict[FactorPlace, sp.Symbol] = {(k, m): s for k, row in rows for m, s in enumerate(row)}
         return JointCode(code, group.members, factors, bodies, reactions, turned)
 
     def _with_ground(self, joints: list[JointCode]) -> list[JointCode]:

@@ -1,16 +1,33 @@
-"""The reactions of joints from those of their rows along the axes of their first bodies."""
+"""Accelerations and reactions in the inertial frame, from those along the axes of bodies."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+import casadi as ca
+
 from derive.ir.statements import Statement
+from derive.lowering.flat.accelerations import balanced
+from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.elimination.block_system import FORCE, Blocks
 from derive.lowering.instances.functions.body_motions import BodyMotions
+from derive.lowering.instances.loop_code.class_code import ClassCode
 from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
 from derive.mechanics.multibody.space.first_body_rows import row_reactions
+
+
+def inertial_translation(of: ClassCode, symbols: Symbols, unknowns: list[ca.SX]) -> list[ca.SX]:
+    """The unknowns of a body with its translation in the inertial frame."""
+    if of.axes is None:
+        return unknowns
+    along = unknowns[: of.axes.cols]
+    turned = [
+        balanced([symbols(factor) * value for factor, value in zip(row, along, strict=True)])
+        for row in of.axes.tolist()
+    ]
+    return [*turned, *unknowns[of.axes.cols :]]
 
 
 def reactions_of_joints(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
