@@ -67,7 +67,7 @@ def test_loads_and_masses_in_a_plane_are_those_of_the_planar_beam(order: int) ->
 
 @pytest.mark.parametrize("frame", ["inertial", "body"])
 def test_torques_per_length_do_the_work_of_those_on_sections(frame: str, tmp_path: Path) -> None:
-    """Accelerations of a bent beam that they turn, alone or with forces, are those of the oracle, which has more points."""
+    """A bent beam that they turn, alone or with forces, moves as in the oracle, which has more points."""
     force = 'force = [0, "3*xi", 1]\n' if frame == "body" else ""
     (tmp_path / "rod.toml").write_text(f"""
 name = "turned"
