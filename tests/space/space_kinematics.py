@@ -6,7 +6,7 @@ their own frames. Values, derivatives and virtual displacements are differences 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -295,7 +295,16 @@ class SpaceKinematics:
             forces += [table[key] for key in ("at", "on", "against") if key in table]
         for _, table in self.in_joints():
             forces += self.joints[table["joint"]]["between"]
+        for name, table in self.scene["bodies"].items():
+            if any(self.loads_along(table, "torque")):
+                forces += [f"{name}.{marker}" for marker in self.bodies[name].markers if marker.startswith("point ")]
         return forces
+
+    @staticmethod
+    def loads_along(body: Table, key: str) -> Iterator[Table]:
+        """The loads of a beam that are a force or a torque per length."""
+        loads = body.get("loads", {}).values() if "bending_stiffness" in body else ()
+        return (load for load in loads if key in load)
 
     def in_joints(self) -> list[tuple[str, Table]]:
         """The forces and torques in joints, with their sections."""

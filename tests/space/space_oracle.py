@@ -111,6 +111,7 @@ class SpaceOracle(SpringKinematics):
             *self._on_nodes(t, self.poses(t, state), jacobians[0]),
             *self._applied(t, now[2], jacobians[2]),
             *self._distributed(t, self.poses(t, state), jacobians[4]),
+            *self._distributed_torques(t, now[2], jacobians[2]),
             *self._sprung(now[3], rate[3], jacobians[3]),
         ):
             h, force_sizes = h + force, force_sizes + abs(force)
@@ -206,18 +207,36 @@ class SpaceOracle(SpringKinematics):
         result, names = [], self.all_markers()
         by = J.reshape(len(names), 3, -1 if names else 0)
         for name, table in self.scene["bodies"].items():
-            for load in table.get("loads", {}).values() if "bending_stiffness" in table else ():
+            for load in self.loads_along(table, "force"):
                 length, factor = self.value(table["length"]), self.value.at(load.get("time", 1), t)
                 for i, (xi, w) in enumerate(gauss_points(beam_shapes(table).nodes)):
-                    # A polynomial in xi is read as a function of t.
-                    texts = (of.replace("xi", "t") if isinstance(of, str) else of for of in load["force"])
-                    density = np.array([self.value.at(of, xi) for of in texts], dtype=object)
-                    force = density * factor * w * length / 2
+                    force = self._density(load["force"], xi) * factor * w * length / 2
                     if load.get("frame", "inertial") == "body":
                         force = poses[name].R @ force
                     row = names.index(f"{name}.point {i}")
                     result += [-force[k] * by[row, k] for k in range(3)]
         return result
+
+    def _distributed_torques(self, t: Decimal, now: Array, J: Array) -> list[Array]:
+        """Less the virtual work of torques per length, on the sections at the same points."""
+        result, names = [], self.acted_on()
+        frames, by = now.reshape(-1, 12), J.reshape(-1, 12, J.shape[1])
+        for name, table in self.scene["bodies"].items():
+            for load in self.loads_along(table, "torque"):
+                length, factor = self.value(table["length"]), self.value.at(load.get("time", 1), t)
+                for i, (xi, w) in enumerate(gauss_points(beam_shapes(table).nodes)):
+                    row = names.index(f"{name}.point {i}")
+                    torque = self._density(load["torque"], xi) * factor * w * length / 2
+                    if load.get("frame", "inertial") == "body":
+                        torque = frames[row, 3:].reshape(3, 3) @ torque
+                    turned = virtual_rotations(frames[row, 3:], by[row, 3:])
+                    result += [-torque[k] * turned[k] for k in range(3)]
+        return result
+
+    def _density(self, components: list[object], xi: Decimal) -> Array:
+        """A load per length at a place; a polynomial in xi is read as a function of t."""
+        texts = (of.replace("xi", "t") if isinstance(of, str) else of for of in components)
+        return np.array([self.value.at(of, xi) for of in texts], dtype=object)
 
     def _applied(self, t: Decimal, now: Array, J: Array) -> list[Array]:
         """Less the virtual work of forces and torques."""
