@@ -467,5 +467,5 @@ def test_a_reference_that_joints_do_not_permit_is_named() -> None:
         plots={"sag": {"deflection": "rod.m", "chord": ["rod.a", "rod.b"]}},
         simulation={"duration": 0.05, "output": 0.01},
     )
-    with pytest.raises(SimulationError, match=r"cannot be made of 1 beam, P2 to P5, truncated: .* by its table axial"):
+    with pytest.raises(SimulationError, match=r"cannot be made of 1 beam, P2 to P5, truncated: .* with a table axial"):
         derive.study_accuracy(held, own_reference=True, shapes=[2], pieces=[], sines=[])
