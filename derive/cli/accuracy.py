@@ -37,7 +37,7 @@ def run(scene: AnyScene, changes: Sequence[SetValue], options: argparse.Namespac
     parts: list[LadderChart] = []
 
     def noted(part: LadderChart) -> LadderChart:
-        return replace(part, notes=(*map(str, changes), *part.notes))
+        return replace(part, notes=(*map(str, changes), *_unchanged(part, scene, changes), *part.notes))
 
     def data_of(part: LadderChart) -> dict[str, Any]:
         return {**accuracy_data(part), "set": list(map(str, changes))}
@@ -59,6 +59,17 @@ def run(scene: AnyScene, changes: Sequence[SetValue], options: argparse.Namespac
         write(files, folder)
     print_result(accuracy_text(chart), data, [str(folder / file.path) for file in files], options.json)
     return INTERRUPTED if interrupted else 0
+
+
+def _unchanged(chart: LadderChart, scene: AnyScene, changes: Sequence[SetValue]) -> list[str]:
+    """The note on a reference that is a file, which changes of the scene leave as it is."""
+    files = {plot.reference.file for plot in scene.plots if plot.reference is not None}
+    if not changes or chart.reference.source not in files:
+        return []
+    return [
+        f"the curve of {chart.reference.source} is that of the scene before these changes; --own-reference compares "
+        "with models of the changed scene"
+    ]
 
 
 def _files(chart: LadderChart, data: dict[str, Any]) -> list[File | BinaryFile]:

@@ -182,17 +182,18 @@ class InextensibleBeam(SimulationError):
 
 IN_THE_PLANE = (
     "along their axes",
-    "stretches only by its table axial",
+    "it stretches only with a table axial",
     "Give a beam this table, or let one end move along the axis: a translational joint acts as a roller, with a rigid "
     "body that a revolute joint connects to the end of the beam",
 )
-"""Where joints hold beams, by what these give way, and what to do."""
+"""Where joints hold beams in the plane, with which table these give way, and what to do."""
 IN_SPACE = (
     "along or about their axes",
-    "stretches or twists only by its tables axial and torsion",
+    "it stretches or twists only with the tables axial and torsion",
     "Give a beam the table that it lacks, or let one end move: a cylindrical joint with z along the axis lets it slide "
     "and turn",
 )
+"""The same for beams in space."""
 
 
 class MasslessMotion(SimulationError):

@@ -34,9 +34,8 @@ from derive.simulation.space.half_turns import half_turn_notes
 from derive.simulation.space.joint_limits import joint_limit_notes
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
-from derive.simulation.validity.axial_loads import axial_load_notes
+from derive.simulation.validity.axial_loads import missing_stiffness_notes
 from derive.simulation.validity.far_deformation import far_deformation_notes
-from derive.simulation.validity.fast_spin import fast_spin_notes
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.mode_content import mode_notes
 from derive.simulation.validity.monitoring_outputs import (
@@ -171,9 +170,9 @@ class PreparedRun:
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
         foreseen += (*joint_limit_notes(self.scene, native, k, solution.t, solution.q),)
         beams = not is_monitored(self.scene)  # monitors tell of the stiffness that their axial force adds
-        spins = fast_spin_notes(self.scene, native, k, solution.q, solution.v, body=self.body, beams=beams)
-        axial = axial_load_notes(self.scene, native, k, solution.t, solution.q, solution.v)
-        foreseen += (*spins.values(), *axial.values())
+        states = (solution.t, solution.q, solution.v)
+        missing = missing_stiffness_notes(self.scene, native, k, *states, body=self.body, beams=beams)
+        foreseen += (*missing.values(),)
         foreseen += (*mode_notes(self.scene, native, k, solution.t, solution.q, solution.v),)
         foreseen += (*far_deformation_notes(self.scene, native, solution.q),)
         if earlier is not None:

@@ -257,7 +257,7 @@ output = 0.01
 def test_a_beam_that_is_clamped_at_both_ends_needs_the_table_that_the_message_names() -> None:
     axial = 'axial = { ansatz = ["xi"], stiffness = 1e5 }'
     torsion = 'torsion = { ansatz = ["xi"], stiffness = 5 }'
-    only = "only by its tables axial and torsion, so that"
+    only = "only with the tables axial and torsion, so that"
     with pytest.raises(InextensibleBeam, match=f"{only} l_x and r_x have no .*Give a beam the table that it lacks"):
         clamped(torsion)
     assert clamped(f"{axial}\n{torsion}").t[-1] == 0.01

@@ -109,6 +109,23 @@ def test_faults_of_arrays(changed: dict[str, Any], message: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("absent", "named"),
+    [
+        ({"elements_hex8_material"}, "elements_hex8_material"),
+        ({"elements_hex8_material", "materials"}, "elements_hex8_material and materials"),
+    ],
+)
+def test_an_array_that_stresses_of_elements_lack_is_named(absent: set[str], named: str) -> None:
+    """A file with elements and materials was told to add elements with materials."""
+    nodes = {key: array for key, array in body()["nodes"].items() if key not in absent}
+    with pytest.raises(SpecError) as caught:
+        derive.nodal_body("lattice", **{**body(), "nodes": nodes, "order": 2, "stress": True})
+    told = {problem.path: problem.message for problem in caught.value.problems}
+    assert told["body.order"].endswith(f"from which they are computed; the elements lack {named}")
+    assert f"which the files lack; the elements lack {named}; add" in told["body.stress"]
+
+
+@pytest.mark.parametrize(
     ("keys", "message"),
     [
         ({"markers": {"a": {"set": "lfet"}}}, 'bodies.truss.markers.a.set: the file has no set "lfet"; did you'),

@@ -194,6 +194,8 @@ def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the
         "none: no valid model has an error of at most 0.01 %; the most accurate one is 1 beam, P2"
     )
     assert cheaper[1].startswith("1 beam, P2 to P5, truncated")
+    finer = replace(LINES[3], points=line(4, (0.0001, 2e-5), (0.00001, 3e-5)).points)
+    assert "10 % implied, 0.01 % measured" in headline_texts(headline((*LINES[:3], finer), 1e-3), ())[1][1]
 
 
 def test_a_reference_with_a_larger_error_than_is_asked_for_decides_nothing() -> None:
@@ -465,5 +467,5 @@ def test_a_reference_that_joints_do_not_permit_is_named() -> None:
         plots={"sag": {"deflection": "rod.m", "chord": ["rod.a", "rod.b"]}},
         simulation={"duration": 0.05, "output": 0.01},
     )
-    with pytest.raises(SimulationError, match=r"cannot be made of 1 beam, P2 to P5, truncated: .* by its table axial"):
+    with pytest.raises(SimulationError, match=r"cannot be made of 1 beam, P2 to P5, truncated: .* with a table axial"):
         derive.study_accuracy(held, own_reference=True, shapes=[2], pieces=[], sines=[])

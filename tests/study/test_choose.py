@@ -427,3 +427,7 @@ def test_a_cheaper_model_that_a_monitor_doubts_is_named_with_the_doubt() -> None
         choice
     )
     assert "does not matter" not in choice_text(replace(choice, tried=(replace(doubted, warning=None), dear)))
+    finer = Point(1e-6, 1e-5, 1e-5, (3e-3,), 30, 150)
+    alone = choice_text(replace(choice, tried=(replace(doubted, points=(*doubted.points, finer)),)))
+    assert f"Would be accurate, if its warning does not matter: {SINE.label}, tolerance 0.001, 1 ms: {implied}" in alone
+    assert "Cheaper" not in alone, "nothing is chosen"

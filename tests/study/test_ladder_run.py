@@ -171,6 +171,15 @@ def test_what_there_is_is_written_meanwhile(tmp_path: Path, monkeypatch: pytest.
     assert "unfinished" not in (tmp_path / "accuracy.json").read_text()
 
 
+def test_a_file_as_the_reference_does_not_change_with_the_scene(tmp_path: Path) -> None:
+    """A rod of other stiffness was compared with the file of the first one, without a line on it."""
+    asked = [*ASKED, "--set", "bodies.rod.bending_stiffness=30", "--set", "simulation.duration=0.01"]
+    for more, noted in (([], True), (["--own-reference"], False)):
+        assert main(["study", "accuracy", str(SCENE), *asked, *more, "--out", str(tmp_path)]) == 0
+        page = (tmp_path / "accuracy.html").read_text()
+        assert ("is that of the scene before these changes" in page) is noted and "12.7234502 -&gt; 30" in page
+
+
 def test_a_plot_that_shows_no_deformation_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """The place of a ball that flies beside a beam: all models have the same curve."""
     few = tuple(LadderModel(Shapes.POLYNOMIALS, n, TRUNCATED) for n in (2, 3))

@@ -511,6 +511,8 @@ def test_models_with_the_same_gaps_share_a_sentence() -> None:
     of = LadderStability("rod", ParameterRange("P", 1, 2, 3), tuple(paths), paths[1], paths[0])
     both = "; ".join(path.model.label for path in paths)
     assert gap_sentences(of) == [f"{both}: no steady motion at 40: it is far away", "advice: start nearer"]
+    told = [model["without_steady_motion"] for model in stability_data(of)["models"]]
+    assert told == [[{"value": 40.0, "reason": "it is far away; start nearer"}]] * 2
 
 
 def test_where_a_model_has_no_steady_motion_it_says_so(

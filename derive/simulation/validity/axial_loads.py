@@ -26,6 +26,7 @@ from derive.simulation.validity.held_beam import admitted_modes
 from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
 from derive.simulation.validity.mode_content import MOST_LOADED, modal_stiffness, own_amplitudes
 from derive.simulation.validity.monitors import ERROR_LIMIT
+from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
@@ -35,11 +36,19 @@ APART = 0.5
 
 
 def missing_stiffness_notes(
-    scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix, *, beams: bool = True
+    scene: AnyScene,
+    native: NativeScene,
+    k: Vector,
+    t: Vector,
+    q: Matrix,
+    v: Matrix,
+    *,
+    body: NodalBody | None = None,
+    beams: bool = True,
 ) -> dict[str, str]:
     """The notes on geometric stiffness that a motion would need, of spin and of axial forces; see `fast_spin_notes`."""
     return {
-        **fast_spin_notes(scene, native, k, q, v, beams=beams),
+        **fast_spin_notes(scene, native, k, q, v, body=body, beams=beams),
         **{f"{name}, axial": note for name, note in axial_load_notes(scene, native, k, t, q, v).items()},
     }
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from derive.enumerations import enumeration
 from derive.spec.checks.component_modes import asks_for_component_modes, component_mode_faults
-from derive.spec.files.mesh_arrays import set_sizes
+from derive.spec.files.mesh_arrays import Array, arrays_elements_lack, set_sizes
 from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
@@ -36,8 +37,8 @@ def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) 
     if arrays_found.complete:
         faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
         faults += component_mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, sets)
-        faults += _order_faults(body, arrays_found.arrays.keys(), checked.data)
-    faults += _stress_faults(body, checked.data)
+        faults += _order_faults(body, arrays_found.arrays, checked.data)
+    faults += _stress_faults(body, arrays_found.arrays, checked.data)
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
     return checked.data, faults
@@ -90,20 +91,27 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
         )
 
 
-def _stress_faults(body: Mapping[str, object], data: NodeData | None) -> Iterator[Fault]:
+def _stress_faults(body: Mapping[str, object], arrays: Mapping[str, Array], data: NodeData | None) -> Iterator[Fault]:
     """Faults of a largest stress of a body without elements or materials."""
     if body.get("stress") is True and data is not None and not data.has_stresses:
         text = "stresses are computed from elements with Young's modulus and Poisson's ratio, which the files lack"
+        text += _lacking(arrays)
         yield Fault(("body", "stress"), f"{text}; add elements_tet10 or others and materials, or leave this out")
 
 
-def _order_faults(body: Mapping[str, object], arrays: Set[str], data: NodeData | None) -> Iterator[Fault]:
+def _lacking(arrays: Mapping[str, Array]) -> str:
+    """The end of a sentence, on the arrays by which elements have their materials; empty if none is missing."""
+    names = arrays_elements_lack(arrays)
+    return f"; the elements lack {enumeration(names)}" if names else ""
+
+
+def _order_faults(body: Mapping[str, object], arrays: Mapping[str, Array], data: NodeData | None) -> Iterator[Fault]:
     """Faults of a second order without geometric stiffness matrices and without elements to compute them."""
     unknown = data is None and "materials" in arrays
     if readable(values.order, body.get("order")) != 2 or unknown or (data and data.gives_geometric_stiffness):
         return
-    needed = "elements with materials and a stiffness, from which they are computed"
-    if not arrays & {"K0t", "K0r", "K0omega", "K0F"}:
+    needed = f"elements with materials and a stiffness, from which they are computed{_lacking(arrays)}"
+    if not arrays.keys() & {"K0t", "K0r", "K0omega", "K0F"}:
         text = "a body of order 2 needs geometric stiffness matrices, K0t, K0r, K0omega or K0F, among its arrays"
         yield Fault(("body", "order"), f"{text}, or {needed}")
     elif asks_for_component_modes(body):

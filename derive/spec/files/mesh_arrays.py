@@ -82,6 +82,13 @@ def set_sizes(arrays: Mapping[str, Array | None]) -> dict[str, int]:
     }
 
 
+def arrays_elements_lack(arrays: Mapping[str, Array | None]) -> list[str]:
+    """The names of the arrays that give the elements their materials and are missing; none without elements."""
+    elements = [name for kind in ElementKind if arrays.get(name := f"{ELEMENTS}{kind.value}") is not None]
+    needed = [*(f"{name}{MATERIAL}" for name in elements), *(["materials"] if elements else [])]
+    return [name for name in needed if arrays.get(name) is None]
+
+
 def _materials(array: Array, units: Units) -> list[Material]:
     _shaped(array, (len(array), 3) if array.ndim else (0, 3))
     pressure, density = units.stiffness / units.length, units.mass / units.length**3

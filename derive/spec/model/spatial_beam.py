@@ -154,8 +154,9 @@ class SpatialBeam:
         key(
             KeyType.CHOICE,
             "What a beam of order 2 keeps: truncated (kinetic and potential energy through second order in the "
-            "amplitudes, the default), full (all that the displacements yield, also of a beam that bends far; the "
-            "equations are several times as long).",
+            "amplitudes, the default), full (all that the displacements of the axis yield, also where a beam "
+            "bends far, and the rotary inertia of sections through second order; the equations are several times as "
+            "long).",
             name="terms",
             choices=("truncated", "full"),
             choice_of="terms",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from derive.percentages import percent
 from derive.study.accuracy.chart_labels import duration
@@ -93,7 +93,7 @@ def headline_texts(of: Headline, shown: Sequence[str]) -> list[tuple[str, str]]:
     else:
         result = [("Recommended", f"{_run(of.recommended)}; the cheapest valid model with an error of at most {asked}")]
     if of.cheaper is not None:
-        text = f"{_run(of.cheaper)}; {doubt(of.cheaper.line, shown)}"
+        text = f"{_run(of.cheaper)}; {doubt(replace(of.cheaper.line, points=(of.cheaper.point,)), shown)}"
         result.append(("Cheaper, if its warning does not matter", text))
     if of.better is not None:
         result.append(("Next better", _run(of.better)))

@@ -98,7 +98,8 @@ class BeamShares:
             self._left[beam] = [m for m in left if not cannot_do(m, errors, target)]
             if not self._left[beam]:
                 return
-            self._left[beam].sort(key=next(trials_if_all_fail(self._left[beam], errors, target)).__ne__)
+            first = next(trials_if_all_fail(self._left[beam], errors, target))
+            self._left[beam] = [first, *(m for m in self._left[beam] if m != first)]
             self._try_next(beam)
 
     def _try_next(self, beam: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import inf
 from typing import Any
 
@@ -120,8 +120,10 @@ def verdict_lines(choice: Choice) -> list[str]:
 
 
 def doubtful(choice: Choice) -> tuple[Line, Point] | None:
-    """The cheapest run that agrees with the reference, but whose monitors imply a larger error; None if none is cheaper
-    than the chosen one."""
+    """The cheapest run that agrees with the reference, but whose monitors imply a larger error, of a line of it alone.
+
+    None if no such run is cheaper than the chosen one.
+    """
     most = choice.chosen[1].operations if choice.chosen else inf
     runs = [
         (line, p)
@@ -129,7 +131,10 @@ def doubtful(choice: Choice) -> tuple[Line, Point] | None:
         for p in line.points
         if implied_error(line) > choice.error and p.rms + choice.reference.error <= choice.error and p.operations < most
     ]
-    return min(runs, key=lambda run: run[1].operations, default=None)
+    if not runs:
+        return None
+    line, point = min(runs, key=lambda run: run[1].operations)
+    return replace(line, points=(point,)), point
 
 
 def _doubtful_line(choice: Choice) -> list[str]:
@@ -139,7 +144,7 @@ def _doubtful_line(choice: Choice) -> list[str]:
         return []
     line, point = run
     text = f"{line.model.label}, {point.setting}, {_ms(point)}: {doubt(line, ())}"
-    return [f"Cheaper, if its warning does not matter: {text}"]
+    return [f"{'Would be accurate' if choice.chosen is None else 'Cheaper'}, if its warning does not matter: {text}"]
 
 
 def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:

@@ -48,7 +48,10 @@ class PathPoint:
 
 @dataclass(frozen=True, eq=False)
 class ModelPath:
-    """A model over the parameter. failure: the reason why it has no points, with advice; empty if it has some."""
+    """A model over the parameter.
+
+    failure: the reason why it has no points; empty if it has some. advice: what is to be done then.
+    """
 
     model: LadderModel
     coordinates: int = 0

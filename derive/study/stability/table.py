@@ -9,7 +9,7 @@ from derive.percentages import percent
 from derive.study.accuracy.ladder_model import MODEL_COLUMNS, model_row
 from derive.study.spin_notes import spin_notes
 from derive.study.stability.ladder_stability import CONVERGED, LadderStability, distance
-from derive.study.stability.model_path import ModelPath
+from derive.study.stability.model_path import ModelPath, PathPoint
 from derive.study.stability.thresholds import Interval, Threshold
 from derive.study.table import StudyColumn, StudyTable, columns, named
 from derive.terminal import wrapped
@@ -133,6 +133,11 @@ def gap_text(path: ModelPath) -> str:
     return f"no steady motion {where}: {first.failure}"
 
 
+def _with_advice(of: ModelPath | PathPoint) -> str:
+    """The failure and the advice on it as one text; empty if there is none."""
+    return "; ".join(filter(None, (of.failure, of.advice)))
+
+
 def mode_table(of: LadderStability) -> StudyTable:
     """A row for each mode of each model at each value of the parameter; one for a conjugate pair."""
     rows = []
@@ -181,8 +186,8 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
                 "wrong": [{"from": w.low, "to": w.high, "stable": w.stable} for w in of.wrong(path)]
                 if of.converged
                 else None,
-                "without_steady_motion": [{"value": p.value, "reason": p.failure} for p in path.gaps],
-                "failure": "; ".join(filter(None, (path.failure, path.advice))),
+                "without_steady_motion": [{"value": p.value, "reason": _with_advice(p)} for p in path.gaps],
+                "failure": _with_advice(path),
             }
             for path in _listed(of)
         ],
