@@ -68,7 +68,7 @@ def vibrations(force: float, twist: float) -> list[Vibration]:
     """The vibrations of a beam whose twist has a stiffness near that of its bending, coupled by the mass."""
     stiffness = np.array([1.0, twist])
     squares, modes = eigh(np.diag(stiffness), MASS)
-    held = [HeldMode(float(np.sqrt(s)), x, x) for s, x in zip(squares, modes.T, strict=True)]
+    held = [HeldMode(float(np.sqrt(s)), x) for s, x in zip(squares, modes.T, strict=True)]
     planes = [OneShape(BENDING, True, 1.0), OneShape(TWIST, False, twist)]
 
     def response(motion: Vector) -> Vector:
