@@ -1,6 +1,6 @@
 """The error of finite-element bodies that their loads imply, or the part of their fastest mode, and that of few modes.
 
-python bench/mode_monitors.py FILE 2000:2400    (random scenes of the corpus, a minute each)
+python bench/mode_monitors.py FILE 4000:4400    (random scenes of the corpus, a minute each)
 python bench/mode_monitors.py FILE              (the table of what FILE has)
 
 Every scene with one finite-element body is run with few modes, in turn free ones and Craig-Bampton modes, with many,

@@ -1,6 +1,6 @@
 """The errors that the monitors of beams in space imply, compared with finer models.
 
-python bench/spatial_monitors.py FILE 2000:2400    (random scenes of `bench/spatial_monitor_scenes.py`, a minute each)
+python bench/spatial_monitors.py FILE 4000:4223    (random scenes of `bench/spatial_monitor_scenes.py`, a minute each)
 python bench/spatial_monitors.py FILE 0:8 --kind buckling    (scenes of `bench/composed_monitor_scenes.py`, or inertia)
 python bench/spatial_monitors.py FILE              (the tables of what FILE has)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -99,3 +100,14 @@ def test_what_changes_little_or_does_not_hold_the_rod_as_a_cantilever_has_no_not
     assert not changes(column((-0.02 * EULER, 0, 0)))
     run = derive.simulate(column((0.4 * EULER, 0, 0), kind="spherical")).notes
     assert not [note for note in run if "alone" in note]
+
+
+def test_joints_at_one_marker_hold_the_rod_together() -> None:
+    """Three joints that remove a displacement and a rotation each hold it as one that removes all."""
+    scene = column((-0.4 * EULER, 0, 0))
+    (clamp,) = scene.joints
+    assert isinstance(clamp, derive.SpatialJoint)
+    parts = tuple(
+        replace(clamp, name=f"clamp{axis}", kind="general", removes=(axis, f"r{axis}")) for axis in ("x", "y", "z")
+    )
+    assert changes(replace(scene, joints=parts)) == pytest.approx(changes(scene), abs=0.01)

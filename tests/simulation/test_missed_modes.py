@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import derive
+from derive.generated_models import generated_explicit
 from derive.percentages import implied_percent
+from derive.runtime.loading import load_scene
 from derive.simulation.trajectory import Trajectory
-from derive.simulation.validity.mode_content import mode_errors
+from derive.simulation.validity.mode_content import ModeError, mode_errors
+from derive.simulation.validity.monitoring_outputs import MOST_LOADED, acting_loads
+from derive.spec.model.spatial_bodies import FlexibleBody
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.study.accuracy.doubts import doubt_lines
 from derive.study.accuracy.ladder_model import LadderModel, Shapes
 from derive.study.accuracy.measurement import compiled, curves_of, measured, motion
@@ -133,3 +139,54 @@ def test_a_body_without_joints_is_loaded_by_its_spin_and_by_forces(load: dict[st
     (of,) = mode_errors(motion.scene, motion.native, motion.k, motion.t, motion.q, motion.v)
     assert of.of_loads and error > 0.05 and error / 2 < of.error < 2 * error
     assert any("under its loads its 4 modes imply" in note for note in few.notes)
+
+
+def pulled(force: bool, **changes: Any) -> SpatialScene:
+    """A lattice in three free modes that a joint holds, under its weight and perhaps a force."""
+    body = {
+        "nodes": lattice(1),
+        "units": "SI",
+        "markers": {"left": {"nodes": [0, 1, 2, 3]}, "tip": 4},
+        "component_modes": "free",
+        "modes": 3,
+    }
+    return derive.spatial_scene(
+        "held",
+        gravity=[0, 0, -0.1],
+        ground={"o": (0, 0, 0)},
+        bodies={"truss": body},
+        joints={"h": {"kind": "fixed", "between": ["ground.o", "truss.left"]}},
+        forces={"pull": {"at": "truss.tip", "force": [0, 3, 0]}} if force else {},
+        **changes,
+    )
+
+
+def implied_of(scene: SpatialScene, *, monitored: bool = True) -> ModeError:
+    """The implied error of the one body of a scene, which may be compiled without its monitors."""
+    run = moved(scene, duration=0.1, output=0.05).motion
+    native = run.native if monitored else load_scene(generated_explicit(scene)[1])
+    (of,) = mode_errors(scene, native, np.asarray(run.k), run.t, run.q, run.v)
+    return of
+
+
+def test_loops_over_bodies_imply_the_same_where_no_action_loads_a_body() -> None:
+    """Loops compute no outputs of loads, so that with a force the fastest mode tells."""
+    looped, alone = implied_of(pulled(False, lowering="instances")), implied_of(pulled(False))
+    assert looped.of_loads and looped.error == pytest.approx(alone.error, rel=1e-6)
+    assert implied_of(pulled(True)).of_loads and not implied_of(pulled(True, lowering="instances")).of_loads
+
+
+def test_a_run_without_monitors_does_not_leave_out_a_force_in_silence() -> None:
+    assert implied_of(pulled(False), monitored=False).of_loads
+    assert not implied_of(pulled(True), monitored=False).of_loads
+
+
+def test_loads_are_outputs_where_they_are_used() -> None:
+    """Of few bodies with a stiffness matrix: others have the part of the fastest mode."""
+    scene = pulled(True)
+    (body,) = scene.bodies
+    assert isinstance(body, FlexibleBody)
+    many = tuple(replace(body, name=f"truss{i}") for i in range(MOST_LOADED))
+    soft = replace(body, body=replace(body.body, data=replace(body.body.data, stiffness=None)))
+    assert [len(outputs) for outputs in acting_loads(scene).values()] == [6]
+    assert not acting_loads(replace(scene, bodies=(body, *many))) and not acting_loads(replace(scene, bodies=(soft,)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,13 +13,18 @@ from scipy.linalg import eigh
 
 import derive
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.observables.beams import function_values, shape_functions
+from derive.simulation.observables.beams import function_values, piece_names, shape_functions
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.beam_line import places
 from derive.simulation.validity.beam_vibrations import MissedForms, Vibration, vibrations_of
 from derive.simulation.validity.bending_planes import bending_planes
-from derive.simulation.validity.held_beam import HeldMode
+from derive.simulation.validity.held_beam import HeldMode, held_modes
 from derive.simulation.validity.monitors import Cause
+from derive.simulation.validity.piece_frames import PieceFrames
+from derive.simulation.validity.surroundings import Surroundings, surroundings
+from derive.simulation.validity.turned_stiffness import TurnedStiffness
+from derive.simulation.validity.watched_forms import WatchedForms
+from explicit_motion import moved
 
 BENDING, TWIST, FORCE = 0, 1, 4
 """The numbers of the amplitudes of the two planes, and of the axial force in z."""
@@ -68,7 +73,7 @@ def vibrations(force: float, twist: float) -> list[Vibration]:
     """The vibrations of a beam whose twist has a stiffness near that of its bending, coupled by the mass."""
     stiffness = np.array([1.0, twist])
     squares, modes = eigh(np.diag(stiffness), MASS)
-    held = [HeldMode(float(np.sqrt(s)), x, x) for s, x in zip(squares, modes.T, strict=True)]
+    held = [HeldMode(float(np.sqrt(s)), x) for s, x in zip(squares, modes.T, strict=True)]
     planes = [OneShape(BENDING, True, 1.0), OneShape(TWIST, False, twist)]
 
     def response(motion: Vector) -> Vector:
@@ -136,3 +141,38 @@ def test_a_spinning_blade_in_three_shapes_is_late() -> None:
     error = np.sqrt(((deflections(few) - exact) ** 2).mean(axis=0)).max() / np.abs(exact).max()
     (moment,) = (m for m in few.validity if m.cause is Cause.BENDING_MOMENT)
     assert error > 0.2 and error / 1.6 < moment.error < 1.6 * error
+
+
+def test_a_spin_takes_stiffness_away_from_attached_masses_too() -> None:
+    """The square of the spin takes away M w(1)^2 by a mass M at the tip, whichever piece has it."""
+    rod = {
+        "length": 1,
+        "mass": 1,
+        "bending_stiffness": 2,
+        "ansatz": ["1", "xi", "xi^2"],
+        "frame": {"kind": "tangent", "at": -1},
+        "order": 2,
+        "markers": {"left": -1},
+        "pieces": 2,
+        "masses": {"tip": {"at": 1, "mass": 3}},
+    }
+    root = {"kind": "fixed", "between": ["ground.o", "rod.left"]}
+    motion = moved(
+        derive.scene("held", ground={"o": (0, 0)}, bodies={"rod": rod}, joints={"root": root}),
+        duration=0.01,
+        output=0.01,
+    ).motion
+    native, q = motion.native, motion.q[0]
+    (shapes,) = bending_planes(motion.scene)
+    frames, pieces = PieceFrames(native, motion.k, 0.0, q), piece_names(shapes.beam)
+    amplitudes = [shapes.amplitudes_in(native, piece) for piece in pieces]
+    motions = np.array([held.motion for held in held_modes((shapes,), native, motion.k, 0.0, q)])
+    around = surroundings(motion.scene, shapes)
+
+    def taken(of: Surroundings) -> Matrix:
+        return TurnedStiffness(of, WatchedForms(native), shapes, frames, pieces, amplitudes).taken(motions)[1]
+
+    rise, slope = frames.motion(shapes, pieces[1], motions).T
+    tip = rise + slope * shapes.length / 2 + motions[:, amplitudes[1]] @ shapes.values(np.array([1.0]))[:, 0]
+    added = taken(around) - taken(replace(around, masses=()))
+    assert np.abs(tip).max() > 0.1 and added == pytest.approx(3 * np.outer(tip, tip))

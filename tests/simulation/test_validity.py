@@ -186,6 +186,8 @@ def test_the_inertia_that_a_truncated_beam_loses_implies_an_error_without_bound(
     seen = scene.of_rows(motion.t, motion.q, motion.v)
     errors, known = ImpliedErrors(scene.beams[0], seen), lost_inertia(scene, scene.beams[0], seen)
     assert not errors.of_lost_inertia(known) > ERROR_LIMIT
+    more, less = (errors.of_lost_inertia(replace(known, largest=lost)) for lost in (0.99, 0.4))
+    assert more > 10 * less  # it spins
     assert all(errors.of_lost_inertia(replace(known, largest=lost)) == np.inf for lost in (1.0, np.nan))
     lost = replace(monitor(trajectory, Cause.MASS_MATRIX), error=np.inf)
     assert lost.passed and "100 % or more" in lost.warning and 'terms = "full"' in lost.warning

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.simulation.simulate import simulate
@@ -157,6 +158,10 @@ def test_bodies_that_no_joint_holds_have_free_modes_alone() -> None:
     assert any(line.startswith("rod has no Craig-Bampton modes") for line in lines)
     assert "rod has modes of first order alone: a load along it does not change its stiffness" in lines
     assert "rod: errors are those of its modes; what finer elements would change is not known" in lines
+    push = derive.SpatialForce("push", derive.MarkerRef("rod", "middle"), (0, 0, 1))
+    unwatched = "no monitor watches these bodies: errors are those that are measured"
+    assert unwatched in lines and unwatched in untried(replace(loose, forces=(push,)), modes)
+    assert unwatched not in untried(scene_of(BEAM), modes)
     assert untried(scene_of(BEAM), modes)[0] == "rod does not stretch, as its table has no stiffness against it"
 
 

@@ -24,7 +24,8 @@ from derive.simulation.validity.end_loads import held_end
 from derive.simulation.validity.fast_spin import fast_spin_notes, remedy_of
 from derive.simulation.validity.held_beam import admitted_modes
 from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
-from derive.simulation.validity.mode_content import MOST_LOADED, modal_stiffness, own_amplitudes
+from derive.simulation.validity.mode_content import modal_stiffness, own_amplitudes
+from derive.simulation.validity.monitoring_outputs import MOST_LOADED
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.body import NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -124,9 +125,9 @@ def _note_of_cantilever(loads: MissedModes, t: Vector, q: Matrix, v: Matrix) -> 
     at_end, spread, _ = rows[worst]
     return (
         f"{loads.name}: it is held at {end.marker} alone, and along it act {at_end:.3g} N of loads and {spread:.3g} N "
-        f"of its weight and acceleration at t = {t[some][worst]:.6g} s, which change its bending stiffness by about "
-        f"{percent(float(change[worst]))} (rms over the run {percent(rms)}; the limit is {percent(ERROR_LIMIT)}), and "
-        f"displacements of first order know nothing of it: {remedy_of(spec)}"
+        f"of its weight and acceleration at t = {t[some][worst]:.6g} s (positive ones pull), which change its bending "
+        f"stiffness by about {percent(float(change[worst]))} (rms over the run {percent(rms)}; the limit is "
+        f"{percent(ERROR_LIMIT)}), and displacements of first order know nothing of it: {remedy_of(spec)}"
     )
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 FREE_END, SPREAD = 5.010, 1.577
 """The changes of the squared frequency, in 1/(m l), of unit forces at the free end and spread over the length."""
+TURNS = {"rx", "ry", "rz"}
 HELD_TURNS = 2
 """The rotations that joints remove, from which on a body that they hold bends as a cantilever."""
 FAR = 0.25
@@ -80,13 +81,11 @@ class HeldEnd:
 
 def held_end(loads: MissedModes, positions: Matrix | None) -> HeldEnd | None:
     """The held end of a body with the positions (nodes, 3) of its nodes; None if it is no cantilever."""
-    joints = loads.scene.joints
-    held = {
-        end.marker: {"rx", "ry", "rz"} & {*SPATIAL_JOINTS[joint.kind].removed(joint)}
-        for joint in joints
-        for end in (joint.first, joint.second)
-        if end.body == loads.name
-    }
+    held = dict[str, set[str]]()
+    for joint in loads.scene.joints:
+        for end in (joint.first, joint.second):
+            if end.body == loads.name:
+                held.setdefault(end.marker, set()).update(TURNS & {*SPATIAL_JOINTS[joint.kind].removed(joint)})
     if len(held) != 1 or positions is None or not loads.has_reactions:
         return None
     ((marker, turns),) = held.items()

@@ -32,12 +32,11 @@ APART = 1e-6
 class HeldMode:
     """A vibration of a beam: its frequency, rad/s, and the motion (nq,) of all coordinates of the scene.
 
-    velocities (nv,): those of this motion, with a kinetic energy of 1/2 J.
+    The velocities of this motion have a kinetic energy of 1/2 J.
     """
 
     frequency: float
     motion: Vector
-    velocities: Vector
 
 
 def held_modes(
@@ -73,9 +72,8 @@ def admitted_modes(
     except np.linalg.LinAlgError:  # a velocity without inertia
         return ()
     elastic = squares > RIGID * squares[-1]
-    velocities = (admitted @ modes[:, elastic]).T
-    motions = velocities @ moved_by_velocities(native, q, k).T
-    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions, velocities))
+    motions = (admitted @ modes[:, elastic]).T @ moved_by_velocities(native, q, k).T
+    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions))
 
 
 def admitted_velocities(native: NativeScene, k: Vector, t: float, q: Vector, own: Sequence[int]) -> Matrix:

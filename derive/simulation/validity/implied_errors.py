@@ -29,7 +29,8 @@ is half of that of its peak."""
 INERTIA = 0.03
 """The part of the largest loss of inertia that the lowest vibration has in a beam that spins as fast as it vibrates.
 
-Measured on beams that are struck while they spin.
+Measured on beams that are struck while they spin: the error is up to eight times what it implies, see
+`docs/monitors.md`.
 """
 ROTATING = {FIRST: 1 / 3, TRUNCATED: 1 / 6, FULL: 1 / 6}
 """The part of the hardening by which beams err if joints act on the rotations of their ends, or of pieces.

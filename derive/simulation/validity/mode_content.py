@@ -22,7 +22,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
 from derive.simulation.validity.missed_modes import MissedModes
-from derive.simulation.validity.monitoring_outputs import acting_loads
+from derive.simulation.validity.monitoring_outputs import acting_loads, loaded_bodies
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
@@ -30,8 +30,6 @@ from derive.spec.model.specification import AnyScene
 
 FEWEST = 3
 """A body with fewer modes has none whose part tells that of the others."""
-MOST_LOADED = 6
-"""Finite-element bodies of a scene of which the loads are known: they take time with all constraints."""
 STILL = 1e-12
 """Deformations are none that are smaller than this in the norm of the mass, m kg^(1/2)."""
 
@@ -73,16 +71,14 @@ def mode_errors(
     if not isinstance(scene, SpatialScene):
         return
     bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    equilibrium = loaded_bodies(scene)
     for body in bodies:
         columns, rows = own_amplitudes(body.name, native)
         if not columns:
             continue
         frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
         of = partial(ModeError, body.name, len(columns), float(frequencies[-1]))
-        loaded = {output.name for outputs in acting_loads(scene).values() for output in outputs}
-        held = any(body.name in (joint.first.body, joint.second.body) for joint in scene.joints)
-        known = (held or loaded <= {*native.outputs}) and scene.lowering != "instances"
-        if known and body.body.data.stiffness is not None and len(bodies) <= MOST_LOADED:
+        if body in equilibrium and _acting(scene, body.name) <= {*native.outputs}:
             yield of(MissedModes(scene, body, native, k, columns, rows).error(t, q, v), of_loads=True)
         elif len(columns) >= FEWEST:
             peak = float(np.linalg.norm(amplitudes, axis=1).max())
@@ -93,6 +89,11 @@ def mode_errors(
 def mode_notes(scene: AnyScene, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix) -> Iterator[str]:
     """Yield a note on each finite-element body of which the implied error is above the limit; see `mode_errors`."""
     return (of.note for of in mode_errors(scene, native, k, t, q, v) if of.error > ERROR_LIMIT)
+
+
+def _acting(scene: SpatialScene, body: str) -> set[str]:
+    """The names of the outputs of the loads of actions on a body: a run without them does not know its loads."""
+    return {output.name for marker, outputs in acting_loads(scene).items() if marker.body == body for output in outputs}
 
 
 def own_amplitudes(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:

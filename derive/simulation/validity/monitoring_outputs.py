@@ -143,11 +143,23 @@ def monitoring_note(scene: AnyScene) -> tuple[str, ...]:
     return (f"validity: {many}: it takes time with their third power, and at most {MOST_BEAMS} are",)
 
 
+MOST_LOADED = 6
+"""Finite-element bodies of a scene of which the loads are known: they take time with all constraints."""
+
+
+def loaded_bodies(scene: AnyScene) -> tuple[FlexibleBody, ...]:
+    """The finite-element bodies whose loads tell what their modes miss: with a stiffness matrix, in scenes of few."""
+    if not isinstance(scene, SpatialScene):
+        return ()
+    bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    return tuple(body for body in bodies if body.body.data.stiffness is not None) if len(bodies) <= MOST_LOADED else ()
+
+
 def acting_loads(scene: AnyScene) -> dict[MarkerRef, tuple[SceneOutput, ...]]:
-    """The outputs of the six loads of actions on markers of finite-element bodies; none of loops over bodies."""
-    if not isinstance(scene, SpatialScene) or scene.lowering == "instances":
+    """The outputs of the six loads of actions on the markers of `loaded_bodies`; loops over bodies compute none."""
+    if not isinstance(scene, SpatialScene):
         return {}
-    bodies = {body.name for body in scene.bodies if isinstance(body, FlexibleBody)}
+    bodies = {body.name for body in loaded_bodies(scene)}
     taken, actions = {output.name for output in scene.outputs}, (*scene.forces, *scene.torques, *scene.springs)
     markers = dict.fromkeys(m for action in actions for m in scene.markers_of(action) if m.body in bodies)
 
@@ -161,7 +173,8 @@ def acting_loads(scene: AnyScene) -> dict[MarkerRef, tuple[SceneOutput, ...]]:
 
 def monitoring_outputs(scene: AnyScene) -> tuple[SceneOutput, ...]:
     """All outputs that are monitored, each with one component."""
-    of_bodies = [output for outputs in acting_loads(scene).values() for output in outputs]
+    in_loops = isinstance(scene, SpatialScene) and scene.lowering == "instances"
+    of_bodies = [output for outputs in acting_loads(scene).values() for output in outputs if not in_loops]
     if not is_monitored(scene):
         return tuple(of_bodies)
     of_pieces = (output for piece in monitored_pieces(scene) for output in piece.outputs)

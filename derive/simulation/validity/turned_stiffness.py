@@ -66,9 +66,13 @@ class TurnedStiffness:
         native, (xi, weights) = self.forms.native, gauss_points()
         shapes, spin, taken = self.shapes, np.zeros(self.forms.size), np.zeros((len(motions),) * 2)
         unit = moved_by_velocities(native, self.frames.q, self.frames.k).T
-        for piece, amplitudes in zip(self.pieces, self.amplitudes, strict=True):
+        for number, (piece, amplitudes) in enumerate(zip(self.pieces, self.amplitudes, strict=True)):
             spin[native.nq : native.nq + native.nv] += self.frames.motion(shapes, piece, unit)[:, 1] / len(self.pieces)
             rise, slope = self.frames.motion(shapes, piece, motions).T
-            along = motions[:, amplitudes] @ shapes.values(xi) + rise[:, None] + np.outer(slope, shapes.length / 2 * xi)
-            taken += shapes.mass / 2 * (along * weights) @ along.T
+            attached = [(at, mass) for of, at, mass in self.around.masses if of == number]
+            every = np.append(xi, [at for at, _ in attached])
+            masses = np.append(shapes.mass / 2 * weights, [mass for _, mass in attached])
+            along = motions[:, amplitudes] @ shapes.values(every) + np.outer(slope, shapes.length / 2 * every)
+            along += rise[:, None]
+            taken += (along * masses) @ along.T
         return spin, taken

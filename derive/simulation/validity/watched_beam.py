@@ -138,10 +138,10 @@ def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Ve
     spinning, frames = StaticResponse(native, k, t, q, v), PieceFrames(native, k, t, q)
     still, start = replace(spinning, v=np.zeros_like(v)), spinning.start()
     for _, of_beam in groupby(bending_planes(scene) if is_monitored(scene) else (), lambda shapes: shapes.beam.name):
-        planes = list[_BeamForms]()
-        for shapes in of_beam:
+        planes, own = list[_BeamForms](), [*of_beam]
+        response = still if own[0].beam.beam.order is DisplacementOrder.FIRST_ORDER else spinning
+        for shapes in own:
             modes = held_modes((shapes,), native, k, t, q)
-            response = still if shapes.beam.beam.order is DisplacementOrder.FIRST_ORDER else spinning
             planes.append(_BeamForms(surroundings(scene, shapes), forms, shapes, modes, response, frames))
         if len(planes) > 1:
             modes = held_modes([plane.shapes for plane in planes], native, k, t, q)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from derive.simulation.validity.monitoring_outputs import monitoring_outputs
+from derive.simulation.validity.bending_planes import spatial_beams
+from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -30,7 +31,7 @@ def _lines(scene: SpatialScene, modes: ModesOfBodies) -> Iterator[str]:
                 yield f"{body.name} does not {' or '.join(rigid)}, as its table has no stiffness against it"
         elif isinstance(body, FlexibleBody):
             yield from _of_modes(body, modes)
-    if not monitoring_outputs(scene):
+    if not (spatial_beams(scene) and is_monitored(scene)):
         yield "no monitor watches these bodies: errors are those that are measured"
 
 
