@@ -18,11 +18,63 @@ ROW = "row"
 
 
 @dataclass(frozen=True)
+class StoredRows:
+    """Rows of numbers that an array has at equal distances.
+
+    first: the place of the first number of the first row; row, column: the distances between rows and in a row;
+    has_offsets: whether rows begin with a constant term.
+    """
+
+    array: str
+    first: ElementIndex
+    row: int
+    column: int
+    has_offsets: bool
+
+    def loop(self, start: int, stop: int, to: Element, names: Sequence[str]) -> ForEach:
+        """The loop over some rows, whose values go to an array from an element on.
+
+        names: those of the elements of the window.
+        """
+
+        def entry(k: int) -> Expr:
+            index = self.first.plus(start * self.row + k * self.column)
+            return Element(self.array, ElementIndex(index.offset, (IndexTerm(self.row, ROW), *index.terms)))
+
+        offsets = [entry(0)] if self.has_offsets else []
+        products = (entry(len(offsets) + k) for k in range(len(names)))
+        parts = [Operation(Operator.MUL, (x, ScalarRef(name))) for x, name in zip(products, names, strict=True)]
+        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*offsets, *parts])
+        assert to.index
+        body = StoreElement(replace(to, index=ElementIndex(to.index.offset, (IndexTerm(1, ROW),))), total)
+        return ForEach(ROW, constant(0), constant(stop - start), (body,))
+
+
+def rows_in_an_array(rows: Sequence[Sequence[Expr]], has_offsets: bool) -> tuple[StoredRows, list[int]] | None:
+    """Where an array has all of some rows at equal distances, with the number of each; None if none has."""
+    entries = [[x for x in row if isinstance(x, Element) and x.index] for row in rows]
+    if not rows or any(len(found) != len(row) or len(row) < 2 for found, row in zip(entries, rows, strict=True)):
+        return None
+    places = [[x.index for x in row if x.index] for row in entries]
+    firsts = sorted(row[0].offset for row in places)
+    if len({(x.array, x.state, x.index and x.index.terms) for row in entries for x in row}) > 1 or len(firsts) < 2:
+        return None
+    column, distance = places[0][1].offset - places[0][0].offset, firsts[1] - firsts[0]
+    if not distance or any(b - a != distance for a, b in zip(firsts, firsts[1:], strict=False)):
+        return None
+    if any(x.offset != row[0].offset + k * column for row in places for k, x in enumerate(row)):
+        return None
+    first = replace(places[0][0], offset=firsts[0])
+    stored = StoredRows(entries[0][0].array, first, distance, column, has_offsets)
+    return stored, [(row[0].offset - firsts[0]) // distance for row in places]
+
+
+@dataclass(frozen=True)
 class RowPlace:
     """The place of a row: its number in a table, and whether that has the opposite row."""
 
     number: int
-    is_opposite: bool
+    is_opposite: bool = False
 
 
 @dataclass
@@ -44,30 +96,17 @@ class FactorTable:
         opposite = tuple(-value for value in values)
         if values not in self.rows and opposite in self.rows:
             return RowPlace(self.rows[opposite], True)
-        return RowPlace(self.rows.setdefault(values, len(self.rows)), False)
+        return RowPlace(self.rows.setdefault(values, len(self.rows)))
 
     @property
     def array(self) -> ConstantArray:
         """The constant array of the table."""
         return ConstantArray(self.name, tuple(x for values in self.rows for x in values), False, self.count)
 
-    def loop(self, first: int, stop: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
-        """The loop over some rows for an instance, whose values go to an array from an element on.
-
-        names: those of the elements of the window.
-        """
-
-        def entry(k: int) -> Expr:
-            own = (IndexTerm(1, instance),) if self.count > 1 else ()
-            terms = IndexTerm(self.count * self.columns, ROW), *own
-            return Element(self.name, ElementIndex(self.count * (k + first * self.columns), terms))
-
-        start = 1 if self.has_offsets else 0
-        parts = [Operation(Operator.MUL, (entry(start + k), ScalarRef(name))) for k, name in enumerate(names)]
-        total = reduce(lambda a, b: Operation(Operator.ADD, (a, b)), [*([entry(0)] if start else []), *parts])
-        assert to.index
-        body = StoreElement(replace(to, index=ElementIndex(to.index.offset, (IndexTerm(1, ROW),))), total)
-        return ForEach(ROW, constant(0), constant(stop - first), (body,))
+    def stored(self, instance: str) -> StoredRows:
+        """The rows of an instance."""
+        own = (IndexTerm(1, instance),) if self.count > 1 else ()
+        return StoredRows(self.name, ElementIndex(0, own), self.count * self.columns, self.count, self.has_offsets)
 
 
 class FactorTables:
@@ -75,22 +114,22 @@ class FactorTables:
 
     def __init__(self) -> None:
         self.made: dict[tuple[int, int, bool], FactorTable] = {}
-        self.symmetric: dict[tuple[int, int, bool], SymmetricTable] = {}
+        self.symmetric: dict[tuple[int, int, bool, bool], SymmetricTable] = {}
 
     def of(self, columns: int, count: int, has_offsets: bool) -> FactorTable:
         """The table for these numbers."""
         key = columns, count, has_offsets
         name = f"factors_of_modes_{len(self.made) + 1}"
-        return self.made.setdefault(key, FactorTable(name, columns, count, has_offsets))
+        return self.made.setdefault(key, FactorTable(name, *key))
 
-    def of_matrices(self, size: int, count: int, has_offsets: bool) -> SymmetricTable:
-        """The table of symmetric matrices for these numbers."""
-        key = size, count, has_offsets
+    def of_matrices(self, size: int, count: int, has_offsets: bool, is_antisymmetric: bool) -> SymmetricTable:
+        """The table of symmetric matrices for these numbers, or of antisymmetric ones."""
+        key = size, count, has_offsets, is_antisymmetric
         name = f"symmetric_factors_of_modes_{len(self.symmetric) + 1}"
-        return self.symmetric.setdefault(key, SymmetricTable(name, size, count, has_offsets))
+        return self.symmetric.setdefault(key, SymmetricTable(name, *key))
 
     @property
     def arrays(self) -> dict[str, ConstantArray]:
         """The constant arrays by their names."""
-        of_rows = {table.name: table.array for table in self.made.values()}
+        of_rows = {table.name: table.array for table in self.made.values() if table.rows}
         return of_rows | {table.name: table.array for table in self.symmetric.values()}

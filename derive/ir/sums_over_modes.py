@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
-from derive.ir.factor_tables import FactorTables
+from derive.ir.factor_tables import FactorTables, RowPlace, rows_in_an_array
 from derive.ir.indices import constant
 from derive.ir.instance_lanes import runs_in_blocks
 from derive.ir.kernel import ConstantArray, Kernel
@@ -24,7 +24,7 @@ from derive.ir.loop_nests import For
 from derive.ir.model import Model
 from derive.ir.operator_functions import ARITHMETIC
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
-from derive.ir.symmetric_tables import Values, matrices
+from derive.ir.symmetric_tables import Values, antisymmetric, signed, symmetric
 from derive.ir.window_forms import ONE, ZERO, Window, WindowForm, combined_forms
 
 MANY = 64
@@ -174,30 +174,43 @@ class _LoopForms:
         names = {k: name for k, name in sorted(self.names[window].items()) if min(used) <= k <= max(used)}
         differ = any(isinstance(expr, Element) for row in rows for expr in _parts_of(row))
         count = self.loop.stop.offset if differ else 1
-        values: dict[Row, Values] = {}
-        for row in rows:
-            offset, factors = row[0], dict(row[1])
-            columns = [*([] if is_homogeneous else [offset]), *(factors.get(k, ZERO) for k in names)]
-            values[row] = tuple(self._value(expr, n) for expr in columns for n in range(count))
+        columns = {
+            row: [*([] if is_homogeneous else [row[0]]), *(dict(row[1]).get(k, ZERO) for k in names)] for row in rows
+        }
+        values: dict[Row, Values] = {
+            row: tuple(self._value(expr, n) for expr in own for n in range(count)) for row, own in columns.items()
+        }
+        listed, numbers = [*values], [*values.values()]
+        of_kinds = (
+            (False, symmetric(numbers, len(names), count, not is_homogeneous)),
+            (True, antisymmetric(numbers, len(names), count) if is_homogeneous else []),
+        )
         result: dict[Row, Expr] = {}
         loops = list[ForEach]()
-        number = matrices([*values.values()], len(names), count, not is_homogeneous)
-        of_matrices, others = [*values][: number * len(names)], [*values][number * len(names) :]
-        if number:
-            symmetric = tables.of_matrices(len(names), count, not is_homogeneous)
-            place = symmetric.place([values[row] for row in of_matrices])
-            loops.append(symmetric.loop(place, number, sums, self.loop.variable, [*names.values()]))
-            result |= {row: Element(sums, constant(k)) for k, row in enumerate(of_matrices)}
-        table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
-        places = {row: table.place(values[row]) for row in others}
+        for is_antisymmetric, matrices in of_kinds:
+            if not matrices:
+                continue
+            packed = tables.of_matrices(len(names), count, not is_homogeneous, is_antisymmetric)
+            first = packed.place([[signed(numbers, row) for row in matrix] for matrix in matrices])
+            to = Element(sums, constant(len(result)))
+            loops.append(packed.loop(first, len(matrices), to, self.loop.variable, [*names.values()]))
+            for row in (row for of_all in zip(*matrices, strict=True) for row in of_all):
+                result[listed[row.number]] = _negative(Element(sums, constant(len(result))), row.is_opposite)
+        others = [row for row in listed if row not in result]
+        in_array = rows_in_an_array([columns[row] for row in others], not is_homogeneous)
+        if in_array:
+            stored, places = in_array[0], {row: RowPlace(k) for row, k in zip(others, in_array[1], strict=True)}
+        else:
+            table = tables.of(len(names) + (not is_homogeneous), count, not is_homogeneous)
+            stored, places = table.stored(self.loop.variable), {row: table.place(values[row]) for row in others}
+        start = len(result)
         position = dict[int, int]()
         for first, stop in _runs({place.number for place in places.values()}):
-            to = Element(sums, constant(len(of_matrices) + len(position)))
-            loops.append(table.loop(first, stop, to, self.loop.variable, [*names.values()]))
-            position |= {k: len(of_matrices) + len(position) + k - first for k in range(first, stop)}
-        for row, of in places.items():
-            element = Element(sums, constant(position[of.number]))
-            result[row] = Operation(Operator.NEG, (element,)) if of.is_opposite else element
+            to = Element(sums, constant(start + len(position)))
+            loops.append(stored.loop(first, stop, to, [*names.values()]))
+            position |= {k: start + len(position) + k - first for k in range(first, stop)}
+        for of_row, place in places.items():
+            result[of_row] = _negative(Element(sums, constant(position[place.number])), place.is_opposite)
         return result, loops
 
     # ---- forms ----
@@ -251,6 +264,11 @@ class _LoopForms:
             case Operation():
                 return Fraction(ARITHMETIC[expr.kind](*(self._value(arg, instance) for arg in expr.args)))
         raise AssertionError("factors are made of numbers")
+
+
+def _negative(element: Element, is_opposite: bool) -> Expr:
+    """An element, or the opposite of it."""
+    return Operation(Operator.NEG, (element,)) if is_opposite else element
 
 
 def _is_load(item: InstanceItem) -> bool:

@@ -166,12 +166,12 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -
     forces = [symbols(f) for f in right.forces]
     checks = pivot_checks(symbols, factors, context.rows)
     half_force = _forward(factors, dict(enumerate(forces)))
-    modes = constant_modes(of, symbols, factors, half_force, in_lanes and 1 < of.count <= LANES) if order else None
+    modes = constant_modes(of, symbols, factors, half_force, in_lanes and 1 < of.count) if order else None
     if modes:
         rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(), strict=True)]
         unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
         markers = modes.markers
-        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if markers else None
+        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if markers and of.count <= LANES else None
         return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks, (), markers, loops)
     entries = jacobian_entries(context, symbols)
     G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]
