@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import reduce
+from itertools import pairwise
 
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.kernel import ConstantArray
 from derive.ir.statements import ForEach, StoreElement
-from derive.ir.symmetric_tables import SymmetricTable
+from derive.ir.symmetric_tables import MatrixKind, SymmetricTable
 
 ROW = "row"
 """The variable of the loops over the rows of a table."""
@@ -60,7 +61,7 @@ def rows_in_an_array(rows: Sequence[Sequence[Expr]], has_offsets: bool) -> tuple
     if len({(x.array, x.state, x.index and x.index.terms) for row in entries for x in row}) > 1 or len(firsts) < 2:
         return None
     column, distance = places[0][1].offset - places[0][0].offset, firsts[1] - firsts[0]
-    if not distance or any(b - a != distance for a, b in zip(firsts, firsts[1:], strict=False)):
+    if not distance or any(b - a != distance for a, b in pairwise(firsts)):
         return None
     if any(x.offset != row[0].offset + k * column for row in places for k, x in enumerate(row)):
         return None
@@ -114,7 +115,7 @@ class FactorTables:
 
     def __init__(self) -> None:
         self.made: dict[tuple[int, int, bool], FactorTable] = {}
-        self.symmetric: dict[tuple[int, int, bool, bool], SymmetricTable] = {}
+        self.symmetric: dict[MatrixKind, SymmetricTable] = {}
 
     def of(self, columns: int, count: int, has_offsets: bool) -> FactorTable:
         """The table for these numbers."""
@@ -122,11 +123,10 @@ class FactorTables:
         name = f"factors_of_modes_{len(self.made) + 1}"
         return self.made.setdefault(key, FactorTable(name, *key))
 
-    def of_matrices(self, size: int, count: int, has_offsets: bool, is_antisymmetric: bool) -> SymmetricTable:
-        """The table of symmetric matrices for these numbers, or of antisymmetric ones."""
-        key = size, count, has_offsets, is_antisymmetric
+    def of_matrices(self, kind: MatrixKind) -> SymmetricTable:
+        """The table of matrices of a kind."""
         name = f"symmetric_factors_of_modes_{len(self.symmetric) + 1}"
-        return self.symmetric.setdefault(key, SymmetricTable(name, *key))
+        return self.symmetric.setdefault(kind, SymmetricTable(name, kind))
 
     @property
     def arrays(self) -> dict[str, ConstantArray]:

@@ -24,7 +24,7 @@ from derive.ir.loop_nests import For
 from derive.ir.model import Model
 from derive.ir.operator_functions import ARITHMETIC
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Statement, StoreElement, Work
-from derive.ir.symmetric_tables import Values, antisymmetric, signed, symmetric
+from derive.ir.symmetric_tables import Values, matrices, signed
 from derive.ir.window_forms import ONE, ZERO, Window, WindowForm, combined_forms
 
 MANY = 64
@@ -181,20 +181,14 @@ class _LoopForms:
             row: tuple(self._value(expr, n) for expr in own for n in range(count)) for row, own in columns.items()
         }
         listed, numbers = [*values], [*values.values()]
-        of_kinds = (
-            (False, symmetric(numbers, len(names), count, not is_homogeneous)),
-            (True, antisymmetric(numbers, len(names), count) if is_homogeneous else []),
-        )
         result: dict[Row, Expr] = {}
         loops = list[ForEach]()
-        for is_antisymmetric, matrices in of_kinds:
-            if not matrices:
-                continue
-            packed = tables.of_matrices(len(names), count, not is_homogeneous, is_antisymmetric)
-            first = packed.place([[signed(numbers, row) for row in matrix] for matrix in matrices])
+        for kind, of_kind in matrices(numbers, len(names), count, not is_homogeneous):
+            packed = tables.of_matrices(kind)
+            first = packed.place([[signed(numbers, row) for row in matrix] for matrix in of_kind])
             to = Element(sums, constant(len(result)))
-            loops.append(packed.loop(first, len(matrices), to, self.loop.variable, [*names.values()]))
-            for row in (row for of_all in zip(*matrices, strict=True) for row in of_all):
+            loops.append(packed.loop(first, len(of_kind), to, self.loop.variable, [*names.values()]))
+            for row in (row for of_all in zip(*of_kind, strict=True) for row in of_all):
                 result[listed[row.number]] = _negative(Element(sums, constant(len(result))), row.is_opposite)
         others = [row for row in listed if row not in result]
         in_array = rows_in_an_array([columns[row] for row in others], not is_homogeneous)

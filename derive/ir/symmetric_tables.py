@@ -2,8 +2,8 @@
 
 S_i = C4_i + sum_j C5_ij alpha_j has a symmetric C5 for each component, and d3_i = sum_j c7_ij alpha_j an antisymmetric
 c7. Rows of linear forms in as many elements as there are rows are such matrices if their factors are equal across the
-diagonal for all instances, or opposite. Numbers come from memory more slowly than they are multiplied: each is read
-once.
+diagonal for all instances, or opposite. The constant terms may be the factors of one more row, as C4 are those of the
+moments of inertia. Numbers come from memory more slowly than they are multiplied: each is read once.
 """
 
 from __future__ import annotations
@@ -35,7 +35,51 @@ class MatrixRow:
     is_opposite: bool = False
 
 
+@dataclass(frozen=True)
+class MatrixKind:
+    """What the matrices of a table have in common.
+
+    size: the rows of a matrix; count: the instances, 1 if all have the same numbers; has_offsets: whether each matrix
+    begins with a constant term of each row; has_row_of_offsets: whether there is one more row, whose factors these are;
+    is_antisymmetric: whether entries across the diagonal are opposite, and those on it zero.
+    """
+
+    size: int
+    count: int
+    has_offsets: bool
+    has_row_of_offsets: bool = False
+    is_antisymmetric: bool = False
+
+    def packed(self, i: int, j: int) -> int:
+        """The place of an entry below the diagonal, or on it where that is not zero."""
+        return i * (i - 1) // 2 + j if self.is_antisymmetric else i * (i + 1) // 2 + j
+
+    @property
+    def offsets(self) -> int:
+        """The constant terms of a matrix."""
+        return (self.size if self.has_offsets else 0) + self.has_row_of_offsets
+
+    @property
+    def columns(self) -> int:
+        """The numbers of a matrix."""
+        return self.packed(self.size, 0) + self.offsets
+
+
 Matrix = list[MatrixRow]
+
+
+def matrices(
+    rows: Sequence[Values], size: int, count: int, has_offsets: bool
+) -> Iterator[tuple[MatrixKind, list[Matrix]]]:
+    """The matrices that some rows have, by their kinds, which have at least `FEWEST_MATRICES` each."""
+    found = symmetric(rows, size, count, has_offsets)
+    if found:
+        whole = with_rows_of_offsets(found, rows, count) if has_offsets else found
+        yield MatrixKind(size, count, has_offsets, len(whole[0]) > size), whole
+    if not has_offsets:
+        opposite = antisymmetric(rows, size, count)
+        if opposite:
+            yield MatrixKind(size, count, has_offsets, is_antisymmetric=True), opposite
 
 
 def _entry(row: Values, column: int, count: int) -> Values:
@@ -63,6 +107,15 @@ def symmetric(rows: Sequence[Values], size: int, count: int, has_offsets: bool) 
         if all(entry(i * number + m, j) == entry(j * number + m, i) for i, j, m in pairs):
             return [[MatrixRow(i * number + m) for i in range(size)] for m in range(number)]
     return []
+
+
+def with_rows_of_offsets(matrices: list[Matrix], rows: Sequence[Values], count: int) -> list[Matrix]:
+    """The matrices, each with the row that has its constant terms as factors; without these if one is missing."""
+    by_factors = {row[count:]: number for number, row in enumerate(rows)}
+    offsets = [sum((rows[row.number][:count] for row in matrix), start=()) for matrix in matrices]
+    if any(of not in by_factors for of in offsets):
+        return matrices
+    return [[*matrix, MatrixRow(by_factors[of])] for matrix, of in zip(matrices, offsets, strict=True)]
 
 
 def antisymmetric(rows: Sequence[Values], size: int, count: int) -> list[Matrix]:
@@ -98,28 +151,11 @@ def antisymmetric(rows: Sequence[Values], size: int, count: int) -> list[Matrix]
 
 @dataclass
 class SymmetricTable:
-    """The matrices of one size for the same instances, one after the other.
-
-    size: the rows of a matrix; count: the instances, 1 if all have the same numbers; has_offsets: whether each matrix
-    begins with a constant term of each row; is_antisymmetric: whether entries across the diagonal are opposite, and
-    those on it zero.
-    """
+    """Matrices of one kind for the same instances, one after the other."""
 
     name: str
-    size: int
-    count: int
-    has_offsets: bool
-    is_antisymmetric: bool = False
+    kind: MatrixKind
     made: dict[tuple[tuple[Values, ...], ...], int] = field(default_factory=dict)
-
-    @property
-    def columns(self) -> int:
-        """The numbers of a matrix."""
-        return self._packed(self.size, 0) + (self.size if self.has_offsets else 0)
-
-    def _packed(self, i: int, j: int) -> int:
-        """The place of an entry below the diagonal, or on it where that is not zero."""
-        return i * (i - 1) // 2 + j if self.is_antisymmetric else i * (i + 1) // 2 + j
 
     def place(self, matrices: Sequence[Sequence[Values]]) -> int:
         """The number of the first of some matrices, which are added if they are not there."""
@@ -132,38 +168,45 @@ class SymmetricTable:
     def array(self) -> ConstantArray:
         """The constant array of the table."""
         values = tuple(x for matrices in self.made for rows in matrices for x in self._numbers(rows))
-        return ConstantArray(self.name, values, False, self.count)
+        return ConstantArray(self.name, values, False, self.kind.count)
 
     def _numbers(self, rows: Sequence[Values]) -> Iterator[Fraction]:
-        start = 1 if self.has_offsets else 0
+        count, start = self.kind.count, 1 if self.kind.has_offsets else 0
         for row in rows:
-            yield from row[: self.count * start]
-        for i, row in enumerate(rows):
-            stop = i if self.is_antisymmetric else i + 1
-            yield from row[self.count * start : self.count * (start + stop)]
+            yield from row[: count * start]
+        for i, row in enumerate(rows[: self.kind.size]):
+            stop = i if self.kind.is_antisymmetric else i + 1
+            yield from row[count * start : count * (start + stop)]
 
     def loop(self, first: int, number: int, to: Element, instance: str, names: Sequence[str]) -> ForEach:
         """The loop over some matrices for an instance, whose values go to an array from an element on, row by row.
 
         names: those of the elements.
         """
+        kind = self.kind
 
         def entry(k: int) -> Expr:
-            own = (IndexTerm(1, instance),) if self.count > 1 else ()
-            terms = IndexTerm(self.count * self.columns, MATRIX), *own
-            return Element(self.name, ElementIndex(self.count * (k + first * self.columns), terms))
+            own = (IndexTerm(1, instance),) if kind.count > 1 else ()
+            terms = IndexTerm(kind.count * kind.columns, MATRIX), *own
+            return Element(self.name, ElementIndex(kind.count * (k + first * kind.columns), terms))
 
-        def times(i: int, j: int) -> Expr:
+        def times(k: int, j: int) -> Expr:
+            return Operation(Operator.MUL, (entry(k), ScalarRef(names[j])))
+
+        def factor(i: int, j: int) -> Expr:
             low, high = sorted((i, j))
-            return Operation(Operator.MUL, (entry(start + self._packed(high, low)), ScalarRef(names[j])))
+            return times(kind.offsets + kind.packed(high, low), j)
 
-        start = self.size if self.has_offsets else 0
+        totals = []
+        for i in range(kind.size):
+            before = [factor(i, j) for j in range(i if kind.is_antisymmetric else kind.size)]
+            behind = [factor(i, j) for j in range(i + 1, kind.size)] if kind.is_antisymmetric else []
+            totals.append(_total([*([entry(i)] if kind.has_offsets else []), *before], behind))
+        if kind.has_row_of_offsets:
+            totals.append(_total([entry(kind.size), *(times(j, j) for j in range(kind.size))], []))
         assert to.index
         body = []
-        for i in range(self.size):
-            before = [times(i, j) for j in range(i if self.is_antisymmetric else self.size)]
-            behind = [times(i, j) for j in range(i + 1, self.size)] if self.is_antisymmetric else []
-            total = _total([*([entry(i)] if start else []), *before], behind)
+        for i, total in enumerate(totals):
             index = ElementIndex(to.index.offset + i * number, (IndexTerm(1, MATRIX),))
             body.append(StoreElement(Element(to.array, index), total))
         return ForEach(MATRIX, constant(0), constant(number), tuple(body))
