@@ -9,10 +9,10 @@ from functools import reduce
 from itertools import pairwise
 
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
-from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
 from derive.ir.kernel import ConstantArray
 from derive.ir.statements import ForEach, StoreElement
-from derive.ir.symmetric_tables import MatrixKind, SymmetricTable
+from derive.ir.symmetric_tables import MatrixKind, SymmetricTable, Values
 
 ROW = "row"
 """The variable of the loops over the rows of a table."""
@@ -111,9 +111,13 @@ class FactorTable:
 
 
 class FactorTables:
-    """The tables of a model, by the numbers of a row, of the instances, and by whether there are constant terms."""
+    """The tables of a model, by the numbers of a row, of the instances, and by whether there are constant terms.
+
+    columns: the rows of a body that is alone in its class, which lie beside each other.
+    """
 
     def __init__(self) -> None:
+        self.columns: dict[tuple[Values, ...], ConstantArray] = {}
         self.made: dict[tuple[int, int, bool], FactorTable] = {}
         self.symmetric: dict[MatrixKind, SymmetricTable] = {}
 
@@ -128,8 +132,17 @@ class FactorTables:
         name = f"symmetric_factors_of_modes_{len(self.symmetric) + 1}"
         return self.symmetric.setdefault(kind, SymmetricTable(name, kind))
 
+    def in_columns(self, rows: Sequence[Values], has_offsets: bool) -> StoredRows:
+        """The rows of one body beside each other, so that vectors have several of them; zeros fill the last vector."""
+        width = -(-len(rows) // LANES) * LANES
+        name = f"columns_of_factors_{len(self.columns) + 1}"
+        values = (x for column in zip(*rows, strict=True) for x in (*column, *[Fraction(0)] * (width - len(rows))))
+        array = self.columns.setdefault(tuple(rows), ConstantArray(name, tuple(values), False))
+        return StoredRows(array.name, ElementIndex(), 1, width, has_offsets)
+
     @property
     def arrays(self) -> dict[str, ConstantArray]:
         """The constant arrays by their names."""
         of_rows = {table.name: table.array for table in self.made.values() if table.rows}
-        return of_rows | {table.name: table.array for table in self.symmetric.values()}
+        of_matrices = {table.name: table.array for table in self.symmetric.values()}
+        return of_rows | of_matrices | {array.name: array for array in self.columns.values()}

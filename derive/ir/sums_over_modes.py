@@ -16,7 +16,7 @@ from fractions import Fraction
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
 from derive.ir.factor_tables import FactorTables, RowPlace, rows_in_an_array
-from derive.ir.indices import constant
+from derive.ir.indices import LANES, constant
 from derive.ir.instance_lanes import runs_in_blocks
 from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.linear_forms import FEWEST_OPERATIONS, FEWEST_ROWS
@@ -73,9 +73,9 @@ def _statement(statement: Statement, known: Mapping[str, ConstantArray], tables:
     if statement.start != constant(0) or statement.stop.terms:
         return statement
     (loop,) = expand(statement)
-    if not isinstance(loop, For) or not runs_in_blocks(loop):
-        return statement
-    return _LoopForms(statement, known).in_rows(tables)
+    of_one = statement.stop.offset == 1
+    in_blocks = isinstance(loop, For) and runs_in_blocks(loop)
+    return _LoopForms(statement, known).in_rows(tables) if of_one or in_blocks else statement
 
 
 def _parts_of(row: Row) -> Iterator[Expr]:
@@ -141,7 +141,7 @@ class _LoopForms:
             arrays.add(sums)
             chosen, loops = self._in_table(key, rows, sums, tables)
             self.chosen[key] = self.chosen.get(key, {}) | chosen
-            before += [Work(sums, len(rows)), *loops]
+            before += [Work(sums, self._size(rows)), *loops]
         for window, rows in shifted.items():
             sums_of = self.chosen[window, True]
             self.chosen[window, False] = {row: Operation(Operator.ADD, (row[0], sums_of[ZERO, row[1]])) for row in rows}
@@ -183,6 +183,10 @@ class _LoopForms:
         listed, numbers = [*values], [*values.values()]
         result: dict[Row, Expr] = {}
         loops = list[ForEach]()
+        if self._is_alone:
+            stored = tables.in_columns(numbers, not is_homogeneous)
+            loops.append(stored.loop(0, stored.column, Element(sums, constant(0)), [*names.values()]))
+            return {row: Element(sums, constant(k)) for k, row in enumerate(listed)}, loops
         for kind, of_kind in matrices(numbers, len(names), count, not is_homogeneous):
             packed = tables.of_matrices(kind)
             first = packed.place([[signed(numbers, row) for row in matrix] for matrix in of_kind])
@@ -206,6 +210,14 @@ class _LoopForms:
         for of_row, place in places.items():
             result[of_row] = _negative(Element(sums, constant(position[place.number])), place.is_opposite)
         return result, loops
+
+    @property
+    def _is_alone(self) -> bool:
+        """Whether the loop is of one body, whose vectors have several rows."""
+        return self.loop.stop.offset == 1
+
+    def _size(self, rows: Sequence[Row]) -> int:
+        return -(-len(rows) // LANES) * LANES if self._is_alone else len(rows)
 
     # ---- forms ----
 
