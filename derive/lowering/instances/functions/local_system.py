@@ -61,8 +61,9 @@ class LocalSystem:
 def local_system(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -> LocalSystem:
     """The system of a class; `symbols` get the names of what it computes first.
 
-    in_lanes: whether bodies are computed in vectors. If one vector holds all of them, a call executes their text once,
-    and loops over constants of modes and over rows of joints spare most of it; several vectors share it.
+    in_lanes: whether bodies are computed in vectors. A loop over the constants of modes then reads each of them once for
+    all its products. If one vector holds all bodies, a call executes their text once, and loops over rows of joints
+    spare most of it; several vectors share it.
     """
     mass = of.system.equations.mass
     if all(mass[i, j] == 0 for i in range(mass.rows) for j in range(i)):
@@ -166,12 +167,13 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -
     forces = [symbols(f) for f in right.forces]
     checks = pivot_checks(symbols, factors, context.rows)
     half_force = _forward(factors, dict(enumerate(forces)))
-    modes = constant_modes(of, symbols, factors, half_force, in_lanes and 1 < of.count) if order else None
+    modes = constant_modes(of, symbols, factors, half_force, in_lanes and of.count > 1) if order else None
     if modes:
         rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(), strict=True)]
         unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
         markers = modes.markers
-        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if markers and of.count <= LANES else None
+        in_rows = markers and of.count <= LANES
+        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if in_rows else None
         return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks, (), markers, loops)
     entries = jacobian_entries(context, symbols)
     G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]
