@@ -367,7 +367,7 @@ def _wrong_files(name: str, outcome: Outcome, folder: Path) -> Iterator[Finding]
 def other_motions(seed: int, folder: Path) -> Iterator[Finding]:
     """A finding if the other integrator of a scene in space moves bodies elsewhere than the default one.
 
-    Its run is shorter, see `_simulate`; its last row is one of both tables. A run that notes that its step is too coarse
+    Its run is shorter, see `_simulate`; its last row is one of both tables. A run that notes its coarse step
     says itself that it is wrong.
     """
     name = other_integrator(seed)
