@@ -150,7 +150,7 @@ def _refuse_missed(
 
 
 def _driven_to(scene: SpatialScene, target: SpatialTarget) -> str:
-    """What a drive prescribes at t = 0 for the joint whose initial value a target is, as the end of a sentence."""
+    """The end of a sentence: what a drive prescribes at t = 0 for the joint that has this initial value."""
     for drive in scene.drives:
         if target.table in (f"drives.{drive.name}.start", f"joints.{drive.joint}.start"):
             try:
