@@ -11,7 +11,7 @@ from typing import Any
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.arguments.keywords import keywords
 from derive.cli.result_files import drawing, planned_files, print_result, study_files
-from derive.cli.specifications import read_scene
+from derive.cli.specifications import read_beside
 from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue
 from derive.study.accuracy.chart import accuracy_svg
@@ -33,14 +33,16 @@ def run(scene: AnyScene, changes: Sequence[SetValue], options: argparse.Namespac
     """
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
-    given = {**keywords(study_accuracy, options), "also": [read_scene(path) for path in options.also]}
+    also = [read_beside(path, options.set, scene) for path in options.also]
+    replaced = [*map(str, changes), *(text for _, texts in also for text in texts)]
+    given = {**keywords(study_accuracy, options), "also": [other for other, _ in also]}
     parts: list[LadderChart] = []
 
     def noted(part: LadderChart) -> LadderChart:
-        return replace(part, notes=(*map(str, changes), *_unchanged(part, scene, changes), *part.notes))
+        return replace(part, notes=(*replaced, *_unchanged(part, scene, changes), *part.notes))
 
     def data_of(part: LadderChart) -> dict[str, Any]:
-        return {**accuracy_data(part), "set": list(map(str, changes))}
+        return {**accuracy_data(part), "set": replaced}
 
     def record(part: LadderChart) -> None:
         parts.append(noted(part))

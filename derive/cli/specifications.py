@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,7 +21,7 @@ from derive.spec.model.spatial_beam import SpatialBeam
 from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
-from derive.spec.set_values import SetValue, with_values
+from derive.spec.set_values import SetValue, has_value, with_values
 from derive.spec.toml.key_lines import lines
 from derive.spec.toml.read import read, read_with_counts
 
@@ -47,6 +48,24 @@ def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tu
     """The scene of a file with other values, and what has been replaced; see `read_changed` and `read_scene`."""
     spec, changes = read_changed(path, assignments)
     return _scene(spec, path), changes
+
+
+def read_beside(
+    path: Path, assignments: Sequence[tuple[str, str]], compared: AnyScene
+) -> tuple[AnyScene, tuple[str, ...]]:
+    """The scene of a file that is studied beside another one, with the same simulation and the values that it has.
+
+    The texts say what has been replaced in it, and which names it does not have. Raises SpecError.
+    """
+    spec, counts = read_with_counts(path, dict(assignments))
+    given = replace(_scene(spec, path), simulation=compared.simulation)
+    others = {name: text for name, text in assignments if name not in counts}
+    known = {name: text for name, text in others.items() if has_value(given, name, text)}
+    scene, changes = with_values(given, known) if known else (given, ())
+    replaced = (*(SetValue(name, str(counts[name]), text) for name, text in assignments if name in counts), *changes)
+    texts = [str(change) for change in replaced if change.old != change.new]
+    texts += [f"{name}: it has no such parameter or key, and stays as it is" for name in others if name not in known]
+    return scene, tuple(f"in {path}: {text}" for text in texts)
 
 
 def _scene(spec: Specification, path: Path) -> AnyScene:

@@ -165,6 +165,7 @@ class PreparedRun:
             until=stop_event(self._until, row, native, k, state_columns(self.scene, native, tuple(self.units))),
             progress=progress,
             watch=watched.watch if watched.beams else None,
+            checked=True,
         )
         solution = integrator.integrate(k, q, v, times, settings)
         foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)

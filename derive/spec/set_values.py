@@ -102,6 +102,15 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
     return result, tuple(changes)
 
 
+def has_value(spec: Specification, name: str, text: str) -> bool:
+    """Whether a specification has a parameter or a key of this name, or may have the key with the value of a text."""
+    tables = specification_tables(spec)
+    known = dict(_values(tables, ()))
+    if name in _symbols(known) or name in map(path_text, known):
+        return True
+    return isinstance(_added(spec, tables, name, _value(text)), Mapping)
+
+
 def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tuple[S, list[KeyPath]]:
     """The specification without those parameters of functions that no function uses any more, and their paths.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from corpus.commands import Finding, Outcome, findings
+from corpus.commands import Finding, Outcome, findings, other_integrator, other_motions
 from corpus.generator import corpus_scene
 from corpus.python_kernels import TOLERANCE
 from corpus.refusals import REFUSALS, refusal
@@ -98,3 +99,16 @@ def test_terms_are_summed_through_cancellation_and_functions() -> None:
     assert worst([1.0, 0.0], [1.0, 1e-7], np.array([1.0, 1e8])) == pytest.approx(1e-15)
     assert worst([1.0], [1.0 + 1e-13], np.array([1.0])) > TOLERANCE
     assert worst([math.nan], [1.0], np.array([1.0])) == worst([0.0], [1e-300], np.array([0.0])) == math.inf
+
+
+def test_a_run_that_notes_its_coarse_step_is_no_other_motion(tmp_path: Path) -> None:
+    seed = 3034  # with the generalised-alpha method
+    runs = {"simulate": ("0.0", []), other_integrator(seed): ("0.1", ["step: 1 s is too coarse: ..."])}
+    for name, (position, notes) in runs.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "run.csv").write_text(f"t,rod_c1\n1.0,{position}\n")
+        (tmp_path / name / "run.json").write_text(json.dumps({"notes": notes}))
+    assert not list(other_motions(seed, tmp_path))
+    (tmp_path / other_integrator(seed) / "run.json").write_text("{}")
+    (finding,) = other_motions(seed, tmp_path)
+    assert finding.cause == "not the motion of the default"

@@ -137,3 +137,34 @@ def test_a_first_guess_that_is_reversed_is_turned_to_the_attitude_that_is_meant(
     text = RIGID.replace("start = { guess = true, position = [0.2, 0, 0] }", start)
     trajectory = moved(parse(text), duration=1e-3, output=1e-3)
     assert abs(trajectory["slider_e0"][0]) == pytest.approx(1.0, abs=1e-9)
+
+
+TURNED = """name = "arm"
+[ground.markers]
+hub = [0, 0, 0]
+[bodies.arm]
+mass = 1
+inertia = [1, 1, 1, 0, 0, 0]
+markers = { hub = [0, 0, 0] }
+[bodies.ball]
+mass = 1
+inertia = [1, 1, 1, 0, 0, 0]
+[joints.hub]
+kind = "revolute"
+between = ["ground.hub", "arm.hub"]
+[drives.motor]
+joint = "hub"
+speed = 3
+start = { angle = 0.6 }
+[simulation]
+duration = 0.1
+output = 0.1
+"""
+
+
+def test_a_start_that_a_drive_contradicts_names_the_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (line,) = refused(TURNED, tmp_path, capsys)
+    assert "the nearest state misses it by 0.6 rad; drive motor prescribes 0 rad at t = 0; its key offset adds" in line
+    scene = tmp_path / "met.toml"
+    scene.write_text(TURNED.replace("speed = 3", "speed = 3\noffset = 0.6"))
+    assert main(["simulate", str(scene), "--out", str(tmp_path / "results")]) == 0

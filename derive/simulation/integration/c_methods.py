@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from derive.artifacts import File
 from derive.runtime.compiler import ESSENTIAL, WITHOUT_BATCHES
@@ -12,11 +13,12 @@ from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
 from derive.runtime.integrators.observer import Observe
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.errors import IntegrationStopped, SimulationError
-from derive.simulation.integration.c_rows import CRows
+from derive.simulation.integration.c_rows import CRows, Run
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
 from derive.simulation.integration.solution import Solution
+from derive.simulation.integration.step_error import step_notes
 from derive.simulation.integration.step_limit import RK4_LIMIT, rk4_step_limit
 from derive.simulation.integration.time_segments import TimeSegment, time_segments
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
@@ -80,24 +82,48 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     native = scene_of(host.native, "generalised-alpha")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
-        def run(q0: Vector, v0: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:
-            every = equal_steps(segment.interval, settings.step or segment.interval / STEPS_PER_ROW)
-            steps, length = segment.count * every, segment.interval / every
-            met = consistent_tolerance(CONSISTENT, settings.size, q0)
-            return host.run(
-                q0,
-                v0,
-                step=length,
-                steps=steps,
-                every=every,
-                k=k,
-                t0=segment.start,
-                tolerance=NEWTON * min(1.0, settings.size),
-                consistent=met,
-                observe=observe,
-            )
+        lengths = list[float]()
 
-        return CRows(native, run, k, settings).solution(q, v, times, _shortened(times, settings))
+        def run_with(steps: Callable[[int], int]) -> Run:
+            """The runs with another number of steps between two rows than the settings have."""
+
+            def run(q0: Vector, v0: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:
+                every = steps(equal_steps(segment.interval, settings.step or segment.interval / STEPS_PER_ROW))
+                lengths.append(segment.interval / every)
+                return host.run(
+                    q0,
+                    v0,
+                    step=lengths[-1],
+                    steps=segment.count * every,
+                    every=every,
+                    k=k,
+                    t0=segment.start,
+                    tolerance=NEWTON * min(1.0, settings.size),
+                    consistent=consistent_tolerance(CONSISTENT, settings.size, q0),
+                    observe=observe,
+                )
+
+            return run
+
+        try:
+            found = CRows(native, run_with(int), k, settings).solution(q, v, times, _shortened(times, settings))
+        except IntegrationStopped as error:
+            shorter = f"shorter steps than {lengths[-1]:.3g} s may pass, such as --step {lengths[-1] / 10:.2g}"
+            raise SimulationError(
+                f"{error} With generalised-alpha {shorter}; adaptive finds its steps itself."
+            ) from error
+        if not settings.checked:
+            return found
+        step = max(lengths)
+
+        def run_again(way: int) -> tuple[Matrix, float]:
+            lengths.clear()
+            other = run_with((lambda n: max(n // 2, 1)) if way > 0 else (lambda n: 2 * n))
+            plain = replace(settings, until=None, watch=None, progress=settings.progress and (lambda _: None))
+            again = CRows(native, other, k, plain).solution(q, v, found.t, ())
+            return again.q, max(lengths) / step
+
+        return replace(found, notes=(*step_notes(native, found.q, step, run_again), *found.notes))
 
     return Integrator(native, integrate)
 

@@ -23,7 +23,8 @@ class Settings:
     (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose. breaks: times at which
     functions of time jump, s, at which methods stop and start anew. until: a condition that ends the integration.
     progress: called with the time (s) that is reached. watch: quantities of a scene that methods in C may look at after
-    each step. interruptible: whether Ctrl-C ends an integration in C, which calls Python in each row for that.
+    each step. checked: whether a method with fixed steps measures its error by a second run, and notes one that is too
+    large. interruptible: whether Ctrl-C ends an integration in C, which calls Python in each row for that.
     """
 
     tolerance: float = 1e-9
@@ -34,6 +35,7 @@ class Settings:
     until: StopEvent | None = None
     progress: Progress | None = None
     watch: Watch | None = None
+    checked: bool = False
     interruptible: bool = True
 
     def refuse_step(self, integrator: str) -> None:

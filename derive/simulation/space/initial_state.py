@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from derive.errors import Problem, SpecError
+from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
@@ -31,6 +32,7 @@ from derive.simulation.space.velocities import spatial_velocities
 from derive.spec.model.scene import EQUILIBRIUM, STEADY
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.time_function import value_at
 
 KEPT = 1e-8
 """Given values that are missed by more than this (rad; parts of the size of the scene or of the velocities) contradict
@@ -134,15 +136,30 @@ def _refuse_missed(
         unit = 1.0 if target.angular else assembler.size
         if max_norm(missed) > KEPT * unit * scale:
             axes = misalignment(scene, poses, target.body, target.rotation()) if target.body else ""
+            drive = "" if target.rate else _driven_to(scene, target)
             text = (
                 f"this contradicts the joints, the drives or other given values: the nearest state misses it by "
-                f"{max_norm(missed):.6g} {target.unit}{'; ' if axes else ''}{axes}. Correct or leave out one of them"
+                f"{max_norm(missed):.6g} {target.unit}{'; ' if axes else ''}{axes}{drive}. Correct or leave out one of "
+                "them"
             )
             if target.guessable:
                 text += f", or write guess = true in [{target.table}] to make it a first guess"
             problems.append(Problem(target.path, text))
     if problems:
         raise SpecError(tuple(problems))
+
+
+def _driven_to(scene: SpatialScene, target: SpatialTarget) -> str:
+    """The end of a sentence: what a drive prescribes at t = 0 for the joint that has this initial value."""
+    for drive in scene.drives:
+        if target.table in (f"drives.{drive.name}.start", f"joints.{drive.joint}.start"):
+            try:
+                value = value_at(drive_motion(drive), 0.0)
+            except (ArithmeticError, ValueError):  # a run-time input
+                return ""
+            other = "" if drive.motion is not None else "; its key offset adds to it"
+            return f"; drive {drive.name} prescribes {value:g} {target.unit} at t = 0{other}"
+    return ""
 
 
 def _momentum(scene: SpatialScene, assembler: SpatialAssembler, q: Vector) -> Vector:

@@ -224,6 +224,7 @@ def _solution(
             condition, row, native, k, state_columns(start.scene, native, code.columns) if condition else {}
         ),
         watch=scene_watch(start.scene, native, k, 0.0, start.q, start.v).watch if watched else None,
+        checked=True,
         interruptible=False,
     )
     return integrator.integrate(k, start.q, start.v, output_times(simulation), settings)
