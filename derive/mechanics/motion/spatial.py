@@ -15,7 +15,7 @@ from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
-from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
+from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
 from derive.mechanics.motion.vectors import skew
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, ShapeIndex, local, quantity
@@ -184,8 +184,8 @@ def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]
 def spatial_sums(truncated: bool = False) -> tuple[tuple[IndexedSum, ...], tuple[IndexedSum, ...]]:
     """The moments of a body in space that have names of their own, and the remaining sums."""
     if truncated:
-        moment_sums = second_order_moment_sums(spatial_moment_sums(), SPACE)
-        return moment_sums, second_order_row_sums(spatial_row_sums(), SPACE)
+        moment_sums = second_order_moment_sums(spatial_moment_sums(), AXES)
+        return moment_sums, second_order_row_sums(spatial_row_sums(), AXES)
     return spatial_moment_sums(), spatial_row_sums()
 
 

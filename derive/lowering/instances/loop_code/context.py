@@ -195,8 +195,7 @@ def merged(of: ClassCode, array: str, rows: Iterable[Place], operator: Operator 
     """The target of the constraints of a body: those of its joints, each from a place."""
     places = list(rows)
     index = [place.at(k) for place, own in zip(places, of.rows, strict=True) for k in range(len(own))]
-    entries = tuple(place.entry for place in places if place.entry)
-    return LoopTarget(array, index.__getitem__, operator, entries)
+    return LoopTarget(array, index.__getitem__, operator, tuple(entry for place in places for entry in place.entries))
 
 
 def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
@@ -205,10 +204,9 @@ def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], ope
     if all(own == spaced[0] for own in spaced):
         place = of.place(what, [own[0] for own in positions if own] or [0])
         offsets = spaced[0] if spaced else []
-        entries = (place.entry,) if place.entry else ()
-        return LoopTarget(array, lambda k: place.at(offsets[k]), operator, entries)
+        return LoopTarget(array, lambda k: place.at(offsets[k]), operator, place.entries)
     columns = [of.place(f"{what}_{e}", [own[e] for own in positions]) for e in range(len(positions[0]))]
-    return LoopTarget(array, lambda k: columns[k].at(0), operator, tuple(c.entry for c in columns if c.entry))
+    return LoopTarget(array, lambda k: columns[k].at(0), operator, tuple(e for c in columns for e in c.entries))
 
 
 def state(of: ClassCode, *names: str) -> list[Loaded]:

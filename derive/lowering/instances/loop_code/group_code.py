@@ -111,7 +111,7 @@ def spread(
     for start, stop in _runs(positions):
         place = of.place(f"{what or array}_{start}", [own[start] for own in positions])
         places |= {k: (place, k - start) for k in range(start, stop)}
-    entries = tuple(dict.fromkeys(place.entry for place, _ in places.values() if place.entry))
+    entries = tuple(dict.fromkeys(entry for place, _ in places.values() for entry in place.entries))
     return LoopTarget(array, lambda k: places[k][0].at(places[k][1]), operator, entries)
 
 
