@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.mechanics.symbols import Family, Identity
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix, undeformed
@@ -146,14 +145,7 @@ class MissedModes:
         names = (*(name for name, _ in self._held), *self._acting)
         single = [len(self._marker(name).nodes) == 1 for name in names]  # a node has no rotation of its own
         at_markers = [load[:3] if lone else load for load, lone in zip(result, single, strict=True)]
-        return np.concatenate([*at_markers, vdot[self.places.rates], self.missed.of_spin(self._spin(v))])
-
-    def _spin(self, v: Vector) -> Vector:
-        """The angular velocity in the axes of the body; zero where its rates are not velocities of the scene."""
-        names = [Identity(Family.ANGULAR_VELOCITY, components=(i,), owner=self.name).shown for i in (1, 2, 3)]
-        if names[0] not in self.native.velocities:
-            return np.zeros(3)
-        return np.asarray(v[[self.native.velocities.index(name) for name in names]])
+        return np.concatenate([*at_markers, vdot[self.places.rates], self.missed.of_spin(v[self.places.rotation])])
 
     def _wrenches(self, t: float, q: Vector, multipliers: Vector) -> Iterator[tuple[str, Vector, Matrix]]:
         """The force in the inertial axes and the moment in those of the body (6,) of each joint, and these axes."""
