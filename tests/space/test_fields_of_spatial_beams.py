@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from test_spatial_beam import FRAMES, beam, numbers, points
+from rods_in_space import FRAMES, beam, numbers, points
 
 from derive.algebra import sp
 from derive.mechanics.bodies.section_fields import (

@@ -3,84 +3,20 @@
 from __future__ import annotations
 
 import json
-from fractions import Fraction
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rods_in_space import FRAMES, PLANAR_ROD, SHAPES, accelerations
 
 import derive
-from derive.mechanics.bodies.section_fields import (
-    SectionField,
-)
-from derive.runtime.interpreted_scene import InterpretedFunction
-from derive.spec.model.spatial_beam import SpatialBeam
-from some_functions import only
 
-SHAPES = ["1", "xi", "xi^2", "xi^3", "xi^4"]
-ROD: dict[str, Any] = {
-    "length": "3/2",
-    "mass": 2,
-    "bending_stiffness": 30,
-    "lateral": {"ansatz": ["1", "xi", "xi^2", "xi^3"], "bending_stiffness": 12},
-    "rotary_inertia": "1/50",
-    "torsion": {"ansatz": ["xi", "xi^2"], "stiffness": 7},
-    "axial": {"ansatz": ["xi"], "stiffness": 1000},
-    "ansatz": SHAPES,
-    "markers": {"left": {"at": -1}, "right": 1},
-}
 DATA = Path(__file__).parents[1] / "second_order" / "rotating_cantilever.json"
 KNOWN = json.loads(DATA.read_text())["inextensible"]
 """The frequencies of a rotating cantilever in units of sqrt(EI/(m l^3))."""
-FRAMES: tuple[Any, ...] = ("mean", "chord", {"kind": "tangent", "at": -1}, {"kind": "point", "at": "1/3"})
-
-
-def beam(**changes: Any) -> SpatialBeam:
-    """The beam of a scene with it alone."""
-    scene = derive.spatial_scene("alone", bodies={"rod": ROD | changes})
-    (body,) = scene.bodies
-    assert isinstance(body, SpatialBeam)
-    return body
-
-
-# ---- integrals
-
-
-def points(of: SpatialBeam) -> list[tuple[float, Fraction, tuple[float, ...]]]:
-    """Masses (kg) at points of sections, some negative, that have the mass, the centre and the inertia of the beam."""
-    mass, inertia = 2.0, 1 / 50
-    e = (0.0, *(float(x) for x in of.centre))  # type: ignore[arg-type]
-    own = inertia / (4 * mass)
-    section = [(1 - inertia / (2 * mass), e)]
-    for axis, weight in enumerate((-own, own, own)):
-        for sign in (1.0, -1.0):
-            section.append((weight, tuple(x + sign * (k == axis) for k, x in enumerate(e))))
-    nodes, weights = np.polynomial.legendre.leggauss(10)
-    return [(w * share * mass / 2, Fraction(x), p) for x, w in zip(nodes, weights, strict=True) for share, p in section]
-
-
-def numbers(field: SectionField, xi: float, p: tuple[float, ...]) -> list[float]:
-    """A field at a point p of the section at xi, in doubles."""
-    result = [0.0] * 3
-    for (axis, coordinate), of in field.slots.items():
-        number = float(np.polynomial.polynomial.polyval(xi, [float(c) for c in of.coefficients]))
-        result[axis - 1] += number * float(field.unit((axis, coordinate))) * (p[coordinate - 1] if coordinate else 1)
-    return result
-
-
-# ---- motions in a plane
-
 OTHERS = {"rotary_inertia": "1/1000", "torsion": {"ansatz": ["xi"], "stiffness": 7}, "markers": {"left": {"at": -1}}}
-
-
-def accelerations(scene: Any, q: Any, v: Any) -> Any:
-    """The accelerations of a scene, by the interpreter."""
-    with only("accel"):
-        model = derive.lower(derive.derive(scene), explicit=True)
-    run = {k.name: InterpretedFunction(model, k) for k in model.kernels if k.name in ("setup", "accel")}
-    return run["accel"].at(0.0, q, v, run["setup"]((np.array(model.defaults),)))
 
 
 ORDERS: dict[str, Any] = {"first": {}} | {terms: {"order": 2, "terms": terms} for terms in ("truncated", "full")}
@@ -92,8 +28,7 @@ ORDERS: dict[str, Any] = {"first": {}} | {terms: {"order": 2, "terms": terms} fo
 )
 def test_motion_in_a_plane_is_that_of_the_planar_beam(order: str, frame: Any) -> None:
     """A pendulum that bends, stretches and swings in a plane has the accelerations of the planar beam."""
-    rod = {key: ROD[key] for key in ("length", "mass", "bending_stiffness", "ansatz", "axial")}
-    rod |= {"frame": frame} | ORDERS[order]
+    rod = PLANAR_ROD | {"ansatz": SHAPES, "frame": frame} | ORDERS[order]
     planar = rod | {"markers": {"left": -1}}
     hinge = {"h": {"kind": "revolute", "between": ["ground.o", "rod.left"]}}
     joint = derive.Joint("h", "revolute", derive.MarkerRef("ground", "o"), derive.MarkerRef("rod", "left"))
