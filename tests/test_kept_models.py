@@ -18,7 +18,12 @@ from derive.generated_models import generated
 from derive.mechanics.time_integrals import closed_form, kept
 from derive.registry import Registry
 from derive.runtime import loading
-from test_cache import forbidden, swing
+from test_cache import empty_cache, forbidden, swing
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return empty_cache(tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize("source", ["free_beam_mean", "body_symbolic", "block", "swing"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,7 @@ SCENE = ROOT / "scenes" / "crank_slider_3.toml"
 FIRST, TRUNCATED = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
 
 
-@pytest.fixture(scope="module")
+@cache
 def crank_slider() -> Scene:
     scene = read(SCENE)
     assert isinstance(scene, Scene)
@@ -42,9 +43,9 @@ def test_a_ladder_goes_from_rigid_beams_to_many_coordinates() -> None:
     assert labels[-1] == "3 beams, P2, P3, full"
 
 
-def test_the_beams_of_a_scene_are_modelled(crank_slider: Scene) -> None:
+def test_the_beams_of_a_scene_are_modelled() -> None:
     def rod(model: LadderModel) -> object:
-        return next(body for body in model_scene(crank_slider, model).bodies if body.name == "rod")
+        return next(body for body in model_scene(crank_slider(), model).bodies if body.name == "rod")
 
     rigid = rod(LadderModel(Shapes.RIGID))
     assert isinstance(rigid, RigidBody)
@@ -56,14 +57,14 @@ def test_the_beams_of_a_scene_are_modelled(crank_slider: Scene) -> None:
     assert (beam.pieces, len(beam.beam.ansatz), beam.beam.order) == (2, 5, TRUNCATED)  # type: ignore[attr-defined]
 
 
-def test_plots_are_chosen_by_their_names(crank_slider: Scene) -> None:
-    assert compared_plot(crank_slider, None).name == "deflection"
+def test_plots_are_chosen_by_their_names() -> None:
+    assert compared_plot(crank_slider(), None).name == "deflection"
     with pytest.raises(SpecError, match="did you mean"):
-        compared_plot(crank_slider, "deflexion")
+        compared_plot(crank_slider(), "deflexion")
     with pytest.raises(SpecError, match=r"a ladder compares a plot; add one, such as \[plots.tip\]"):
-        compared_plot(replace(crank_slider, plots=()), None)
-    assert crank_slider.simulation is not None
-    ends = replace(crank_slider, simulation=replace(crank_slider.simulation, until="rod_phi > 1"))
+        compared_plot(replace(crank_slider(), plots=()), None)
+    assert crank_slider().simulation is not None
+    ends = replace(crank_slider(), simulation=replace(crank_slider().simulation, until="rod_phi > 1"))
     with pytest.raises(SpecError, match="leave `until` out"):
         compared_plot(ends, None)
 
@@ -115,16 +116,16 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
 
 
 @pytest.mark.long
-def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
+def test_modes_of_other_ends_are_wrong() -> None:
     """Set A, first order, rms: pinned 12.5 %, free-free 14 and 12 %, clamped-free 130 %; and the monitors say so.
 
     One free-free mode misses the shear forces at the pins.
     """
-    plot = replace(crank_slider.plots[0], cut=None, pieces=())
+    plot = replace(crank_slider().plots[0], cut=None, pieces=())
     models = ladder(LadderRange(("first",), ("mean",), (), (), (1, 3), ("free-free", "clamped-free")))
     found = {}
     for model in models:
-        moved = motion(compiled(crank_slider, model), 1e-6, monitored=True)
+        moved = motion(compiled(crank_slider(), model), 1e-6, monitored=True)
         ends = [m.value for m in moved.validity if m.cause is Cause.BENDING_MOMENT]
         found[model.label] = (100 * plot_errors((plot,), moved)[0], *ends)
     errors = {label: values[0] for label, values in found.items()}

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from test_accuracy import FIRST, TRUNCATED
+from test_accuracy import FIRST, TRUNCATED, crank_slider
 
 from browser import CHROMIUM, browsed
 from derive.percentages import percent
@@ -17,7 +17,6 @@ from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import _range, accuracy_svg
 from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
@@ -186,15 +185,15 @@ def test_an_implied_error_beyond_all_bounds_is_no_number() -> None:
     assert "<td>100 % or more</td>" in accuracy_html(replace(a_chart(), lines=(*LINES, doubted)))
 
 
-def test_the_beams_that_a_plot_shows(crank_slider: Scene) -> None:
-    joint = next(joint.name for joint in crank_slider.joints if joint.second.body == "rod")
+def test_the_beams_that_a_plot_shows() -> None:
+    joint = next(joint.name for joint in crank_slider().joints if joint.second.body == "rod")
     outputs = (
         SceneOutput("tip", "position", {"marker": MarkerRef("rod", "middle")}),
         SceneOutput("length", "distance", {"between": (MarkerRef("ground", "o"), MarkerRef("rod", "right"))}),
         SceneOutput("force", "reaction", {"joint": joint}),
         SceneOutput("energy", "energy"),
     )
-    scene = replace(crank_slider, outputs=outputs)
+    scene = replace(crank_slider(), outputs=outputs)
     assert plotted_beams(scene.plots[0], scene) == ("rod",)
     columns = {"tip_2": True, "length": True, "force_1": True, "energy_total": False, "crank_phi": False}
     columns |= {"rod_1_alpha2": True, "rod_3_phidot": True, "t": False}

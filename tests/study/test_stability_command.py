@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_stability_of_models import COLUMN, EULER, FIRST, SPIN, SPINNING, lost_at, polynomials
+from test_stability_of_models import COLUMN, EULER, FIRST, SECOND, SPIN, SPINNING, lost_at, polynomials
 
 import derive
 from derive.cli.main import main
@@ -21,6 +21,13 @@ from derive.study.stability.ladder_stability import LadderStability, study_stabi
 from derive.study.stability.model_path import ModelPath, PathPoint
 from derive.study.stability.parameter import ParameterRange, studied
 from derive.study.stability.table import gap_sentences, stability_data
+
+
+@pytest.fixture
+def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A reference that is quick to derive, and good to 0.06 %."""
+    models = (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND))
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
 
 
 def test_keys_that_are_no_parameters_are_refused_with_what_to_name() -> None:

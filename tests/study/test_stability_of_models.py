@@ -261,10 +261,3 @@ def test_an_equilibrium_is_sought_near_the_initial_state_and_then_from_value_to_
         assert reason in model_path(studied(scene, ParameterRange(name, 1, 2, 3)), model).failure
     rigid = path(hanging(tmp_path, 0.3), "bodies.rod.bending_stiffness", 1, 2, LadderModel(Shapes.RIGID))
     assert rigid.coordinates == 1 and not rigid.failure
-
-
-@pytest.fixture
-def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A reference that is quick to derive, and good to 0.06 %."""
-    models = (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND))
-    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda _: models)
