@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from derive.mechanics.typed_symbol import Symbol
 
 AXES = (1, 2, 3)
+"""The axes of a frame in space."""
+SPACE = len(AXES)
+"""The number of dimensions of space."""
 PAIRS = tuple(combinations_with_replacement(AXES, 2))
 """Index pairs of a symmetric tensor: 11, 12, 13, 22, 23, 33."""
 

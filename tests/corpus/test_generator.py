@@ -30,7 +30,7 @@ CORPUS = 2000
 
 EVERY = all_features(schema_of(specification_table()))
 NOT_USED = {
-    "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_files.py",
+    "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_tables.py",
     **dict.fromkeys(
         ("NodalTable.stress", "NodalTable.stress = true", "NodalTable.stress = false"),
         "no file of the corpus has elements: tests/solids",

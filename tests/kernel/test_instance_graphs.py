@@ -8,30 +8,20 @@ that the condition of G M^-1 G^T multiplies errors of these two.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache, cached_property
-from types import ModuleType
-from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
-from generated_sine import sines
 from random_graphs import SHAPES, TWIN, Graph, dense, graph, relative_eigenvalues, ring_of_rods, sliding_chain
 
-import derive
-from conftest import QUICK, random_cases
+from conftest import random_cases
 from corpus.summed_terms import summed_terms, worst
-from derive.backends.c.source import CBackend
-from derive.backends.python.backend import PythonBackend
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
 from derive.ir.model import Model
 from derive.ir.patterns import Pattern
-from derive.runtime.loading import load_scene
-from derive.runtime.native_scene import NativeScene
 from derive.spec.model.planar_bodies import BeamBody
 
 TOLERANCE = 1e-13
@@ -45,15 +35,12 @@ SOLVED = ("accel", "solve", "project_velocity", "solve_kkt")
 FEW = 4
 """Bodies of small graphs, at most."""
 SMALL = (0, 4, 9, 35)
-EXACT = (4, 9)
 WITH_PORTS = (1, 14)
 VARYING = (53, 31)
 TWINS = (31, 14)
 LATER = pytest.mark.long
 """Further seeds of the tests of small graphs."""
 IN_PIECES = (15, 7)
-GENERATED = ((0, False, False), (9, False, False), (57, True, False), (15, False, True))
-"""Seeds, whether their joints are varying, and whether beams are in pieces."""
 
 
 def results(of: Graph, model: Model, name: str) -> dict[str, np.ndarray]:
@@ -278,130 +265,3 @@ def test_more_graphs_with_joints_that_depend_on_both_of_their_bodies(seed: int) 
 @pytest.mark.parametrize("seed", random_cases(20, long=12, further=28))
 def test_larger_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
     check(graph(seed, ports=True))
-
-
-# ---- 50 digits ----
-
-
-@pytest.mark.parametrize("seed", EXACT)
-def test_both_solve_the_dense_system(seed: int) -> None:
-    of = small(seed)
-    system, (vdot, lam) = System(of), dense_solution(of)
-    bound = system.bound(system.forces(lam))
-    for model in (of.flat, of.instances):
-        assert system.norm(results(of, model, "solve")["vdot"] - vdot) <= bound
-
-
-def dense_solution(of: Graph) -> tuple[np.ndarray, np.ndarray]:
-    """vdot and lambda in 50 digits, from the whole matrix of M and G."""
-    n, rows = len(of.flat.coordinates), len(of.flat.multipliers)
-    with mpmath.workdps(50):
-        matrix = mpmath.zeros(n + rows)
-        for (i, j), value in entries(of, "mass"):
-            matrix[i, j] = matrix[j, i] = value
-        for (i, j), value in entries(of, "constraint_jacobian"):
-            matrix[n + i, j], matrix[j, n + i] = value, -value
-        (h,), (gamma,) = exactly(of, "force").values(), exactly(of, "constraint_bias").values()
-        solution = [float(x) for x in mpmath.lu_solve(matrix, mpmath.matrix([*(-x for x in h), *gamma]))]
-    return np.array(solution[:n]), np.array(solution[n:])
-
-
-def entries(of: Graph, name: str) -> Iterator[tuple[tuple[int, int], Any]]:
-    (output,) = of.flat.kernel(name).outputs
-    assert output.pattern
-    return zip(output.pattern.entries, exactly(of, name)[output.name], strict=True)
-
-
-def exactly(of: Graph, name: str) -> dict[str, list[Any]]:
-    def number(value: Fraction) -> Any:
-        return mpmath.mpf(value.numerator) / value.denominator
-
-    given = {
-        a: [mpmath.mpf(x) for x in value] if isinstance(value, list) else mpmath.mpf(value)
-        for a, value in of.arguments(name).items()
-    }
-    functions = {f: getattr(mpmath, f) for f in ("sin", "cos", "sqrt")}
-    return interpret(of.flat.kernel(name), given, number=number, functions=functions)
-
-
-# ---- the interpreter, Python and C ----
-
-
-@cache
-def files(*of: int) -> tuple[derive.File, ...]:
-    model = small(*of).instances
-    return (*CBackend().files(model, ""), *PythonBackend().files(model, ""))
-
-
-@cache
-def native(*of: int) -> NativeScene:
-    return load_scene(files(*of), QUICK)
-
-
-@cache
-def module(*of: int) -> ModuleType:
-    (file,) = (file for file in files(*of) if file.path.endswith(".py"))
-    result = ModuleType("generated")
-    exec(compile(file.text, file.path, "exec"), result.__dict__)
-    return result
-
-
-def evaluated(*of: int) -> list[str]:
-    """The functions besides setup and those of markers."""
-    names = (kernel.name for kernel in small(*of).instances.kernels)
-    return [name for name in names if name.partition("_")[0] not in ("setup", "marker", "load")]
-
-
-@pytest.mark.parametrize(("seed", "varying", "pieces"), [pytest.param(*GENERATED[0], marks=LATER), *GENERATED[1:]])
-def test_python_has_the_bits_of_the_interpreter(seed: int, varying: bool, pieces: bool) -> None:
-    of = small(seed, varying, pieces)
-    for name in evaluated(seed, varying, pieces):
-        given = [x if isinstance(x, float) else np.array(x) for x in of.arguments(name).values()]
-        found = getattr(module(seed, varying, pieces), name)(*given)
-        expected = results(of, of.instances, name).values()
-        for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
-            assert a.tobytes() == b.tobytes(), name
-
-
-SINES: Mapping[str, Callable[[float], float]] = {
-    "sin": lambda x: float(sines(np.array([x]), flags=QUICK)[0][0]),
-    "cos": lambda x: float(sines(np.array([x]), flags=QUICK)[1][0]),
-}
-
-
-@pytest.mark.parametrize(("seed", "varying", "pieces"), GENERATED)
-def test_c_has_the_bits_of_the_interpreter(seed: int, varying: bool, pieces: bool) -> None:
-    """With the sines of C."""
-    of = small(seed, varying, pieces)
-    for name in evaluated(seed, varying, pieces):
-        kernel, given = of.instances.kernel(name), of.arguments(name)
-        expected = interpret(kernel, given, functions=SINES).values()
-        found = in_c(native(seed, varying, pieces), name)(*given.values())
-        for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
-            assert np.ravel(a).tobytes() == np.array(b, float).tobytes(), name
-
-
-def in_c(scene: NativeScene, name: str) -> Any:
-    """The function of a kernel; those of the forms are functions of the form."""
-    kind, _, form = name.partition("_")
-    if kind in ("residual", "jacobian"):
-        return getattr(scene.dae[form or "index3"], kind)
-    return getattr(scene, name)
-
-
-BATCHES = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
-
-
-@pytest.mark.parametrize(("seed", "varying", "pieces"), GENERATED)
-def test_batches_have_the_bits_of_single_states(seed: int, varying: bool, pieces: bool) -> None:
-    scene, rng = native(seed, varying, pieces), np.random.default_rng(seed)
-    q = np.array(small(seed, varying, pieces).state["q"]) * rng.uniform(0.5, 1.0, (11, scene.nq))
-    v, k = rng.uniform(-1, 1, (11, scene.nv)), scene.setup()
-    for name in BATCHES:
-        given = {"mass": (q,)}.get(name, (q, v))
-        time = (0.5,) if name in ("force", "mass_force", "accel") else ()
-        batch = getattr(scene, f"{name}_batch")(*time, *given, k)
-        single = [getattr(scene, name)(*time, *state, k) for state in zip(*given, strict=True)]
-        if isinstance(batch, tuple):
-            batch, single = np.hstack(batch), [np.concatenate(parts) for parts in single]
-        assert batch.tobytes() == np.array(single).tobytes(), name

@@ -18,7 +18,6 @@ from corpus.generator import corpus_scene
 from corpus.summed_terms import worst
 from derive.ir.kernel import Kernel
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.classes.body_classes import body_classes
 from derive.lowering.instances.lower import lower_instances
 from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
@@ -184,30 +183,6 @@ kind = "energy"
 kind = "reaction"
 joint = "hinge[0]"
 """
-ROD = Path(__file__).parents[2] / "examples" / "spatial_rod.npz"
-RODS = """
-name = "rods"
-[scene]
-gravity = [0.5, 0, -9.81]
-lowering = "instances"
-[ground.markers]
-hook = [0, 0, 0]
-[bodies.rod]
-count = 3
-nodes = "{rod}"
-units = "SI"
-modes = 2
-[bodies.rod.markers]
-left = {{ nodes = [0, 1, 2, 3, 4, 5, 6, 7, 8] }}
-right = {{ nodes = [108, 109, 110, 111, 112, 113, 114, 115, 116], rotation = {{ x = [0, 0, 1], z = [0, 1, 0] }} }}
-[joints.hook]
-kind = "{kind}"
-between = ["ground.hook", "rod[0].left"]
-[joints.hinge]
-count = 2
-kind = "{kind}"
-between = ["rod[i].right", "rod[i+1].left"]
-"""
 
 
 def chain(kind: str, count: int) -> derive.SpatialScene:
@@ -355,73 +330,9 @@ def test_redundant_joints() -> None:
     assert np.allclose(once, again, rtol=OF_LEAST_NORM)
 
 
-@LATER
-@pytest.mark.parametrize(
-    ("order", "frame", "kind"),
-    [(1, "mean", "revolute"), (1, "tangent", "spherical"), (2, "mean", "spherical")],
-)
-def test_chains_of_beams(order: int, frame: str, kind: str) -> None:
-    """Three beams, which differ in their masses."""
-    of_frame = '{ kind = "tangent", at = -1 }' if frame == "tangent" else f'"{frame}"'
-    check(both(parse(BEAMS.format(order=order, frame=of_frame, kind=kind)), True))
-
-
-@pytest.mark.parametrize("kind", ["spherical", pytest.param("fixed", marks=LATER)])
-def test_chains_of_finite_element_bodies(kind: str) -> None:
-    """Three bodies of one file."""
-    check(both(parse(RODS.format(rod=ROD, kind=kind)), True))
-
-
 @pytest.mark.parametrize("seed", [2007, 2010, *(pytest.param(seed, marks=LATER) for seed in (2000, 2004, 2024))])
 def test_scenes_of_the_corpus(seed: int, tmp_path: Path) -> None:
     """Random scenes in space; that of 2000 has outputs of powers."""
     scene = derive.read(corpus_scene(seed).write(tmp_path))
     assert isinstance(scene, derive.SpatialScene)
     check(both(replace(scene, lowering="instances"), False))
-
-
-def test_bodies_of_different_files_have_one_code(tmp_path: Path) -> None:
-    """Finite-element bodies in space whose numbers differ, also those of their markers, are of one class."""
-    arrays = dict(np.load(ROD))
-    np.savez(tmp_path / "other.npz", **{**arrays, "positions": 1.01 * arrays["positions"]})
-    text = RODS.format(rod=ROD, kind="spherical").replace("count = 3\n", "", 1)
-    bodies = text[text.index("[bodies.rod]") : text.index("[joints.hook]")]
-    other = bodies.replace("bodies.rod", "bodies.more").replace(str(ROD), str(tmp_path / "other.npz"))
-    scene = parse(text[: text.index("[bodies.rod]")] + bodies + other)
-    (of,) = body_classes(derive.derive(scene))
-    assert len(of.members) == 2
-    first, second = ([c.value for c in m.instance.component.point_constants] for m in of.members)
-    assert first != second
-
-
-DAMPED = """
-name = "damped"
-[scene]
-gravity = [0, 1, -9.81]
-lowering = "instances"
-[ground.markers]
-hook = { at = [0, 0, 0] }
-[bodies.rod]
-length = 1
-mass = 0.5
-bending_stiffness = 5
-rotary_inertia = 1e-4
-ansatz = ["1", "xi", "xi^2"]
-torsion = { stiffness = 3, ansatz = ["xi"] }
-pieces = 2
-damping = { ratio = 0.05 }
-markers = { left = -1, inner = 0.25 }
-[joints.ball]
-kind = "spherical"
-between = ["ground.hook", "rod.left"]
-[outputs.flow]
-kind = "power"
-"""
-
-
-def test_damping_between_the_pieces_of_a_beam_and_section_forces() -> None:
-    """Section forces of beams with parameters have constants of their own."""
-    section = DAMPED + '[outputs.cut]\nkind = "shear_force"\nsection = "rod.inner"\n'
-    check(both(parse(section), True))
-    with_parameter = section.replace("mass = 0.5", 'mass = { symbol = "m", default = 0.5 }')
-    check(both(parse(with_parameter), True))

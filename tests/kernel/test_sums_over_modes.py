@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from test_instance_graphs import LATER, QUICK
+from test_instance_graphs import LATER
 from test_instances_in_space import both, check
 
 import derive
+from conftest import QUICK
 from derive.backends.c.source import CBackend
 from derive.ir.analysis import names_read
 from derive.ir.expressions import Element, Expr, ScalarRef, walk

@@ -13,9 +13,7 @@ from scipy.linalg import eigh
 
 import derive
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.observables.beams import function_values, piece_names, shape_functions
-from derive.simulation.trajectory import Trajectory
-from derive.simulation.validity.beam_line import places
+from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.beam_vibrations import MissedForms, Vibration, vibrations_of
 from derive.simulation.validity.bending_planes import bending_planes
 from derive.simulation.validity.held_beam import HeldMode, held_modes
@@ -25,6 +23,7 @@ from derive.simulation.validity.surroundings import Surroundings, surroundings
 from derive.simulation.validity.turned_stiffness import TurnedStiffness
 from derive.simulation.validity.watched_forms import WatchedForms
 from explicit_motion import moved
+from spinning_blade import ROD, blade, error_of
 
 BENDING, TWIST, FORCE = 0, 1, 4
 """The numbers of the amplitudes of the two planes, and of the axial force in z."""
@@ -99,63 +98,20 @@ def test_vibrations_with_almost_equal_frequencies_are_late_by_themselves() -> No
     assert almost[0] == pytest.approx(0, abs=0.01) and almost[1] == pytest.approx(0.5, abs=0.01)
 
 
-def blade(shapes: int) -> Trajectory:
-    """A soft blade of second order on a hub that spins, and is knocked at its tip."""
-    rod = {
-        "length": 1,
-        "mass": 1,
-        "bending_stiffness": 2,
-        "ansatz": [f"xi^{power}" for power in range(shapes + 2)],
-        "frame": {"kind": "tangent", "at": -1},
-        "order": 2,
-        "markers": {"left": -1, "right": 1},
-    }
-    hub = {"mass": 1, "inertia": 1, "centre": [0, 0], "markers": {"o": [0, 0], "root": [0.1, 0]}}
-    scene = derive.scene(
-        "blade",
-        ground={"o": (0, 0)},
-        bodies={"hub": hub, "rod": rod},
-        joints={
-            "bearing": {"kind": "revolute", "between": ["ground.o", "hub.o"]},
-            "root": {"kind": "fixed", "between": ["hub.root", "rod.left"]},
-        },
-        drives={"speed": {"joint": "bearing", "speed": 40}},
-        forces={"knock": {"at": "rod.right", "frame": "body", "components": [0, "exp(-(60*t - 3)^2)"]}},
-    )
-    return derive.simulate(scene, duration=0.5, output=0.002)
-
-
 def test_a_spinning_blade_in_three_shapes_is_late() -> None:
     """Its lowest mode is 45 times as stiff as at rest, less 36 that the spin takes away: all shares count for the rest.
 
     What the shapes miss has less of that stiffness than the mode, and most of its moment is that of the axial force.
     """
-    few, many = blade(3), blade(5)
-
-    def deflections(run: Trajectory) -> Matrix:
-        (shapes,) = bending_planes(run.motion.scene)
-        amplitudes = run.motion.q[:, shapes.amplitudes_in(run.motion.native, "rod")]
-        return np.asarray(amplitudes @ [function_values(f, places()) for f in shape_functions(shapes.beam)])
-
-    exact = deflections(many)
-    error = np.sqrt(((deflections(few) - exact) ** 2).mean(axis=0)).max() / np.abs(exact).max()
+    few, many = (derive.simulate(blade(shapes), duration=0.5, output=0.002) for shapes in (3, 5))
+    error = error_of(few, many)
     (moment,) = (m for m in few.validity if m.cause is Cause.BENDING_MOMENT)
     assert error > 0.2 and error / 1.6 < moment.error < 1.6 * error
 
 
 def test_a_spin_takes_stiffness_away_from_attached_masses_too() -> None:
     """The square of the spin takes away M w(1)^2 by a mass M at the tip, whichever piece has it."""
-    rod = {
-        "length": 1,
-        "mass": 1,
-        "bending_stiffness": 2,
-        "ansatz": ["1", "xi", "xi^2"],
-        "frame": {"kind": "tangent", "at": -1},
-        "order": 2,
-        "markers": {"left": -1},
-        "pieces": 2,
-        "masses": {"tip": {"at": 1, "mass": 3}},
-    }
+    rod = ROD | {"ansatz": ["1", "xi", "xi^2"], "pieces": 2, "masses": {"tip": {"at": 1, "mass": 3}}}
     root = {"kind": "fixed", "between": ["ground.o", "rod.left"]}
     motion = moved(
         derive.scene("held", ground={"o": (0, 0)}, bodies={"rod": rod}, joints={"root": root}),

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rods_in_space import FRAMES, beam, numbers, points
 
 import derive
 from derive.algebra import sp
 from derive.mechanics.bodies.section_fields import position_field, second_field, section_shapes, shape_field
 from derive.runtime.interpreted_scene import InterpretedFunction
 from some_functions import only
-from space.test_spatial_beam import FRAMES, beam, numbers, points
 
 SMALL: dict[str, Any] = {"ansatz": ["1", "xi", "xi^2", "xi^3"], "lateral": {"ansatz": ["1", "xi", "xi^2"]}}
 TWISTED: dict[str, Any] = SMALL | {"torsion": {"ansatz": ["xi"], "stiffness": 7}, "centre": ["1/20", "-1/30"]}

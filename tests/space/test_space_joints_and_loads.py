@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from arm_and_bob import ARM, BOB
 
 from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.prepared_run import PreparedRun
@@ -14,24 +15,9 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import parse
 
-SCENE = """
-name = "space_loads"
-[scene]
-gravity = [0.3, 0, -9.81]
-[ground.markers]
-o = { at = [0.1, 0, 0], rotation = { angles = [0.2, 0.5, -0.1], sequence = "xyz" } }
-wall = { at = [0.5, 0.2, 0.1], rotation = { axis = [1, 1, 0], angle = 0.3 } }
-[bodies.arm]
-mass = 1.2
-centre = [0.2, 0.01, 0]
-inertia = [1e-3, 4e-3, 4e-3, 1e-4, 0, 2e-4]
-markers = { hub = { at = [0, 0.02, 0], rotation = { angles = [0.4, 0, 0.3], sequence = "zxz" } }, end = [0.4, 0, 0] }
-[bodies.free]
-mass = 0.5
-centre = [0.01, 0.02, 0.03]
-inertia = [1e-3, 2e-3, 2.5e-3, 1e-4, 0, -2e-4]
-markers = { m = [0.1, 0, 0], n = [-0.1, 0.05, 0] }
-[joints.first]
+SCENE = (
+    f'name = "space_loads"\n{ARM}[bodies.free]\n{BOB}'
+    + """[joints.first]
 BETWEEN
 [joints.ball]
 kind = "spherical"
@@ -53,6 +39,7 @@ duration = 0.2
 output = 0.01
 tolerance = 1e-10
 """
+)
 ROTATIONAL = """
 [springs.mount]
 kind = "bushing"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
+from rods_in_space import PLANAR_ROD, ROD
 
 import derive
 from derive.mechanics.bodies.spatial_beam_part import spatial_part
@@ -17,16 +18,6 @@ from explicit_motion import moved
 from some_functions import only
 
 GRAVITY = ("1", "-9.81", "2")
-ROD: dict[str, Any] = {
-    "length": "3/2",
-    "mass": 2,
-    "bending_stiffness": 30,
-    "lateral": {"ansatz": ["1", "xi", "xi^2", "xi^3"], "bending_stiffness": 12},
-    "rotary_inertia": "1/50",
-    "torsion": {"ansatz": ["xi", "xi^2"], "stiffness": 7},
-    "axial": {"ansatz": ["xi"], "stiffness": 1000},
-    "ansatz": ["1", "xi", "xi^2", "xi^3"],
-}
 SECTION_KINDS = ("axial_force", "shear_force", "twisting_moment", "bending_moment")
 
 
@@ -61,8 +52,7 @@ def state(scene: Any, seed: int, size: float = 0.02, still: bool = False) -> tup
 @pytest.mark.parametrize("order", [1, 2])
 def test_section_outputs_are_those_of_the_planar_beam(order: int) -> None:
     """In a motion in a plane forces, moments, curvatures and strains are those of the planar beam."""
-    rod = {key: ROD[key] for key in ("length", "mass", "bending_stiffness", "ansatz", "axial")}
-    rod |= {"order": order, "frame": "chord", "damping": {"stiffness": "1/50", "mass": "1/10"}}
+    rod = PLANAR_ROD | {"order": order, "frame": "chord", "damping": {"stiffness": "1/50", "mass": "1/10"}}
     markers = {"left": -1, "place": "1/3", "right": 1}
     planar = rod | {"markers": markers} | ({"terms": "truncated"} if order == 2 else {})
     kinds: dict[str, dict[str, Any]] = {kind: {} for kind in ("axial_force", "shear_force", "bending_moment")}

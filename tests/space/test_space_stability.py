@@ -1,17 +1,14 @@
-"""Stability of beams in space beside its theory: whirling shafts, shafts under torque, lateral buckling, blades."""
+"""Stability of beams in space beside its theory: lateral buckling, blades, and scenes that have none to study."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial
-from numpy.polynomial.legendre import Legendre
 
 import derive
 from conftest import QUICK, ROOT
@@ -60,162 +57,8 @@ def compiled(scene: SpatialScene) -> Callable[..., Eigenvalues]:
     return at
 
 
-# ---- whirl
-
-
-@cache
-def whirling(order: int) -> Callable[..., Eigenvalues]:
-    """A shaft with one half sine wave that turns at `spin`, with the damping of its material and of the air.
-
-    inner (s): the factor of the stiffness; outer (N s/m): of a damper that stands still at the middle; other (N m^2):
-    the bending stiffness about the second axis.
-    """
-    outer = {"symbol": "outer", "default": 0}
-    scene = derive.spatial_scene(
-        "whirling",
-        ground={**GROUND, "middle": ("1/2", 0, 0)},
-        bodies={
-            "coupling": {"markers": {"shaft": {"at": (0, 0, 0), "rotation": ALONG}}},
-            "rod": rod(
-                ansatz={"kind": "pinned", "count": 1},
-                lateral={"bending_stiffness": {"symbol": "other", "default": 1}},
-                damping={"stiffness": {"symbol": "inner", "default": 0}},
-                order=order,
-            ),
-        },
-        joints={
-            "motor": {"kind": "revolute", "between": ["ground.left", "coupling.shaft"]},
-            "left": {"kind": "general", "removes": ["x", "y", "z", "rz"], "between": ["coupling.shaft", "rod.left"]},
-            "right": RIGHT,
-        },
-        drives={"speed": {"joint": "motor", "speed": {"symbol": "spin", "default": 1}}},
-        springs={
-            "air": {
-                "kind": "bushing",
-                "between": ["ground.middle", "rod.middle"],
-                "stiffness": [0] * 6,
-                "damping": [0, outer, outer, 0, 0, 0],
-            }
-        },
-        start="steady",
-    )
-    return compiled(scene)
-
-
 INERTIA = CRITICAL / 1000
 """J pi^2/(m l^2): the part by which the inertia of the sections about the axis raises critical speeds."""
-
-
-def test_a_shaft_without_damping_whirls_at_its_frequency_beside_the_spin() -> None:
-    """Forwards and backwards: p^2 -+ e spin p - w^2 = 0 in axes that stand still, with e = J pi^2/(m l^2)."""
-    for spin in (3.0, 12.0):
-        at = whirling(2)(spin=spin)
-        forward, backward = (np.roots([1, -sign * INERTIA * spin, -(CRITICAL**2)]).max() for sign in (1, -1))
-        assert at.growing == 0
-        assert at.frequencies == pytest.approx(sorted([abs(forward - spin), backward + spin]), rel=1e-6)
-
-
-def test_the_damping_of_the_material_makes_a_shaft_unstable_above_its_critical_speed() -> None:
-    """Forward whirl at p = spin/s grows if p is above its frequency, with s = 1 + outer/inner damping of the mode."""
-    inner, of_mode = 0.002, CRITICAL**2 / 2
-    for outer in (0.0, 0.05):
-        s = 1 + outer / (inner * of_mode)
-        lost = s * CRITICAL / np.sqrt(1 - s * INERTIA)
-        below, above = (whirling(2)(spin=part * lost, inner=inner, outer=outer) for part in (1 - 1e-4, 1 + 1e-4))
-        assert (below.growing, above.growing) == (0, 1)
-
-
-def test_a_shaft_with_two_stiffnesses_is_unstable_between_both_critical_speeds() -> None:
-    low, high = (np.sqrt(stiffness) * CRITICAL / np.sqrt(1 - INERTIA) for stiffness in (1.0, 1.2))
-    spins = [(1 - 1e-4) * low, (1 + 1e-4) * low, (1 - 1e-4) * high, (1 + 1e-4) * high]
-    assert [whirling(2)(spin=spin, other=1.2).growing for spin in spins] == [0, 1, 1, 0]
-
-
-def test_first_order_has_half_of_what_the_inertia_of_the_sections_adds() -> None:
-    """The displacements t x p of first order alone turn the inertia J with the sections by half."""
-    lost = CRITICAL / np.sqrt(1 - INERTIA / 2)
-    assert [whirling(1)(spin=part * lost, inner=0.002).growing for part in (1 - 1e-4, 1 + 1e-4)] == [0, 1]
-
-
-# ---- torque
-
-
-def twisted(count: int, stiffness: float = 1000.0) -> Callable[..., Eigenvalues]:
-    """A shaft between a ball joint and a point on a line under opposite torques at its ends, and a thrust P (N).
-
-    M, N (N m): the torques whose axes stay along the line, and that turn with the ends of the shaft.
-    """
-    torques = {
-        f"{symbol}_{end}": {"on": f"rod.{end}", "torque": axis, "frame": frame}
-        for symbol, frame in (("M", "inertial"), ("N", "body"))
-        for end, sign in (("left", "-"), ("right", ""))
-        for axis in [[f"{sign}{symbol}", 0, 0] if frame == "inertial" or end == "right" else [0, 0, f"{sign}{symbol}"]]
-    }
-    scene = derive.spatial_scene(
-        "twisted",
-        parameters={"M": {"default": 0}, "N": {"default": 0}, "P": {"default": 0}},
-        ground=GROUND,
-        bodies={
-            "rod": rod(
-                ansatz=[f"xi^{power}" for power in range(count + 2)], torsion={"ansatz": ["xi"], "stiffness": stiffness}
-            )
-        },
-        joints={"left": {"kind": "spherical", "between": ["ground.left", "rod.left"]}, "right": RIGHT},
-        torques=torques,
-        forces={"thrust": {"at": "rod.right", "force": ["-P", 0, 0]}},
-        start="steady",
-    )
-    return compiled(scene)
-
-
-def ritz(count: int, torque: float, part: float, thrust: float) -> np.ndarray:
-    """The squares of the frequencies of v + i w of a shaft under torque, by polynomials that vanish at its ends.
-
-    part: of the torque, that stays along the line; the rest turns with the ends. In the moment M (t - part u') of a
-    section the torque along the tangent t has the bending moment -i M u', which does work int u''* i M u' dx on the
-    curvature; at the ends those that turn along have none, by int u'* i M u'' dx.
-    """
-    shapes = [Polynomial([0, 1, -1]) * Legendre.basis(k, [0, 1]).convert(kind=Polynomial) for k in range(count)]
-
-    def integral(a: Polynomial, b: Polynomial) -> float:
-        whole = (a * b).integ()
-        return float(whole(1) - whole(0))
-
-    d = [(f, f.deriv(), f.deriv(2)) for f in shapes]
-    K = np.array(
-        [
-            [
-                integral(a[2], b[2])
-                - thrust * integral(a[1], b[1])
-                - 1j * torque * (part * integral(a[2], b[1]) - (1 - part) * integral(a[1], b[2]))
-                for b in d
-            ]
-            for a in d
-        ]
-    )
-    M = np.array([[integral(a[0], b[0]) for b in d] for a in d])
-    return np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)
-
-
-@pytest.mark.long
-def test_a_shaft_buckles_under_torque_as_that_of_greenhill() -> None:
-    """Torques along the line, torques that turn with the ends, and half of each, against a Ritz solution of its own.
-
-    The first two have the criterion (M/(2 EI))^2 + P/EI = (pi/l)^2, of which four shapes know 6.483 for 2 pi. Half of
-    each is a conservative torque, which buckles earlier.
-    """
-    at = twisted(4)
-    for torque, part, thrust in ((6.0, 1.0, 0.0), (6.0, 0.0, 0.0), (4.0, 0.5, 0.0), (4.0, 1.0, 5.0), (7.0, 1.0, 0.0)):
-        own = at(M=part * torque, N=(1 - part) * torque, P=thrust)
-        squares = ritz(4, torque, part, thrust)
-        assert own.growing == 2 * (squares[0] < 0)
-        if own.growing:
-            assert own.growth == pytest.approx(np.sqrt(-squares[0]), rel=1e-4)
-        else:
-            assert own.frequencies[0] == pytest.approx(np.sqrt(squares[0]), rel=1e-4)
-    for thrust in (0.0, 5.0, 9.0):  # the Ritz solution, and so the model, tends to the closed form
-        exact = 2 * np.sqrt(CRITICAL - thrust)
-        assert ritz(8, 0.999 * exact, 1.0, thrust)[0] > 0 > ritz(8, 1.001 * exact, 1.0, thrust)[0]
 
 
 # ---- models of a ladder

@@ -7,31 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rods_in_space import PLANAR_ROD, accelerations
 from scipy.optimize import brentq
 from space_oracle import SpaceOracle
 from written_scene import tables
 
 import derive
-from derive.runtime.interpreted_scene import InterpretedFunction
-from some_functions import only
 
-ROD: dict[str, Any] = {
-    "length": "3/2",
-    "mass": 2,
-    "bending_stiffness": 30,
-    "ansatz": ["1", "xi", "xi^2", "xi^3"],
-    "axial": {"ansatz": ["xi"], "stiffness": 1000},
-}
 OTHERS = {"rotary_inertia": "1/50", "torsion": {"ansatz": ["xi"], "stiffness": 7}}
 CLAMPED: dict[str, Any] = {"frame": {"kind": "tangent", "at": -1}, "markers": {"left": -1, "right": 1}}
-
-
-def accelerations(scene: Any, q: Any, v: Any) -> Any:
-    """The accelerations of a scene, by the interpreter."""
-    with only("accel"):
-        model = derive.lower(derive.derive(scene), explicit=True)
-    run = {k.name: InterpretedFunction(model, k) for k in model.kernels if k.name in ("setup", "accel")}
-    return run["accel"].at(0.7, q, v, run["setup"]((np.array(model.defaults),)))
 
 
 @pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.long), 2])
@@ -40,7 +24,7 @@ def test_loads_and_masses_in_a_plane_are_those_of_the_planar_beam(order: int) ->
 
     At first order the masses are points: displacements that are linear in the amplitudes stretch a body that turns.
     """
-    rod = ROD | {"frame": "chord", "order": order}
+    rod = PLANAR_ROD | {"frame": "chord", "order": order}
     J = 0.02 * (order == 2)
     masses: dict[str, Any] = {"tip": {"at": 1, "mass": 0.3, "inertia": J}, "other": {"at": "-1/3", "mass": 0.2}}
     loads: dict[str, Any] = {
@@ -57,9 +41,9 @@ def test_loads_and_masses_in_a_plane_are_those_of_the_planar_beam(order: int) ->
     rng = np.random.default_rng(3)
     c, alpha, cdot, alphadot = (size * rng.normal(size=n) for size, n in ((1, 2), (0.01, 3), (1, 2), (0.3, 3)))
     half, none = 0.35, np.zeros(3)
-    ours = accelerations(plane, np.r_[c, 2 * half, alpha], np.r_[cdot, 2.0, alphadot])
+    ours = accelerations(plane, np.r_[c, 2 * half, alpha], np.r_[cdot, 2.0, alphadot], 0.7)
     q = np.r_[c, 0, [np.cos(half), 0, 0, np.sin(half)], alpha[:2], none, alpha[2]]
-    both = accelerations(space, q, np.r_[cdot, 0, 0, 0, 2.0, alphadot[:2], none, alphadot[2]])
+    both = accelerations(space, q, np.r_[cdot, 0, 0, 0, 2.0, alphadot[:2], none, alphadot[2]], 0.7)
     scale = np.abs(ours).max()
     assert np.abs(both[[0, 1, 5, 6, 7, 11]] - ours).max() < 2e-13 * scale
     assert np.abs(both[[2, 3, 4, 8, 9, 10]]).max() < 1e-13 * scale
@@ -91,7 +75,7 @@ frame = "{frame}"
     amplitudes = 1e-4 * rng.normal(size=len(names) - 7)  # their squares are in normalised quaternions
     q, v = np.r_[0.1, -0.2, 0.3, turn, amplitudes], 0.3 * rng.normal(size=len(names) - 1)
     expected = SpaceOracle(tables(tmp_path / "rod.toml"), names).see(0.7, q, v).accelerations()[0].astype(float)
-    assert np.abs(accelerations(scene, q, v) - expected).max() < 1e-9 * np.abs(expected).max()
+    assert np.abs(accelerations(scene, q, v, 0.7) - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 @pytest.mark.long
@@ -100,7 +84,7 @@ def test_uniform_loads_deflect_and_twist_a_cantilever() -> None:
     quartic = {"ansatz": [f"xi^{k}" for k in range(5)], "axial": {"ansatz": ["xi", "xi^2"], "stiffness": 1000}}
     shapes = quartic | {"torsion": {"ansatz": ["xi", "xi^2"], "stiffness": 7}, "lateral": {"bending_stiffness": 12}}
     loads = {"all": {"force": [2, 1e-5, 3e-5], "torque": [5e-5, 0, 0]}}
-    rod = ROD | OTHERS | CLAMPED | shapes | {"loads": loads}
+    rod = PLANAR_ROD | OTHERS | CLAMPED | shapes | {"loads": loads}
     scene = derive.spatial_scene(
         "loaded",
         ground={"o": (0, 0, 0)},
@@ -122,7 +106,8 @@ def test_uniform_loads_deflect_and_twist_a_cantilever() -> None:
 
 def test_frequencies_with_a_mass_at_the_tip() -> None:
     """A cantilever with a mass at its tip has the frequencies of the characteristic equation of beams."""
-    rod = ROD | OTHERS | CLAMPED | {"ansatz": [f"xi^{k}" for k in range(6)], "masses": {"tip": {"at": 1, "mass": 1}}}
+    rod = PLANAR_ROD | OTHERS | CLAMPED | {"ansatz": [f"xi^{k}" for k in range(6)]}
+    rod |= {"masses": {"tip": {"at": 1, "mass": 1}}}
     del rod["axial"], rod["torsion"]
 
     def characteristic(x: float) -> float:
@@ -146,7 +131,7 @@ def test_masses_are_bodies_that_are_fixed_to_sections() -> None:
     """A body at the tip with an offset and a full tensor gives the frequencies that it has as a body of the scene."""
     tensor, centre = [0.02, 0.03, 0.025, 0.002, -0.003, 0.004], (0.1, 0.05, -0.08)
     mass = {"at": 1, "mass": 0.7, "inertia": tensor, "centre": centre}
-    rod = ROD | OTHERS | CLAMPED | {"lateral": {"bending_stiffness": 12}}
+    rod = PLANAR_ROD | OTHERS | CLAMPED | {"lateral": {"bending_stiffness": 12}}
     clamp = {"clamp": {"kind": "fixed", "between": ["ground.o", "rod.left"]}}
     own: dict[str, Any] = {"ground": {"o": (0, 0, 0)}, "joints": clamp}
     attached = derive.spatial_scene("attached", bodies={"rod": rod | {"masses": {"tip": mass}}}, **own)

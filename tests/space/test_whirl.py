@@ -48,16 +48,7 @@ def shaft(path: Path) -> None:
             modes[2 * i + j, :, axis] = np.sin(wave * positions[:, 0])
             modes[2 * i + j, :, 0] = -positions[:, axis] * wave * np.cos(wave * positions[:, 0])
     stiffness = np.diag(np.repeat(STIFFNESS * WAVES**4 * LENGTH / 2, 2))
-    index = np.arange(len(positions))
-    np.savez(
-        path,
-        positions=positions,
-        mass_row=index,
-        mass_col=index,
-        mass_value=mass,
-        modes=modes,
-        modal_stiffness=stiffness,
-    )
+    np.savez(path, positions=positions, mass=mass, modes=modes, modal_stiffness=stiffness)
 
 
 def section(i: int) -> str:

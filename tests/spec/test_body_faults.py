@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bodies import LUMPED_BODY, MODAL_BODY, MODES, POSITIONS, STIFFNESS, N, save, toml, without
+from bodies import MODAL_BODY, POSITIONS, N, save, toml
 
 from derive.errors import SpecError
 from derive.spec.construction.bodies import nodal_body, planar_beam, symbolic_body
@@ -195,67 +195,6 @@ def test_a_body_says_that_it_needs_nodes_and_units(folder):
     ]
 
 
-SYMBOLIC = 'name = "b"\n[body]\nintegrals = "symbolic"\n'
-NO_SUCH = "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
-
-
-@pytest.mark.parametrize(
-    ("text", "messages"),
-    [
-        (SYMBOLIC, ["2: body.modes: this key is missing; write modes = 8"]),
-        (SYMBOLIC + "modes = 301", ["4: body.modes: at most 300 modes are allowed, not 301"]),
-        (
-            SYMBOLIC + 'modes = 2\nframe = "point"',
-            ['5: body.frame: the frame of a symbolic body is one of "mean", "given", not "point"'],
-        ),
-        (
-            SYMBOLIC + 'modes = 2\nframe = { kind = "mean" }',
-            ['5: body.frame: the frame of a symbolic body is one of "mean", "given", not a table'],
-        ),
-        (
-            SYMBOLIC + "modes = 2\ndamping = { ratio = 0.01 }",
-            ["5: body.damping: true or false is needed, without quotation marks, not a table"],
-        ),
-        (
-            SYMBOLIC + 'modes = 2\nnodes = "b.npz"\nunits = "SI"\nmarkers = {}\ncolour = 1',
-            [
-                f"5: body.nodes: {NO_SUCH}",
-                f"6: body.units: {NO_SUCH}",
-                f"7: body.markers: {NO_SUCH}",
-                "8: body.colour: unknown key; the keys here are integrals, modes, frame, damping, gravity, lowering",
-            ],
-        ),
-        (
-            SYMBOLIC.replace('"symbolic"', '"numbers"') + "modes = 2",
-            ['3: body.integrals: `integrals` is one of "symbolic", not "numbers"'],
-        ),
-        (
-            SYMBOLIC + 'modes = 2\ngravity = [{ symbol = "M", default = 0 }, { symbol = "k_1_2", default = 0 }, 0]',
-            [
-                '5: body.gravity[0].symbol: "M" is taken: it is the name of another parameter of a body in space',
-                '5: body.gravity[1].symbol: "k_1_2" is taken: it is the name of another parameter of a body in space',
-            ],
-        ),
-    ],
-)
-def test_a_fault_of_a_symbolic_body(tmp_path, text, messages):
-    assert errors(text, tmp_path) == [f"b.toml:{message}" for message in messages]
-
-
-@pytest.mark.parametrize("symbol", ["c", "c9_1", "g1", "K1", "mm", "d_1"])
-def test_what_is_no_name_of_an_integral_may_be_a_symbol(symbol):
-    assert symbolic_body("b", 1, gravity=[0, 0, {"symbol": symbol, "default": 1}]).gravity[2].symbol == symbol
-
-
-@pytest.mark.parametrize("symbol", ["m", "K", "k", "C3", "c8", "C3_11", "B_1_2", "X1", "Phi1", "x1_1"])
-def test_symbols_are_not_those_of_other_parameters(symbol):
-    """Equal symbols would meet in the parameters of a model with loops, whichever lowering is chosen today."""
-    with pytest.raises(SpecError, match="it is the name of another parameter of a body in space"):
-        nodal_body("m", MODAL_BODY, units="SI", gravity=[0, 0, {"symbol": symbol, "default": 1}])
-    with pytest.raises(SpecError, match="it is the name of another parameter of a body in space"):
-        symbolic_body("m", 1, gravity=[0, 0, {"symbol": symbol, "default": 1}])
-
-
 @pytest.mark.parametrize(
     ("text", "messages"),
     [
@@ -311,71 +250,6 @@ def test_symbols_are_not_those_of_other_parameters(symbol):
 )
 def test_a_fault_of_the_whole(tmp_path, text, messages):
     assert errors(text, tmp_path) == messages
-
-
-NOTHING = (
-    "there is nothing to take modes from: add modes and modal_stiffness, or a stiffness to compute them with mass, "
-    "or write modes = 0 for a rigid body"
-)
-NO_STIFFNESS = "the modes have no stiffness: add modal_stiffness, or stiffness"
-COMPUTED = "modes that are computed are orthonormal; leave this out, or give the modes"
-
-
-@pytest.mark.parametrize(
-    ("arrays", "keywords", "path", "message"),
-    [
-        (without(LUMPED_BODY, "stiffness"), {}, "body.nodes", NOTHING),
-        (without(LUMPED_BODY, "stiffness"), {"modes": 1}, "body.modes", NOTHING),
-        (
-            LUMPED_BODY,
-            {},
-            "body.modes",
-            "this key is missing; write modes = 8 to have so many computed from mass and stiffness",
-        ),
-        (
-            LUMPED_BODY,
-            {"modes": 7},
-            "body.modes",
-            "7 modes are too many: 4 nodes have 12 displacements, of which 6 are rigid motion, so that there are 6 at "
-            "most",
-        ),
-        (
-            MODAL_BODY | {"modes": np.ones((7, N, 3)), "modal_stiffness": np.ones(7)},
-            {},
-            "body.modes",
-            "7 modes are too many: 4 nodes have 12 displacements, of which 6 are rigid motion, so that there are 6 at "
-            "most",
-        ),
-        (
-            {"positions": POSITIONS[:1], "mass": [1.0], "stiffness": STIFFNESS[:3, :3]},
-            {"modes": 1},
-            "body.modes",
-            "1 modes are too many: 1 nodes have 3 displacements, of which 6 are rigid motion, so that there are 0 at "
-            "most",
-        ),
-        (
-            {
-                "positions": np.ones((110, 3)),
-                "mass": np.ones(110),
-                "modes": np.ones((301, 110, 3)),
-                "modal_stiffness": np.ones(301),
-            },
-            {},
-            "body.modes",
-            "there are 301 modes in the files, and 300 are allowed; keep fewer: modes = 8",
-        ),
-        (without(MODAL_BODY, "modal_stiffness"), {}, "body.nodes", NO_STIFFNESS),
-        (LUMPED_BODY, {"modes": 2, "orthonormal": False}, "body.orthonormal", COMPUTED),
-    ],
-)
-def test_modes_that_cannot_be_had(arrays, keywords, path, message):
-    arrays = {key: np.asarray(array) for key, array in arrays.items()}
-    assert problems(nodal_body, "b", arrays, units="SI", **keywords) == [(path, message)]
-
-
-def test_no_modes_of_those_given_need_no_stiffness():
-    assert nodal_body("b", without(MODAL_BODY, "modal_stiffness"), units="SI", modes=0).modes == 0
-    assert nodal_body("b", MODAL_BODY | {"modes": MODES}, units="SI", modes=1).modes == 1
 
 
 def test_all_faults_of_a_file_are_reported_at_once_in_the_order_of_the_file(tmp_path):

@@ -1,13 +1,10 @@
 """Specifications that are wrong: every fault has its file, its line, its key, and a sentence that helps."""
 
-import os
-import pickle
-
 import pytest
 
-from derive.errors import Problem, SpecError
+from derive.errors import SpecError
 from derive.spec.construction.bodies import planar_beam
-from derive.spec.toml.read import MAX_BYTES, parse, read
+from derive.spec.toml.read import parse
 
 
 def errors(text):
@@ -283,114 +280,3 @@ def test_an_ansatz_whose_exact_shapes_would_be_endless_is_refused():
     rough = [tuple(f"1/{n + 10**20 + 7 * k}" for k in range(n + 1)) for n in range(8)]
     with pytest.raises(SpecError, match=r"^beam\.ansatz: over common denominators, .* at most 800 are allowed"):
         planar_beam("b", ansatz=rough)
-
-
-@pytest.mark.parametrize(
-    ("text", "start"),
-    [
-        ("name = ", "b.toml:1: this is not TOML: "),
-        ('name = "b"\n[beam\n', "b.toml:2: this is not TOML: "),
-        ('name = "b"\nname = "c"\n[beam]', "b.toml:2: name: it is in line 1 already; keep one of them"),
-        ('name = "b"\n[beam]\nlength = 1\n\nlength = 2', "b.toml:5: beam.length: it is in line 3 already"),
-        ('name = "b"\n[beam]\nlength = 1\n[beam]\n', "b.toml:4: beam: it is in line 2 already"),
-        ('name = "b"\nbeam.length = 1\n[beam]\n', "b.toml:3: beam: it is in line 2 already"),
-        ('name = "b"\n[beam.markers]\na = 1\n[beam]\nmarkers = {}', "b.toml:5: beam.markers: it is in line 2 already"),
-        ('name = "b"\n[beam]\nmarkers = { a = 1,\n', "b.toml:3: this is not TOML: "),
-        ("[beam]\ndamping = { ratio = 1, ratio = 2 }", "b.toml:2: beam.damping.ratio: it is in line 2 already"),
-        ('[beam]\nansatz = [\n"1"]\nansatz = [\n"1",\n"xi"]', "b.toml:4: beam.ansatz: it is in line 2 already"),
-        ('name = "b"\n\n[beam]\nansatz = ["1"\n\n', "b.toml:4: this is not TOML: "),
-        ('name = "b"\nx = "\x00"', "b.toml:2: this is not TOML: "),
-        ("x = " + "[" * 100_000, "b.toml: the brackets are nested too deeply"),
-        ("x = " + "9" * 5000, "b.toml: a number has too many digits"),
-        ("\n" + "a." * 50_000 + "a = 1", "b.toml:2: this line has more than 200 dots; break it into several lines"),
-    ],
-)
-def test_text_that_is_not_toml_is_one_problem(text, start):
-    (line,) = errors(text)
-    assert line.startswith(start)
-
-
-def test_a_ruler_of_dots_in_a_comment_is_no_fault():
-    assert parse(f"# {'.' * 300}\n" + beam("")).name == "b"
-
-
-def test_a_flood_of_faults_is_cut_short():
-    lines = errors(beam("\n".join(f"k{n} = 0" for n in range(500))))
-    assert len(lines) == 101
-    assert lines[0] == "b.toml: 400 more problems are not shown"
-
-
-def problems_of_file(path):
-    with pytest.raises(SpecError) as caught:
-        read(path)
-    assert caught.value.source == str(path)
-    return caught.value.problems
-
-
-def test_files_that_cannot_be_read(tmp_path):
-    (tmp_path / "large.toml").write_bytes(b"#" * (MAX_BYTES + 1))
-    (tmp_path / "latin.toml").write_bytes(b'# a\nname = "L\xe4nge"')
-    os.mkfifo(tmp_path / "pipe.toml")
-    assert problems_of_file(tmp_path / "none.toml") == (
-        Problem("", "the file cannot be read: no such file or directory"),
-    )
-    assert problems_of_file(tmp_path)[0].message.startswith("the file cannot be read: ")
-    assert problems_of_file(tmp_path / "pipe.toml") == (
-        Problem("", "the file cannot be read: it is a pipe or a device, not a file"),
-    )
-    assert problems_of_file("a\0b")[0].message.startswith("the file cannot be read: ")
-    assert problems_of_file(tmp_path / "large.toml") == (
-        Problem("", "the file is larger than 1000000 bytes; is it a specification?"),
-    )
-    assert problems_of_file(tmp_path / "latin.toml") == (
-        Problem("", "this is not UTF-8 text; save the file as UTF-8", 2),
-    )
-
-
-def test_an_error_in_python_has_no_file_and_no_line():
-    with pytest.raises(SpecError) as caught:
-        planar_beam("b", mass=-1, markers={"a": 2.5})
-    assert caught.value.source is None
-    assert caught.value.problems == (
-        Problem("beam.mass", "a positive number is needed, not -1"),
-        Problem("beam.markers.a", "xi = 5/2 is not on the beam: it goes from -1, the left end, to 1, the right end"),
-    )
-    assert str(caught.value).startswith("beam.mass: a positive number is needed, not -1\nbeam.markers.a: ")
-
-
-@pytest.mark.parametrize(
-    ("keywords", "path"),
-    [
-        ({"ansatz": "xi"}, "beam.ansatz"),
-        ({"ansatz": {"xi^2", "xi^3"}}, "beam.ansatz"),
-        ({"ansatz": None}, "beam.ansatz"),
-        ({"ansatz": [(True, 1, 2)]}, "beam.ansatz[0]"),
-        ({"ansatz": [(0, 0)]}, "beam.ansatz[0]"),
-        ({"ansatz": [(0,) * 41 + (1,)]}, "beam.ansatz[0]"),
-        ({"frame": 1}, "beam.frame"),
-        ({"frame": {1: 2, "kind": "mean"}}, "beam.frame[1]"),
-        ({"mass": float("nan")}, "beam.mass"),
-        ({"mass": 5e-324}, "beam.mass"),
-        ({"mass": 1j}, "beam.mass"),
-        ({"mass": 10**5000}, "beam.mass"),
-        ({"markers": {3: 0}}, "beam.markers[3]"),
-        ({"markers": {"a\nb": 0}}, 'beam.markers."a\\nb"'),
-        ({"markers": ["a"]}, "beam.markers"),
-        ({"orthogonal": 0}, "beam.orthogonal"),
-    ],
-)
-def test_python_values_of_the_wrong_kind_are_spec_errors_too(keywords, path):
-    with pytest.raises(SpecError) as caught:
-        planar_beam("b", **keywords)
-    assert [problem.path for problem in caught.value.problems] == [path]
-
-
-def test_an_error_survives_the_way_between_processes():
-    error = SpecError((Problem("a", "b", 3),), "c.toml")
-    again = pickle.loads(pickle.dumps(error))
-    assert (str(again), again.problems) == ("c.toml:3: a: b", error.problems)
-
-
-def test_nothing_of_a_user_breaks_a_line_of_an_error():
-    (line,) = errors(beam('mass = "1\\n\\u2028\\u202E2"'))
-    assert line.startswith('b.toml:3: beam.mass: column 4 of "1\\n\\u2028\\u202e2": "\\u202e" has no meaning')

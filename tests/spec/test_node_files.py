@@ -1,8 +1,4 @@
-"""The numbers of a body that are wrong, and files that are not what they should be."""
-
-import io
-import os
-import zipfile
+"""The numbers of a body of nodes that are wrong."""
 
 import numpy as np
 import pytest
@@ -11,22 +7,18 @@ from bodies import (
     LUMPED,
     LUMPED_BODY,
     MODAL,
-    MODAL_BODY,
     MODES,
     POSITIONS,
     STIFFNESS,
     N,
     entries,
-    save,
-    toml,
     without,
 )
 from scipy.sparse import csr_array
 
 from derive.errors import SpecError
 from derive.spec.construction.bodies import nodal_body
-from derive.spec.files import node_data, node_files
-from derive.spec.toml.read import parse
+from derive.spec.files import node_files
 
 START = "body.nodes"
 
@@ -258,228 +250,3 @@ def test_a_fault_of_the_entries_of_a_mass(arrays, messages):
 )
 def test_a_fault_of_the_entries_of_a_stiffness(arrays, message):
     assert faults(without(LUMPED_BODY, "stiffness") | arrays) == [f".stiffness: {message}"]
-
-
-def archive(**members):
-    """A zip archive with any content."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as file:
-        for name, content in members.items():
-            file.writestr(f"{name}.npy", content)
-    return stream.getvalue()
-
-
-def npy(array):
-    stream = io.BytesIO()
-    np.save(stream, array, allow_pickle=True)
-    return stream.getvalue()
-
-
-LIES = npy(np.zeros(4)).replace(b"(4,)", b"(9,)")
-HUGE = npy(np.zeros(4)).replace(b"(4,), }            ", b"(4000000000000000,), }")
-TABLE = 'MatrixMarket files go in a table: { positions = "x.mtx", mass = "m.mtx" }'
-KNOWN = ", ".join(node_files.ARRAYS)
-WITH_MESH = ", ".join((*node_files.ARRAYS, *node_files.MESH))
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"", f': "b.npz" is no .npz file; {TABLE}'),
-        (b"%%MatrixMarket matrix array real general\n", f': "b.npz" is no .npz file; {TABLE}'),
-        (
-            npy(POSITIONS),
-            ': "b.npz" is no .npz file; it holds a single array: save all of them in one file with numpy.savez',
-        ),
-        (
-            archive(positions=npy(POSITIONS), mass=npy(np.array([{}]))),
-            ".mass: this holds Python objects, which are not read; save an array of numbers",
-        ),
-        (
-            archive(positions=npy(POSITIONS), mass=b"cos\nsystem\n(S'true'\ntR."),
-            ".mass: this is no array; save it with numpy.savez",
-        ),
-        (
-            archive(**{f"m{n}": b"" for n in range(35)}),
-            f': "b.npz" holds 35 arrays; those that are known are {KNOWN}',
-        ),
-    ],
-)
-def test_an_archive_that_is_none(tmp_path, monkeypatch, content, message):
-    (tmp_path / "b.npz").write_bytes(content)
-    monkeypatch.chdir(tmp_path)
-    assert faults("b.npz", modes=0) == [message]
-
-
-@pytest.mark.parametrize("content", [LIES, HUGE, npy(np.zeros(4))[:-3], npy(np.zeros(4))[:20], b"\x93NUMPY\x09\x00"])
-def test_an_array_that_is_damaged(tmp_path, content):
-    (tmp_path / "b.npz").write_bytes(archive(positions=npy(POSITIONS), mass=content))
-    (line,) = faults(tmp_path / "b.npz", modes=0)
-    assert line.startswith(".mass: this array is damaged: ")
-
-
-def test_an_archive_that_is_damaged(tmp_path):
-    np.savez_compressed(tmp_path / "b.npz", **LUMPED_BODY)
-    content = bytearray((tmp_path / "b.npz").read_bytes())
-    content[80:120] = bytes(40)
-    (tmp_path / "b.npz").write_bytes(content)
-    assert any("is damaged: " in line for line in faults(tmp_path / "b.npz"))
-
-
-def test_no_array_hides_another(tmp_path):
-    with pytest.warns(UserWarning, match="Duplicate"), zipfile.ZipFile(tmp_path / "b.npz", "w") as file:
-        for name, array in (("positions", POSITIONS), ("mass", LUMPED), ("mass", 2 * LUMPED)):
-            file.writestr(f"{name}.npy", npy(array))
-    assert faults(tmp_path / "b.npz", modes=0) == [".mass: this array is in the file twice; keep one"]
-
-
-@pytest.mark.parametrize(
-    ("header", "reason"),
-    [
-        ("{'descr': '<f8', 'fortran_order': False, 'shape': (True, True)}", "an integer is required"),
-        ("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999, 3)}", "too large"),
-        ("{[]: 1}", "unhashable"),
-        ("{", "EOF in multi-line statement"),
-    ],
-)
-def test_headers_that_numpy_does_not_expect(tmp_path, header, reason):
-    text = header.encode().ljust(117) + b"\n"
-    with zipfile.ZipFile(tmp_path / "b.npz", "w") as archive:
-        archive.writestr("positions.npy", b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + bytes(24))
-    (message, *_) = faults(tmp_path / "b.npz", modes=0)
-    assert message.startswith(".positions: this array is damaged: ") and reason in message
-
-
-def test_unknown_arrays_are_named(tmp_path):
-    save(tmp_path, **LUMPED_BODY, stifness=STIFFNESS, colour=STIFFNESS)
-    assert faults(tmp_path / "b.npz") == [
-        '.stifness: unknown key; did you mean "stiffness"?',
-        f".colour: unknown key; the keys here are {WITH_MESH}",
-    ]
-
-
-def test_what_is_too_large_is_not_read(tmp_path, monkeypatch):
-    np.savez_compressed(tmp_path / "b.npz", positions=np.zeros((100, 3)), mass=np.ones(100))
-    large = ", the most that is read; store matrices as the entries that are not zero"
-    monkeypatch.setattr(node_files, "MAX_BYTES", 2000)
-    monkeypatch.chdir(tmp_path)
-    assert faults("b.npz") == [f': "b.npz" unpacks to more than 1000 MB{large}']
-    monkeypatch.setattr(node_files, "MAX_BYTES", 300)
-    assert faults("b.npz") == [f': the file "b.npz" has more than 0 MB{large}']
-
-
-def test_there_are_limits_to_nodes_and_to_full_arrays(monkeypatch):
-    monkeypatch.setattr(node_data, "MAX_NODES", 3)
-    assert faults(LUMPED_BODY) == [".positions: there are 4 nodes, and at most 3 are allowed"]
-    monkeypatch.undo()
-    monkeypatch.setattr(node_data, "MAX_BYTES", 11 * 8)
-    assert faults(LUMPED_BODY | {"positions": csr_array(POSITIONS)}) == [
-        ".positions: the shape is (4, 3), which is too large for a full array"
-    ]
-
-
-BESIDE = "; its path begins at the folder of the specification"
-
-
-@pytest.mark.parametrize(
-    ("nodes", "messages"),
-    [
-        ('"none.npz"', [f': the file "none.npz" cannot be read: no such file or directory{BESIDE}']),
-        ('"a\\u0000b"', [f': the file "a\\x00b" cannot be read: embedded null byte{BESIDE}']),
-        ('"parts"', [f': the file "parts" cannot be read: is a directory{BESIDE}']),
-        ('"pipe"', [f': the file "pipe" cannot be read: it is a pipe or a device, not a file{BESIDE}']),
-        (
-            "3",
-            [
-                ': a file is needed, such as "block.npz", or a table such as { positions = "x.mtx", mass = "m.mtx" }, '
-                "not a number"
-            ],
-        ),
-        (
-            '{ positions = "x.mtx", mass = 3, stifness = "k.mtx" }',
-            [
-                '.stifness: unknown key; did you mean "stiffness"?',
-                f'.positions: the file "x.mtx" cannot be read: no such file or directory{BESIDE}',
-                '.mass: a file in quotation marks is needed, such as "mass.mtx", not a number',
-            ],
-        ),
-    ],
-)
-def test_files_that_are_not_there(tmp_path, nodes, messages):
-    (tmp_path / "parts").mkdir()
-    os.mkfifo(tmp_path / "pipe")  # without a writer, to open it would block
-    with pytest.raises(SpecError) as caught:
-        parse(toml("modes = 0", nodes), str(tmp_path / "b.toml"))
-    assert str(caught.value).split("\n") == [f"{tmp_path}/b.toml:3: {START}{message}" for message in messages]
-
-
-def test_a_fault_of_a_file_of_a_table_has_its_line(tmp_path):
-    text = 'name = "b"\n[body]\nunits = "SI"\nmodes = 0\n[body.nodes]\npositions = "x.mtx"\nmass = "m.mtx"\n'
-    with pytest.raises(SpecError) as caught:
-        parse(text, str(tmp_path / "b.toml"))
-    assert [(problem.path, problem.line) for problem in caught.value.problems] == [
-        ("body.nodes.positions", 6),
-        ("body.nodes.mass", 7),
-    ]
-
-
-HEAD = "%%MatrixMarket matrix"
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", '"m.mtx" is no MatrixMarket file: line 1: Not a Matrix Market file. Missing banner'),
-        ("PK\x03\x04", '"m.mtx" is no MatrixMarket file: line 1: Not a Matrix Market file. Missing banner'),
-        (
-            f"{HEAD} array complex general\n4 1\n" + "1 0\n" * 4,
-            '"m.mtx" holds complex numbers; real numbers are needed',
-        ),
-        (
-            f"{HEAD} coordinate pattern general\n4 4 1\n1 1\n",
-            '"m.mtx" holds a pattern without numbers; real numbers are needed',
-        ),
-        (f"{HEAD} array real general\n4000000 4000000\n1\n", '"m.mtx" ends before its 4000000 x 4000000 matrix does'),
-        (f"{HEAD} coordinate real general\n4 4 99999999\n1 1 1\n", '"m.mtx" ends before its 4 x 4 matrix does'),
-        (
-            f"{HEAD} array real general\n4 1\n1\n2\n3\n",
-            '"m.mtx" cannot be read as MatrixMarket: truncated file. Expected another 1 lines',
-        ),
-        (
-            f"{HEAD} coordinate real general\n4 4 1\n5 1 1\n",
-            '"m.mtx" cannot be read as MatrixMarket: line 3: Row index out of bounds',
-        ),
-        (
-            f"{HEAD} coordinate real symmetric\n4 4 3\n1 1 1\n2 1 0.5\n1 2 0.5\n",
-            '"m.mtx" is symmetric and holds an entry twice; store the lower triangle alone',
-        ),
-        (
-            f"{HEAD} coordinate real general\n999999999999999 999999999999999 1\n1 1 1\n",
-            "the shape is (999999999999999, 999999999999999), " + MASS_FITS,
-        ),
-        (
-            f"{HEAD} coordinate real general\n4 4 3\n1 1 1\n1 2 1\n2 2 1\n",
-            "the matrix is not symmetric: the entries (0, 1) and (1, 0) differ by 1.0e+00 of the largest entry; only "
-            "one triangle is filled: fill both, or write `symmetric` in the first line of a MatrixMarket file",
-        ),
-        (
-            f"{HEAD} array real general\n4 1\n1\n2\nnan\n3\n",
-            "numbers that are NaN, infinite or beyond 1e+100: 1 of 4, the first at [2, 0]",
-        ),
-    ],
-)
-def test_a_fault_of_a_matrix_market_file(tmp_path, monkeypatch, text, message):
-    (tmp_path / "m.mtx").write_text(text)
-    monkeypatch.chdir(tmp_path)
-    assert faults({"positions": POSITIONS, "mass": "m.mtx"}, modes=0) == [f".mass: {message}"]
-
-
-def test_faults_of_files_come_with_those_of_other_keys(tmp_path):
-    save(tmp_path, **MODAL_BODY | {"mass": LUMPED[:2]})
-    with pytest.raises(SpecError) as caught:
-        parse(toml("modes = 3\n[body.markers]\ntip = 4"), str(tmp_path / "b.toml"))
-    assert [(problem.path, problem.line) for problem in caught.value.problems] == [
-        ("body.nodes.mass", 3),
-        ("body.modes", 5),
-        ("body.markers.tip", 7),
-    ]

@@ -12,8 +12,7 @@ from itertools import product
 from derive.algebra import sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
-
-AXES = (1, 2, 3)
+from derive.mechanics.tables import AXES
 
 
 def force_rows(equations: Equations) -> tuple[sp.Expr, ...]:

@@ -10,7 +10,6 @@ from derive.ir.model import Model, Variable, Zero
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import accelerations, body_functions, constraints, dae, outputs
-from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.motion_quantities import (
     QUANTITIES,
@@ -21,8 +20,16 @@ from derive.lowering.flat.motion_quantities import (
 from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.model_tables import (
+    eliminated_parts,
+    marker_variables,
+    multiplier_variables,
+    named_splines,
+    parameter_variables,
+    port_variables,
+    symbol_variable,
+)
 from derive.lowering.requested_functions import JACOBIANS, requested_functions
-from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
 from derive.mechanics.terms import SpatialPose
@@ -100,22 +107,22 @@ def lower(
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in equations.rows),
         equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in equations.rows),
-        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
+        parameters=parameter_variables(equations.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
-        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers),
+        markers=marker_variables(equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", str(why)) for i, j, why in equations.mass_zeros),
         choice=choice,
-        multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints),
-        splines=tuple(replace(s, name=table_name(equations.name, s.name)) for s in equations.splines),
+        multipliers=multiplier_variables(equations.constraints),
+        splines=named_splines(equations.name, equations.splines),
         bodies=tuple(pose.name for pose in equations.poses),
-        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
-        outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
+        inputs=port_variables(equations.inputs),
+        outputs=port_variables(equations.outputs),
         proximal=proximal,
         requested=tuple(requested),
         in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
-        eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
+        eliminated=eliminated_parts(equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )
     return replace(model, terms=model_terms(equations, model.pattern("mass", "M")))

@@ -8,8 +8,7 @@ from itertools import chain
 
 from derive.ir.expressions import Expr, ScalarRef, walk
 from derive.ir.kernel import ConstantArray, Kernel
-from derive.ir.model import Model, Variable, Zero
-from derive.lowering.flat.casadi_symbols import table_name
+from derive.ir.model import Model, Variable
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
@@ -26,7 +25,14 @@ from derive.lowering.instances.functions.sensitivities import parameter_jacobian
 from derive.lowering.instances.loop_code.context import InstanceContext, idle_rows
 from derive.lowering.instances.zeros_of_kinds import vanished_of_kinds, zeros_of_kinds
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
-from derive.lowering.symbol_variables import symbol_variable
+from derive.lowering.model_tables import (
+    eliminated_parts,
+    multiplier_variables,
+    named_splines,
+    parameter_variables,
+    port_variables,
+    symbol_variable,
+)
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import Family, identity
@@ -85,7 +91,7 @@ def lower_instances(
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
         equations=rows_for_people(mechanism),
-        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
+        parameters=parameter_variables(mechanism.parameters),
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
         markers=(),
@@ -94,17 +100,13 @@ def lower_instances(
         lowering="instances",
         proximal=context.proximal,
         choice=choice,
-        multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in conditions),
-        splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
+        multipliers=multiplier_variables(conditions),
+        splines=named_splines(scene.name, equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
-        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
-        outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in context.output_components),
-        eliminated=tuple(
-            Zero(out.what, out.reason)
-            for out in (
-                *mechanism.eliminated,
-                *(o for c in context.classes for o in c.context.equations.eliminated),
-            )
+        inputs=port_variables(equations.inputs),
+        outputs=port_variables(context.output_components),
+        eliminated=eliminated_parts(
+            (*mechanism.eliminated, *(o for c in context.classes for o in c.context.equations.eliminated))
         ),
         marker_classes=markers.classes,
         in_space=isinstance(mechanism, SpatialMechanism),

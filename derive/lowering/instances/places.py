@@ -19,6 +19,11 @@ class Place:
     spacing: int = 1
     """The distance of the elements of an instance."""
 
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The statement that names it, if it needs one."""
+        return () if self.entry is None else (self.entry,)
+
     def at(self, number: int) -> ElementIndex:
         """The index of an element, counted from the first one."""
         return self.first.plus(number * self.spacing)

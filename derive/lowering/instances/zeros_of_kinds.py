@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from derive.ir.model import Zero
 from derive.lowering.instances.loop_code.class_code import ClassCode
-from derive.lowering.symbol_variables import symbol_variable
+from derive.lowering.model_tables import symbol_variable
 
 
 def zeros_of_kinds(classes: Sequence[ClassCode]) -> tuple[Zero, ...]:

@@ -32,6 +32,7 @@ from derive.ir.statements import (
     Store,
     StoreStrided,
 )
+from derive.lowering.model_tables import parameter_variables
 from derive.lowering.terms import model_terms
 from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.indexed_equations import IndexedEquations
@@ -133,7 +134,7 @@ def _c8_arrays(eq: IndexedEquations) -> list[tuple[str, int]]:
 
 
 def _parameters(eq: IndexedEquations, kept: list[CoefficientTable]) -> tuple[Variable, ...]:
-    first, *rest = (Variable(str(p.symbol), p.doc, p.unit, p.default) for p in (_mass(eq), *_others(eq)))
+    first, *rest = parameter_variables((_mass(eq), *_others(eq)))
     tables = (Variable(t.name, _doc(t), t.unit, 0.0, size(t, eq.modes)) for t in kept)
     return (first, *tables, *rest)
 

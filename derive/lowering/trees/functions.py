@@ -9,7 +9,7 @@ from derive.ir.expressions import Element, ScalarRef
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO, Part, Result, kernel, whole
+from derive.lowering.instances.loop_code.kernels import ZERO, Part, Result, kernel, whole
 from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees import invariants, joint_outputs, loads, requested
 from derive.lowering.trees.articulated import articulated
@@ -24,6 +24,7 @@ from derive.lowering.trees.sensitivities import derivatives, parameter_jacobian
 from derive.lowering.trees.tangents import ONE, Directions
 from derive.lowering.trees.tree_context import TreeContext
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.tables import AXES
 from derive.roles import Source
 
 FREELY, WANTED = "freely", "wanted"
@@ -128,7 +129,7 @@ def energy(context: TreeContext, function: ModelFunction) -> Kernel:
 def momentum(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the linear momentum, and of the angular momentum about the inertial origin."""
     motion = context.motion
-    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in (1, 2, 3))
+    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in AXES)
     parts = [motion.frames(moving=True, placed=True), motion.inertias(moving=False)]
     parts.append(("momentum", "(1)", "int rho xdot and int rho x x xdot", invariants.momentum(motion)))
     return kernel(context, function, {"momentum": Result(labels)}, *parts)

@@ -36,6 +36,7 @@ from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, j
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import Family, identity
+from derive.mechanics.tables import AXES
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 
@@ -262,8 +263,8 @@ def _inertia(instance: BodyInstance) -> LinkInertia:
         for c in instance.component.body.constants
         if (of := identity(c.symbol)).owner == ""
     }
-    moment = tuple(values.get((Family.C1, (k,)), ZERO) for k in (1, 2, 3))
-    tensor = tuple(tuple(values.get((Family.C3, (min(a, b), max(a, b))), ZERO) for b in (1, 2, 3)) for a in (1, 2, 3))
+    moment = tuple(values.get((Family.C1, (k,)), ZERO) for k in AXES)
+    tensor = tuple(tuple(values.get((Family.C3, (min(a, b), max(a, b))), ZERO) for b in AXES) for a in AXES)
     return LinkInertia(values.get((Family.MASS, ()), ZERO), moment, tensor)
 
 

@@ -9,9 +9,8 @@ from derive.algebra import sp
 from derive.enumerations import enumeration
 from derive.errors import Problem, SpecError
 from derive.ir.kernel import Kernel
-from derive.ir.model import Model, Variable, Zero
+from derive.ir.model import Model
 from derive.lowering.attitude import with_attitude_check
-from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import FORMED, OF_BODIES, OF_MECHANISMS
 from derive.lowering.flat.motion_quantities import with_mass_reciprocal
@@ -19,8 +18,16 @@ from derive.lowering.flat.sensitivities import with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.instances.lower import rows_for_people, with_constants
 from derive.lowering.model_functions import FunctionKind, functions_of
+from derive.lowering.model_tables import (
+    eliminated_parts,
+    marker_variables,
+    multiplier_variables,
+    named_splines,
+    parameter_variables,
+    port_variables,
+    symbol_variable,
+)
 from derive.lowering.requested_functions import requested_functions
-from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.trees import joint_outputs
 from derive.lowering.trees.centroid import total_mass
 from derive.lowering.trees.functions import FUNCTIONS
@@ -132,21 +139,21 @@ def lower_trees(
         coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
         velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
         equations=rows_for_people(mechanism),
-        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
+        parameters=parameter_variables(mechanism.parameters),
         constants=constants,
         kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers) if others else (),
+        markers=marker_variables(equations.markers) if others else (),
         marker_classes=markers_of(context).classes if equations.markers and not others else (),
         zeros=(),
         vanished=(),
         lowering="instances",
         choice=choice,
-        multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in context.conditions.every),
-        splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
+        multipliers=multiplier_variables(context.conditions.every),
+        splines=named_splines(scene.name, equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
-        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in inputs),
-        outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
-        eliminated=tuple(Zero(out.what, out.reason) for out in mechanism.eliminated),
+        inputs=port_variables(inputs),
+        outputs=port_variables(equations.outputs),
+        eliminated=eliminated_parts(mechanism.eliminated),
         requested=tuple(requested),
         in_space=True,
     )

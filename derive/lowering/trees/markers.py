@@ -18,7 +18,7 @@ from derive.ir.kernel import Argument, Kernel
 from derive.ir.model import MarkerClass, Variable
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import ForEach, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO, Part, Result, kernel
+from derive.lowering.instances.loop_code.kernels import ZERO, Part, Result, kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.link_loop import LINK, LinkLoop
@@ -26,6 +26,7 @@ from derive.lowering.trees.links import BodyPlace, marker_in_body
 from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, STILL, TreeMotion, matrix
 from derive.lowering.trees.tree_context import TreeContext
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
+from derive.mechanics.tables import AXES
 from derive.mechanics.terms import MarkerEquations
 from derive.spec.model.instances import identifier, joined
 
@@ -76,7 +77,7 @@ def markers_of(context: TreeContext) -> TreeMarkers:
 def marker(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the position, the velocity and the Jacobian d(velocity)/dv of a marker."""
     of, motion = markers_of(context), context.motion
-    labels = tuple(f"x{k}" for k in (1, 2, 3))
+    labels = tuple(f"x{k}" for k in AXES)
     results = {"x": Result(labels), "xdot": Result(tuple(f"{label}dot" for label in labels))}
     parts: list[Part] = [
         motion.frames(moving=True, placed=True),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from derive.ir.kernel import Kernel
 from derive.ir.statements import Statement, Work
-from derive.lowering.instances.loop_code.context import Part, Result, kernel
+from derive.lowering.instances.loop_code.kernels import Part, Result, kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.requested_functions import DIFFERENTIATED, JACOBIANS
 from derive.lowering.trees import centroid
@@ -16,6 +16,7 @@ from derive.lowering.trees.motion import STILL
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.sensitivities import by_state, derivatives
 from derive.lowering.trees.tree_context import TreeContext
+from derive.mechanics.tables import AXES
 
 
 def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:
@@ -55,7 +56,7 @@ def centre_of_mass(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the centre of mass and of its velocity, with the derivative by the velocities."""
     motion, labels = context.motion, {"x": "x{}", "xdot": "x{}dot"}
     shape = centroid.shape_of(motion, 1, len(context.rows))
-    results = {name: Result(tuple(label.format(k) for k in (1, 2, 3))) for name, label in labels.items()}
+    results = {name: Result(tuple(label.format(k) for k in AXES)) for name, label in labels.items()}
     body = [*centroid.centre(motion), *centroid.columns(motion, "jacobian", shape)]
     text = "int rho x and int rho xdot, divided by the mass"
     parts = [*_sums(context), *_composite(context), ("centre", "", text, body)]
@@ -67,7 +68,7 @@ def centre_of_mass(context: TreeContext, function: ModelFunction) -> Kernel:
 def centroidal_momentum(context: TreeContext, function: ModelFunction) -> Kernel:
     """The kernel of the momentum about the centre of mass as A(q) v."""
     motion = context.motion
-    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in (1, 2, 3))
+    labels = tuple(f"{of}_{k}" for of in ("linear", "angular") for k in AXES)
     shape = centroid.shape_of(motion, 2, len(context.rows))
     body = [*centroid.about_centre(motion), *centroid.columns(motion, "A", shape)]
     parts = [

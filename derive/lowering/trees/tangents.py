@@ -19,7 +19,7 @@ from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Entry, ForEach, InstanceItem, Statement, StoreElement, Work
-from derive.lowering.instances.loop_code.context import ZERO
+from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.instances.places import Places
 from derive.lowering.trees.link_loop import SLOPES, LinkArrays, tangent_of
 
@@ -169,8 +169,7 @@ class LoopTangents:
             self._places.place(f"{what}_of_{name}_{self.function}", COLUMN, values)
             for what, values in (("start", first), ("stop", last))
         )
-        named = [place.entry for place in (start, stop) if place.entry]
-        return lambda body: [*named, ForEach(of, start.first, stop.first, body)]
+        return lambda body: [*start.entries, *stop.entries, ForEach(of, start.first, stop.first, body)]
 
     def _copies(self, of: Directions, first: int, output: str) -> Iterator[InstanceItem]:
         """Yield the statements that write the entries of a column, whose direction comes after `first` others."""

@@ -28,12 +28,12 @@ from derive.mechanics.bodies.beam_functions import NOTHING, ONE, XI, BeamFunctio
 from derive.mechanics.bodies.beam_integrals import BeamField
 from derive.mechanics.bodies.displacement_fields import axial_shapes, shortening, without_translation
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.tables import AXES
 
 if TYPE_CHECKING:
     from derive.spec.model.beam_parts import Frame
     from derive.spec.model.spatial_beam import SpatialBeam
 
-AXES = (1, 2, 3)
 HALF = Fraction(1, 2)
 
 

@@ -41,14 +41,19 @@ FIRST: dict[str, Moment] = {
 FIRST_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST, PHI: (Family.D4, 0, (I,))}
 """The first moments where r is quadratic in the amplitudes, so that dr/dalpha_i depends on them: d4_i."""
 
+TRACE_OF_SUMS: dict[tuple[str, str], Moment] = {
+    (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
+    (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
+}
+"""The moments int rho f . g that are the sums of c8_ij with accelerations and with rates."""
+
 TRACE: dict[tuple[str, str], Moment] = {
     (R, R): (Family.INERTIA, 0, ()),
     (R, RDOT): (Family.D2, 1, ()),
     (R, PHI): (Family.D2, 0, (I,)),
-    (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
-    (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
+    **TRACE_OF_SUMS,
 }
-"""The moments int rho f . g: J, D2_i, its sum with rates, and the sums of c8_ij with accelerations and with rates."""
+"""The moments int rho f . g in the plane: also J, D2_i, and its sum with rates."""
 
 AXIAL: dict[tuple[str, str], Moment] = {
     (R, RDOT): (Family.D3, 1, ()),

@@ -22,12 +22,13 @@ from dataclasses import replace
 
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, HALF_ALPHA, IndexedSum
 from derive.mechanics.symbols import Family, I, J, quantity
+from derive.mechanics.tables import AXES
 from derive.roles import Source
 
 SOURCE = Source.SECOND_ORDER
 Axes = tuple[int, ...]
-PLANE, SPACE = (1, 2), (1, 2, 3)
-"""The axes of vectors in the plane and in space."""
+PLANE = (1, 2)
+"""The axes of vectors in the plane; those in space have all AXES."""
 
 
 def second_order_moment_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE) -> tuple[IndexedSum, ...]:
@@ -40,7 +41,7 @@ def second_order_moment_sums(first_order: Iterable[IndexedSum], axes: Axes = PLA
         if axes == PLANE:
             c9_i = quantity(Family.C9_SUM, k, shapes=(I,))
             result.append(IndexedSum(c9_i, None, ((ALPHA, c9_ij),), "int rho sum_j alpha_j Psi_{i}j", SOURCE))
-    for k in axes if axes == SPACE else ():
+    for k in axes if axes == AXES else ():
         c10a_i, c10_ij = quantity(Family.C10_AMPLITUDES, k, shapes=(I,)), quantity(Family.C10, k, shapes=(I, J))
         result.append(IndexedSum(c10a_i, None, ((ALPHA, c10_ij),), "int rho X x sum_j alpha_j Psi_{i}j", SOURCE))
     return (*result, *(_moment(s, axes) for s in first_order))
@@ -67,7 +68,7 @@ def _moment(of: IndexedSum, axes: Axes) -> IndexedSum:
         case Family.D3, 0:
             c10_ij = quantity(Family.C10, *known.components, shapes=(I, J))
             return IndexedSum(of.symbol, of.offset, (*of.sums, (ALPHA, c10_ij)), "int rho r x dr/dalpha_{i}", SOURCE)
-        case Family.D3, 1 if axes == SPACE:
+        case Family.D3, 1 if axes == AXES:
             c10a_j = quantity(Family.C10_AMPLITUDES, *known.components, shapes=(J,))
             return IndexedSum(of.symbol, None, (*of.sums, (ALPHADOT, c10a_j)), of.doc, SOURCE)
     return of
@@ -85,7 +86,7 @@ def second_order_row_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE)
         doc = "int rho X x sum_j alphadot_j Psi_{i}j"
         result.append(IndexedSum(c10dot_i, None, ((ALPHADOT, c10_ij),), doc, SOURCE))
     for s in first_order:
-        result += _row_sums(s, apart=axes == SPACE)
+        result += _row_sums(s, apart=axes == AXES)
     return tuple(result)
 
 

@@ -14,8 +14,16 @@ from typing import TYPE_CHECKING
 from derive.algebra import sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
-from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
-from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
+from derive.mechanics.motion.moments import (
+    AXIAL,
+    FIRST,
+    FIRST_OF_SECOND_ORDER,
+    TRACE_OF_SUMS,
+    Moment,
+    moment,
+    transposed,
+)
+from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
 from derive.mechanics.motion.vectors import skew
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, ShapeIndex, local, quantity
@@ -32,20 +40,6 @@ SYMMETRIC: dict[tuple[str, str], Moment] = {
     (R, PHI): (Family.S, 0, (I,)),
 }
 """The moments int rho ((f . g) I - sym f g^T): J, the symmetric part of D2_i, and its sum with the rates."""
-
-AXIAL: dict[tuple[str, str], Moment] = {
-    (R, RDOT): (Family.D3, 1, ()),
-    (R, RDDOT): (Family.D3, 2, ()),
-    (R, PHI): (Family.D3, 0, (I,)),
-    (PHI, RDOT): (Family.C7_SUM, 1, (I,)),
-}
-"""The moments int rho f x g, odd in f and g."""
-
-TRACE: dict[tuple[str, str], Moment] = {
-    (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
-    (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
-}
-"""The moments int rho f . g."""
 
 FIRST_IN_SPACE_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST_OF_SECOND_ORDER, RDDOT: (Family.D4, 2, ())}
 """The first moments int rho f at second order; the moment of rddot is its part of accelerations."""
@@ -79,14 +73,14 @@ class SpatialMoments:
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """The second moment int rho f g^T from its symmetric and its axial part; parts without a name must cancel."""
-        if transposed(f, g, {**SYMMETRIC, **AXIAL, **TRACE}):
+        if transposed(f, g, {**SYMMETRIC, **AXIAL, **TRACE_OF_SUMS}):
             return self.second(g, f).T
         even, odd = EVEN, ODD
         if (f, g) in SYMMETRIC:
             tensor = symmetric(*SYMMETRIC[f, g])
             even = sp.eye(3) * tensor.trace() / 2 - tensor
-        elif (f, g) in TRACE:
-            even = even + sp.eye(3) * (moment(TRACE[f, g]) - even.trace()) / 3
+        elif (f, g) in TRACE_OF_SUMS:
+            even = even + sp.eye(3) * (moment(TRACE_OF_SUMS[f, g]) - even.trace()) / 3
         if (f, g) in AXIAL:
             odd = sp.Matrix([moment(AXIAL[f, g], k) for k in AXES]) + self._of_rates(g, Family.C10_RATES)
         elif f == g:
@@ -184,8 +178,8 @@ def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]
 def spatial_sums(truncated: bool = False) -> tuple[tuple[IndexedSum, ...], tuple[IndexedSum, ...]]:
     """The moments of a body in space that have names of their own, and the remaining sums."""
     if truncated:
-        moment_sums = second_order_moment_sums(spatial_moment_sums(), SPACE)
-        return moment_sums, second_order_row_sums(spatial_row_sums(), SPACE)
+        moment_sums = second_order_moment_sums(spatial_moment_sums(), AXES)
+        return moment_sums, second_order_row_sums(spatial_row_sums(), AXES)
     return spatial_moment_sums(), spatial_row_sums()
 
 

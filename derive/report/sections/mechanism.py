@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from derive.ir.model import Kkt, Model, Variable
+from derive.ir.model import Kkt, Model
 from derive.ir.series import VariableSeries, variable_series
+from derive.lowering.model_tables import multiplier_variables
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.symbols import identity
@@ -132,8 +133,8 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
             for gear in spec.gears
         ]
     cuts = sum(map(len, own.values()))
-    variables = (Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints)
-    multipliers = [row for series in variable_series(variables) for row in _multipliers(series)]
+    variables = variable_series(multiplier_variables(equations.constraints))
+    multipliers = [row for series in variables for row in _multipliers(series)]
     components = "in components of the inertial frame"
     if isinstance(spec, SpatialScene):
         components = "in inertial components if the joint removes all displacements, else in components of the frame "

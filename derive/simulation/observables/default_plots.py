@@ -10,10 +10,11 @@ from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, Cho
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.mechanics.multibody.space.marker_outputs import AXES
 from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.mechanics.multibody.space.rows import ROTATIONS
+from derive.mechanics.tables import AXES
 from derive.roles import Role
+from derive.simulation.free_body import FreeBody
 from derive.simulation.trajectory import energy_names
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
@@ -83,7 +84,7 @@ def _quantities(scene: AnyScene, model: Model) -> dict[str, list[str]]:
         quantities |= {"joints": quantities_of(model, Role.ROTATION, Role.DISPLACEMENT)}
         quantities["angular_velocity"] = [x.title for x in model.velocities if x.unit == "rad/s"]
     elif spatial:
-        quantities["angular_velocity"] = [x.name for x in model.velocities[3:6]]
+        quantities["angular_velocity"] = [x.name for x in model.velocities[FreeBody(0).rotation]]
     quantities["energy"] = [*energy_names(scene, model)]
     return {name: columns for name, columns in quantities.items() if columns}
 

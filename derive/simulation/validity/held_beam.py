@@ -15,7 +15,7 @@ from scipy.linalg import eigh, null_space
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix, undeformed
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.piece_shapes import PieceShapes
 
@@ -47,7 +47,7 @@ def held_modes(
     planes: those in which it bends, which joints may couple. native, k: its compiled scene and the constants (nk,). q:
     the state (nq,) at t (s) in which it vibrates.
     """
-    straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
+    straight = undeformed(native, q)
     own, K = list[int](), np.zeros((native.nv, native.nv))
     for number, shapes in enumerate(planes):
         for piece in piece_names(shapes.beam):

@@ -24,10 +24,9 @@ from scipy.linalg import eigvalsh, orth
 
 from derive.mechanics.bodies.section_fields import Direction, SectionShape, section_shapes
 from derive.mechanics.symbols import amplitude_of
-from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import coordinates_with
+from derive.simulation.compiled_scene import undeformed
 from derive.simulation.observables.beams import function_values
 from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.bending_planes import spatial_beams
@@ -161,7 +160,7 @@ class _Buckling:
         """The amplitudes (of all pieces, n), orthonormal, that joints admit in the undeformed state."""
         native = self.native
         rates = [native.velocities.index(amplitude_of(p, i + 1, 1).shown) for p in self._pieces for i in self._all]
-        straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
+        straight = undeformed(native, q)
         result: Matrix = orth(admitted_velocities(native, self.k, t, straight, rates)[rates], rcond=1e-9)
         return result
 

@@ -22,6 +22,7 @@ from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL
 from derive.mechanics.symbols import Family, identity
+from derive.mechanics.tables import AXES
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ def _gravity(equations: Equations) -> sp.Matrix:
         for c in equations.coefficients
         if not c.zero and (of := identity(c.symbol)).family is Family.GRAVITY
     }
-    return sp.Matrix([known.get((k,), sp.S.Zero) for k in (1, 2, 3)])
+    return sp.Matrix([known.get((k,), sp.S.Zero) for k in AXES])
 
 
 def force_values(context: Context, symbols: Symbols) -> list[ca.SX]:

@@ -14,6 +14,7 @@ from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_axe
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
+from derive.mechanics.tables import AXES
 from derive.spec.model.markers import GROUND, MarkerRef
 
 AnyJoint: TypeAlias = "JointInstance | SpatialJointInstance"
@@ -54,7 +55,7 @@ def space() -> Dimension:
     """Space, in which markers are frames."""
 
     def vector(name: str) -> sp.ImmutableMatrix:
-        return sp.ImmutableMatrix([local(f"other_{name}{k}") for k in (1, 2, 3)])
+        return sp.ImmutableMatrix([local(f"other_{name}{k}") for k in AXES])
 
     position, velocity, spin = vector("x"), vector("v"), vector("w")
     axes = sp.ImmutableMatrix(3, 3, lambda i, j: local(f"other_axis{j + 1}_{i + 1}"))

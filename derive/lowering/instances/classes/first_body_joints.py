@@ -13,8 +13,9 @@ from derive.lowering.instances.classes.gears import gears_of
 from derive.lowering.instances.classes.known_motion import KnownMotion
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.space.first_body_rows import AXES, rows_along_first
+from derive.mechanics.multibody.space.first_body_rows import rows_along_first
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
+from derive.mechanics.tables import SPACE
 
 
 def has_rows_along_first(
@@ -34,12 +35,12 @@ def has_rows_along_first(
 
 def _suits(of: BodyClass, equations: Equations) -> bool:
     """Whether a body has joints, many modes whose factors are constants, and is coupled by its rotation alone."""
-    if of.first.instance.coordinates.reason or len(equations.rows) - 2 * AXES < FEWEST_MODES:
+    if of.first.instance.coordinates.reason or len(equations.rows) - 2 * SPACE < FEWEST_MODES:
         return False  # it follows the ground, or has few modes
     constants = constants_of_modes(c.symbol for c in equations.coefficients)
-    mass, turning = equations.mass, range(AXES, 2 * AXES)
+    mass, turning = equations.mass, range(SPACE, 2 * SPACE)
     others = [i for i in range(mass.rows) if i not in turning]
-    alike = all(mass[i, i] == mass[0, 0] and mass[i, j] == 0 for i in range(AXES) for j in turning)
+    alike = all(mass[i, i] == mass[0, 0] and mass[i, j] == 0 for i in range(SPACE) for j in turning)
     apart = alike and all(mass[i, j] == 0 for i in others for j in others if i != j)
     sections = [of.first.instance.component.sections[handle.marker] for handle in of.first.handles]
     has_constants = {section.point.name for section in sections} <= {label.point for label in constants.values()}

@@ -11,10 +11,12 @@ from collections.abc import Iterable, Mapping
 
 from derive.algebra import sp
 from derive.mechanics.symbols import Identity, identity
+from derive.mechanics.tables import SPACE
 
 FEWEST_MODES = 6
 """The number of modes from which on their coefficients take less than their factors."""
-AXES = 3
+AXES = SPACE
+"""The most constants of a mode with coefficients in one row."""
 
 
 def constants_of_modes(coefficients: Iterable[sp.Symbol]) -> dict[sp.Symbol, Identity]:

@@ -16,9 +16,10 @@ from derive.lowering.instances.classes.known_motion import moving_symbols
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.classes.varying_joints import drive_of
 from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.space.first_body_rows import AXES, factors_along_own_axes, rows_along_first
+from derive.mechanics.multibody.space.first_body_rows import factors_along_own_axes, rows_along_first
 from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.symbols import Identity, local
+from derive.mechanics.tables import SPACE
 from derive.mechanics.terms import Constraint, Intermediate
 
 FactorPlace: TypeAlias = "tuple[int, int | Identity]"
@@ -65,8 +66,8 @@ def part_along_first(joint: SpatialJointInstance, marker: str, is_first: bool, o
     of_marker = factors_along_own_axes(own.motions[marker])
     parts = list(other.constraints)
     for k in range(held):
-        start = k - k % AXES
-        turned = [local(f"factor_{parts[k].name}_{m + 1}") for m in range(AXES)]
+        start = k - k % SPACE
+        turned = [local(f"factor_{parts[k].name}_{m + 1}") for m in range(SPACE)]
         if not is_first:
             factors |= {(k, m): symbol for m, symbol in enumerate(turned)}
         total: dict[str, list[sp.Expr]] = {}

@@ -9,10 +9,11 @@ from derive.ir.kernel import Kernel
 from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.context import array_input
 from derive.lowering.instances.elimination.block_system import KNOWN, RIGHT
-from derive.lowering.instances.functions.accelerations import by_joint, entries_of, solved
+from derive.lowering.instances.functions.accelerations import by_joint, solved
 from derive.lowering.instances.functions.local_system import Right
 from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode
-from derive.lowering.instances.loop_code.context import InstanceContext, Result, whole
+from derive.lowering.instances.loop_code.context import InstanceContext
+from derive.lowering.instances.loop_code.kernels import Result, whole
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 
@@ -56,5 +57,5 @@ def _given_right(context: InstanceContext, to_array: str, array: str) -> list[St
     if context.blocks:
         for rows, count, to, of in by_joint(context, context.blocks):
             body = [StoreElement(Element(to_array, of.at(k)), Element(array, to.at(k))) for k in range(rows)]
-            result.append(ForEach(INSTANCE, constant(0), constant(count), (*entries_of(to), *entries_of(of), *body)))
+            result.append(ForEach(INSTANCE, constant(0), constant(count), (*to.entries, *of.entries, *body)))
     return result

@@ -105,8 +105,7 @@ class VaryingFactors:
         is_driven = constraining(self.context.mechanism)[group.joints[0]].drive is not None
         place = group.code.place("bias", [system.position[joint] for joint in group.joints], system.spacing)
         index = [place.at(k) for k in rows]
-        entries = (place.entry,) if place.entry else ()
-        target = LoopTarget(KNOWN, index.__getitem__, Operator.ADD if is_driven else None, entries)
+        target = LoopTarget(KNOWN, index.__getitem__, Operator.ADD if is_driven else None, place.entries)
         return stores(KNOWN, [-symbols(constraints[k].bias) for k in rows]), target
 
     def reads(self, of: ClassCode) -> list[Loaded]:

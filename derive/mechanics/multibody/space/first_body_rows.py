@@ -22,35 +22,35 @@ from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.space.frame_motion import fixed_axes
 from derive.mechanics.multibody.space.rows import COINCIDENT, derived, row_variables
 from derive.mechanics.symbols import local
+from derive.mechanics.tables import SPACE
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate, OwnAxes, load_symbols
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
     from derive.mechanics.multibody.space.joints import SpatialJointInstance
 
-AXES = 3
-
 
 def rows_along_first(joint: SpatialJointInstance) -> int:
     """The number of constraints of a joint that have such rows, which are its first ones: 0, 3 or 6."""
     rows = joint.rows
-    if rows[:AXES] != COINCIDENT or joint.drive is not None:
+    if rows[:SPACE] != COINCIDENT or joint.drive is not None:
         return 0
-    rotations = rows[AXES:]
-    return AXES + len(rotations) if len(rotations) == AXES and all(derived(row).turns for row in rotations) else AXES
+    rotations = rows[SPACE:]
+    turns = len(rotations) == SPACE and all(derived(row).turns for row in rotations)
+    return SPACE + len(rotations) if turns else SPACE
 
 
 @cache
 def turned_axes() -> tuple[tuple[sp.Symbol, ...], ...]:
     """The factors of the second body in its own ones: three rows of displacements, and three of rotations."""
-    axes = range(1, AXES + 1)
+    axes = range(1, SPACE + 1)
     return tuple(tuple(local(name, i, j) for j in axes) for name in ("between", "between_vectors") for i in axes)
 
 
 @cache
 def row_reactions() -> tuple[sp.Symbol, ...]:
     """The multipliers of the rows along the axes of the first body."""
-    return tuple(local("row_reaction", k) for k in range(1, 2 * AXES + 1))
+    return tuple(local("row_reaction", k) for k in range(1, 2 * SPACE + 1))
 
 
 def factors_along_own_axes(frame: FrameMotion) -> list[dict[str, sp.Expr]]:
@@ -64,8 +64,8 @@ def factors_along_own_axes(frame: FrameMotion) -> list[dict[str, sp.Expr]]:
     result: list[dict[str, sp.Expr]] = [{} for _ in loads]
     for row, work in own.work:
         of = [sp.expand(work).coeff(load) for load in loads]
-        turning = twists.get(row) or product(frame.inverse_tangent, sp.Matrix(of[AXES:]))
-        for k, factor in enumerate((*of[:AXES], *turning)):
+        turning = twists.get(row) or product(frame.inverse_tangent, sp.Matrix(of[SPACE:]))
+        for k, factor in enumerate((*of[:SPACE], *turning)):
             if factor != 0:
                 result[k][row] = factor
     return result
@@ -99,16 +99,17 @@ def joint_along_first(
     count = rows_along_first(joint)
     made: list[Intermediate] = []
     one, two = _own(first), _own(second)
-    turned = _named(made, turned_axes()[:AXES], product(one.Q.T, two.Q), "axes of the second body along the first ones")
+    between, doc = product(one.Q.T, two.Q), "axes of the second body along the first ones"
+    turned = _named(made, turned_axes()[:SPACE], between, doc)
     bias = [*(product(turned, sp.Matrix(two.acceleration)) - sp.Matrix(one.acceleration))]
     own = row_reactions()
-    reactions = [*product(one.Q, sp.Matrix(own[:AXES]))]
-    if count > AXES:
+    reactions = [*product(one.Q, sp.Matrix(own[:SPACE]))]
+    if count > SPACE:
         back = first.inverse_tangent
-        _named(made, turned_axes()[AXES:], product(back, product(turned, second.tangent)), "rates of rotation vectors")
+        _named(made, turned_axes()[SPACE:], product(back, product(turned, second.tangent)), "rates of rotation vectors")
         columns, acceleration = _rotations(joint, one, two, turned, made)
         bias += [*product(back, acceleration)]
-        moment = product(back.T, sp.Matrix(own[AXES:]))
+        moment = product(back.T, sp.Matrix(own[SPACE:]))
         reactions += [dot(column, moment) for column in columns]
     changed = zip(plain, bias, strict=False)
     held = (replace(c, position=sp.S.Zero, rate=sp.S.Zero, bias=b, jacobian=(), frames=None) for c, b in changed)
@@ -137,15 +138,15 @@ def _rotations(
     along = named("spin_along", product(relative.T, other), "relative angular velocity along the second axes")
     values = dict(zip((*of.first.A, *of.second.A), (*own, *other), strict=True))
     turning = dict(zip((*of.first.A, *of.second.A), (*own, *product(relative, along)), strict=True))
-    rows = [derived(row) for row in joint.rows[AXES:]]
+    rows = [derived(row) for row in joint.rows[SPACE:]]
     factors = named("across", sp.Matrix([[*row.m2.xreplace(values)] for row in rows]), "factors of the acceleration")
     square = dot(relative, relative)
-    drift = [sp.factor_terms(row.g.xreplace(turning)) - square * row.g.xreplace(values) for row in joint.rows[AXES:]]
-    a, b, c = (factors[k, :].T for k in range(AXES))
+    drift = [sp.factor_terms(row.g.xreplace(turning)) - square * row.g.xreplace(values) for row in joint.rows[SPACE:]]
+    a, b, c = (factors[k, :].T for k in range(SPACE))
     columns = [cross(b, c), cross(c, a), cross(a, b)]
     (inverse,) = named("inverse_across", sp.Matrix([1 / dot(a, columns[0])]), "inverse of their determinant")
     columns = [column * inverse for column in columns]
-    missing = sum((column * d for column, d in zip(columns, drift, strict=True)), sp.zeros(AXES, 1))
+    missing = sum((column * d for column, d in zip(columns, drift, strict=True)), sp.zeros(SPACE, 1))
     between = product(turned, sp.Matrix(two.angular_acceleration)) - sp.Matrix(one.angular_acceleration)
     return columns, between - cross(spin, relative) + missing
 

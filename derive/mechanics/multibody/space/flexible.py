@@ -16,9 +16,10 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.multibody.space.frame_motion import AXES, fixed_axes
+from derive.mechanics.multibody.space.frame_motion import fixed_axes
 from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import Family, Identity
+from derive.mechanics.tables import AXES
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.spatial_bodies import FlexibleBody

@@ -23,13 +23,13 @@ from derive.mechanics.motion.products import product
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, inverse_tangent, section_rotation
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.symbols import Family, Identity
+from derive.mechanics.tables import AXES
 from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate, OwnAxes, load_symbols
 
 if TYPE_CHECKING:
     from derive.mechanics.motion.body_motion import Motion
     from derive.mechanics.multibody.bodies.body_type import CrossSection
 
-AXES = (1, 2, 3)
 KEPT = 256
 """The number of marker frames whose motion is kept."""
 

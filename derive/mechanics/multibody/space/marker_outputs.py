@@ -19,13 +19,13 @@ from derive.algebra import sp
 from derive.mechanics.motion.vectors import cross, dot, length_of
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
+from derive.mechanics.tables import AXES
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 
 if TYPE_CHECKING:
     from derive.mechanics.multibody.space.frame_motion import FrameMotion
 
-AXES = (1, 2, 3)
 LABELS = tuple(map(str, AXES))
 MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
 BETWEEN_MARKERS = Key("between", KeyType.MARKER_PAIR, "", "Two markers.", required=True)

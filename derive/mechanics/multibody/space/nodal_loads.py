@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
+from derive.mechanics.tables import AXES
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad
 from derive.spec.model.spatial_forces import SpatialForce
 from derive.spec.model.time_function import TimeFunction
 
-COMPONENTS = (1, 2, 3)
 SIGNS = {"p": 1, "n": -1}
 """The signs of forces by the ends of the names of their points."""
 
@@ -51,7 +51,7 @@ def load_point(load: str, component: int, end: str) -> str:
 
 def load_points(load: str) -> set[str]:
     """All names that the points of the resultants of a load may have."""
-    return {load_point(load, component, end) for component in COMPONENTS for end in SIGNS}
+    return {load_point(load, component, end) for component in AXES for end in SIGNS}
 
 
 def nodal_forces(body: FlexibleBody) -> Iterator[SpatialForce]:

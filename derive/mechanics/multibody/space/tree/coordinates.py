@@ -15,10 +15,11 @@ from derive.mechanics.multibody.space.coordinates import (
     free_spatial_coordinates,
     rotation_about,
 )
-from derive.mechanics.multibody.space.frame_motion import AXES, VirtualMotion, still
+from derive.mechanics.multibody.space.frame_motion import VirtualMotion, still
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Hinge, Rows, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, Identity, owned
+from derive.mechanics.tables import AXES
 from derive.mechanics.terms import Coordinate, Intermediate
 
 if TYPE_CHECKING:

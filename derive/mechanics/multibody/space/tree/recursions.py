@@ -17,7 +17,7 @@ from derive.mechanics.motion.products import product
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.tables import PAIRS
+from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Intermediate, Reason, Term
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def tree_body(name: str, group: str, motion: CarriedMotion, constants: Sequence[
         for c in constants
         if not c.zero and c.value != 0 and (of := identity(c.symbol)).owner == ""
     }
-    moment = sp.Matrix([known.get((Family.C1, (k,)), sp.S.Zero) for k in (1, 2, 3)])
+    moment = sp.Matrix([known.get((Family.C1, (k,)), sp.S.Zero) for k in AXES])
     tensor = sp.zeros(3, 3)
     for a, b in PAIRS:
         tensor[a - 1, b - 1] = tensor[b - 1, a - 1] = known.get((Family.C3, (a, b)), sp.S.Zero)
