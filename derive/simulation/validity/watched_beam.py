@@ -39,15 +39,17 @@ SLOPE = 1e-9
 """Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WatchedVibration:
     """A vibration of a beam: its rate, as the deflection where that is largest, m/s, and the rate times the time, m.
 
     frequency: that of its strain energy alone, rad/s. missed: the strain energy that the shapes miss, relative to it.
     axial: the stiffness that the axial force adds, relative to that of the strain energy; axial_missed: the same of
-    what is missed. turns: the square of each is the part of that stiffness which a spin takes away.
+    what is missed. turns: the square of each is the part of that stiffness which a spin takes away. motion (nq,): of
+    all coordinates, with a kinetic energy of 1/2 J for its velocities.
     """
 
+    motion: Vector
     rate: int
     late: int
     axial: int
@@ -239,7 +241,9 @@ class _BeamForms:
         size = float(np.abs(bent @ of.motion[self.amplitudes].ravel()).max())
         rate = self.forms.add(of.columns, size * of.part)
         late = self.forms.add([self.forms.size - 1], np.eye(1), rate)
-        return WatchedVibration(rate, late, changes.axial, changes.axial_missed, changes.turns, of.frequency, of.missed)
+        return WatchedVibration(
+            of.motion, rate, late, changes.axial, changes.axial_missed, changes.turns, of.frequency, of.missed
+        )
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
         """The deflection of the beam per unit of fields of its pieces; of torsion see `twists_along`."""
