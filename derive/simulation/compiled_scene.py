@@ -102,6 +102,11 @@ def coordinates_with(native: Constraints, *roles: Role) -> Mask:
     return np.array([role in roles for role in native.roles], dtype=bool)
 
 
+def undeformed(native: Constraints, q: Vector) -> Vector:
+    """The configuration q (nq,) without deformation: its amplitudes are zero."""
+    return np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
+
+
 def max_norm(values: Vector) -> float:
     """The largest absolute value: infinite if a value is not finite, 0 for an empty vector."""
     if not np.all(np.isfinite(values)):

@@ -18,7 +18,7 @@ import casadi as ca
 
 from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
-from derive.lowering.instances.loop_code.context import ZERO, Part
+from derive.lowering.instances.loop_code.kernels import ZERO, Part
 from derive.lowering.instances.places import Place
 from derive.lowering.trees.link_loop import LinkLoop, opposite
 from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix

@@ -14,7 +14,7 @@ from derive.ir.expressions import Element, Expr, Operation, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Entry, ForEach, InstanceItem, Statement, StoreElement
-from derive.lowering.instances.loop_code.context import Part
+from derive.lowering.instances.loop_code.kernels import Part
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, by_pairs, unit_motion
 from derive.lowering.trees.link_loop import LINK, LinkLoop

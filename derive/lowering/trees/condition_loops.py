@@ -16,7 +16,7 @@ from derive.algebra import sp
 from derive.ir.expressions import Operator
 from derive.ir.indices import constant
 from derive.ir.statements import ForEach, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO
+from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.trees.ball_columns import TWIST, LinkPair, pairs_of, unit_motion
 from derive.lowering.trees.conditions import VECTORS, Conditions, frame_symbol
 from derive.lowering.trees.link_frames import CARRIED, frame_motion

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from derive.ir.expressions import Number, Operator
 from derive.ir.kernel import Argument
 from derive.ir.statements import ForEach, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO, Part, whole
+from derive.lowering.instances.loop_code.kernels import ZERO, Part, whole
 from derive.lowering.trees import invariants
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.condition_loops import ConditionLoops

@@ -9,7 +9,7 @@ from derive.ir.expressions import Element, ScalarRef
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO, Part, Result, kernel, whole
+from derive.lowering.instances.loop_code.kernels import ZERO, Part, Result, kernel, whole
 from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees import invariants, joint_outputs, loads, requested
 from derive.lowering.trees.articulated import articulated

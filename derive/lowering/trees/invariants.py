@@ -10,7 +10,7 @@ import casadi as ca
 from derive.ir.expressions import Element, Expr, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Statement, StoreElement
-from derive.lowering.instances.loop_code.context import ZERO
+from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.links import BodyPlace
 from derive.lowering.trees.motion import FRAME, INERTIA, MOMENT, ORIGIN, SPEED, SPIN, TreeMotion, matrix

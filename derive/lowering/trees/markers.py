@@ -18,7 +18,7 @@ from derive.ir.kernel import Argument, Kernel
 from derive.ir.model import MarkerClass, Variable
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import ForEach, Statement, Work
-from derive.lowering.instances.loop_code.context import ZERO, Part, Result, kernel
+from derive.lowering.instances.loop_code.kernels import ZERO, Part, Result, kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.link_loop import LINK, LinkLoop

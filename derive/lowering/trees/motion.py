@@ -19,7 +19,7 @@ from derive.ir.expressions import Element, Expr, Number
 from derive.ir.indices import ElementIndex, constant
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.attitude import ZERO_QUATERNION
-from derive.lowering.instances.loop_code.context import Part
+from derive.lowering.instances.loop_code.kernels import Part
 from derive.lowering.trees.link_loop import LinkArrays, LinkLoop
 from derive.lowering.trees.links import TURNED, UNIT, LinkInertia, Tree
 from derive.lowering.trees.vectors import (

@@ -26,7 +26,7 @@ from derive.ir.statements import (
     StoreElement,
     Work,
 )
-from derive.lowering.instances.loop_code.context import ZERO
+from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.ldlt import VANISHING
 from derive.lowering.trees.articulated import SHARE, axis, carried, solved
 from derive.lowering.trees.link_loop import LinkLoop

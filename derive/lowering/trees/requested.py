@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from derive.ir.kernel import Kernel
 from derive.ir.statements import Statement, Work
-from derive.lowering.instances.loop_code.context import Part, Result, kernel
+from derive.lowering.instances.loop_code.kernels import Part, Result, kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction
 from derive.lowering.requested_functions import DIFFERENTIATED, JACOBIANS
 from derive.lowering.trees import centroid

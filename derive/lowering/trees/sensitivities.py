@@ -13,7 +13,7 @@ from derive.ir.analysis import reads
 from derive.ir.expressions import Expr, ScalarRef
 from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Statement, Work
-from derive.lowering.instances.loop_code.context import Part, Result, kernel
+from derive.lowering.instances.loop_code.kernels import Part, Result, kernel
 from derive.lowering.model_functions import ModelFunction
 from derive.lowering.trees.forms import TreeForm
 from derive.lowering.trees.tangents import ONE, Directions, LoopTangents, Rows

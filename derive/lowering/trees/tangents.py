@@ -19,7 +19,7 @@ from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Entry, ForEach, InstanceItem, Statement, StoreElement, Work
-from derive.lowering.instances.loop_code.context import ZERO
+from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.instances.places import Places
 from derive.lowering.trees.link_loop import SLOPES, LinkArrays, tangent_of
 

@@ -11,7 +11,7 @@ from derive.ir.kernel import Argument
 from derive.ir.patterns import Pattern
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
-from derive.lowering.instances.loop_code.context import Part, Result, whole
+from derive.lowering.instances.loop_code.kernels import Part, Result, whole
 from derive.lowering.instances.places import Places
 from derive.lowering.trees import joint_outputs, loads, marker_loads
 from derive.lowering.trees.composite import mass_pattern

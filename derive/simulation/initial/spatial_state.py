@@ -7,6 +7,7 @@ import numpy as np
 from derive.errors import Problem, SpecError
 from derive.ir.model import Model
 from derive.runtime.native_call import Vector
+from derive.simulation.free_body import RIGID
 from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import SpatialStart
@@ -22,7 +23,7 @@ def spatial_state(model: Model, start: SpatialStart) -> InitialState:
 
     Raises SpecError if there are more amplitudes than modes.
     """
-    modes = sum(variable.size for variable in model.velocities) - 6
+    modes = sum(variable.size for variable in model.velocities) - RIGID
     problems = [
         Problem(f"body.start.{key}", f"there are {len(values)} numbers, and the body has {modes} modes")
         for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.runtime.native_call import Vector
+from derive.simulation.free_body import POSE, FreeBody
 from derive.simulation.linear.displaced import DISPLACEMENT, PROBE, displaced_states
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
@@ -54,8 +55,9 @@ def body_displacements(drawn: DrawnBody, mode: Mode) -> tuple[NDArray[np.complex
     The body is not rotated, so that the displacement is dc + 2 de x X + sum Phi_i dalpha_i, with the change de of the
     vector part of the quaternion. The largest displacement is the part DISPLACEMENT of the size of the body.
     """
-    shift, vector, amplitudes = mode.shape[:3], mode.shape[4:7], mode.shape[7:]
-    moved = shift + 2 * np.cross(vector, drawn.x) + np.tensordot(amplitudes, drawn.phi, axes=1)
+    own = FreeBody(len(mode.shape) - POSE)
+    shift, vector, amplitudes = (mode.shape[at] for at in (own.position, own.quaternion, own.amplitudes))
+    moved = shift + 2 * np.cross(vector[1:], drawn.x) + np.tensordot(amplitudes, drawn.phi, axes=1)
     largest = float(np.sqrt((np.abs(moved) ** 2).sum(axis=1)).max())
     size = float(np.ptp(drawn.x, axis=0).max())
     factor = DISPLACEMENT * size / largest if largest else 0.0
@@ -66,5 +68,6 @@ def displaced_body(modes: Modes, mode: Mode, drawn: DrawnBody, phases: Vector) -
     """The coordinates (n, nq) of a body at the phases (n,), rad, of a mode, with unit quaternions."""
     _, factor = body_displacements(drawn, mode)
     q: Array = modes.linear.q + factor * (mode.shape * np.exp(1j * phases)[:, None]).real
-    q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1)[:, None]
+    quaternions = q[:, FreeBody(0).quaternion]
+    quaternions /= np.linalg.norm(quaternions, axis=1)[:, None]
     return q

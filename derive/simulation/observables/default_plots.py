@@ -14,6 +14,7 @@ from derive.mechanics.multibody.space.marker_outputs import AXES
 from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.mechanics.multibody.space.rows import ROTATIONS
 from derive.roles import Role
+from derive.simulation.free_body import FreeBody
 from derive.simulation.trajectory import energy_names
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
@@ -83,7 +84,7 @@ def _quantities(scene: AnyScene, model: Model) -> dict[str, list[str]]:
         quantities |= {"joints": quantities_of(model, Role.ROTATION, Role.DISPLACEMENT)}
         quantities["angular_velocity"] = [x.title for x in model.velocities if x.unit == "rad/s"]
     elif spatial:
-        quantities["angular_velocity"] = [x.name for x in model.velocities[3:6]]
+        quantities["angular_velocity"] = [x.name for x in model.velocities[FreeBody(0).rotation]]
     quantities["energy"] = [*energy_names(scene, model)]
     return {name: columns for name, columns in quantities.items() if columns}
 

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from derive.reduction.body import prepare
 from derive.reduction.modal_stresses import modal_stresses
+from derive.simulation.free_body import POSE, FreeBody
 from derive.simulation.observables.body_surface import Surface, surface
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.mesh_surface import coarsened, mesh_surface
@@ -86,7 +87,8 @@ class BodyPath:
 
 def path_of(q: Array) -> BodyPath:
     """The motion of a body whose coordinates (n, nq) are its own: position, quaternion, amplitudes."""
-    return BodyPath(q[:, :3], q[:, 3:7], q[:, 7:])
+    own = FreeBody(q.shape[1] - POSE)
+    return BodyPath(q[:, own.position], q[:, own.quaternion], q[:, own.amplitudes])
 
 
 def drawn_body(body: NodalBody) -> DrawnBody:

@@ -9,6 +9,7 @@ from derive.mechanics.symbols import amplitude_of
 from derive.reduction.body import prepare
 from derive.reduction.modal_stresses import modal_stresses
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.free_body import FreeBody
 from derive.simulation.observables.motion import Array
 from derive.solids.stresses import von_mises
 from derive.spec.model.body import NodalBody
@@ -37,7 +38,8 @@ def stress_values(scene: AnyScene, native: NativeScene, q: Array, alone: NodalBo
     """The largest stress (n,), Pa, of von Mises in each of these bodies at the coordinates q (n, nq)."""
     result = []
     for body in stress_columns(scene, alone).values():
-        own = slice(7, None) if alone else amplitude_places(native, body.name, len(prepare(body).shapes.phi))
+        modes = len(prepare(body).shapes.phi)
+        own = FreeBody(modes).amplitudes if alone else amplitude_places(native, body.name, modes)
         result.append(largest_stress(body, q[:, own])[0])
     return result
 

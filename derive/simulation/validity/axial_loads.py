@@ -15,16 +15,15 @@ from itertools import combinations
 import numpy as np
 
 from derive.percentages import percent
-from derive.roles import Role
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import undeformed
+from derive.simulation.free_body import flexible_body
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.end_loads import held_end
 from derive.simulation.validity.fast_spin import fast_spin_notes, remedy_of
-from derive.simulation.validity.held_beam import admitted_modes
 from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
-from derive.simulation.validity.mode_content import modal_stiffness, own_amplitudes
+from derive.simulation.validity.mode_content import modal_stiffness
 from derive.simulation.validity.monitoring_outputs import MOST_LOADED
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.body import NodalBody
@@ -74,10 +73,10 @@ def _note(
     scene: SpatialScene, body: FlexibleBody, native: NativeScene, k: Vector, t: Vector, q: Matrix, v: Matrix
 ) -> str:
     """The note on a body; empty where there is nothing to note."""
-    columns, rates = own_amplitudes(body.name, native)
-    if not columns or _knows_axial_forces(body):
+    places = flexible_body(body.name, native)
+    if places is None or _knows_axial_forces(body):
         return ""
-    loads = MissedModes(scene, body, native, k, columns, rates)
+    loads = MissedModes(scene, body, native, k, places)
     ends = _ends(body, loads.markers)
     if ends is None:
         return _note_of_cantilever(loads, t, q, v)
@@ -88,9 +87,8 @@ def _note(
     except ModelError:
         return ""
     tension = np.array([(at[right] - at[left]) @ axis / 2 for at in forces])
-    squared = _squared_frequency(native, k, float(t[0]), q[0], columns, rates)
-    mass = mass_matrix(native, q[0], k)[rates[0] - 6, rates[0] - 6]
-    change = np.pi**2 * tension / (mass * length * squared) if squared else np.zeros(len(tension))
+    squared = _squared_frequency(loads, float(t[0]), q[0])
+    change = np.pi**2 * tension / (loads.total_mass(q[0]) * length * squared) if squared else np.zeros(len(tension))
     rms = float(np.sqrt(np.mean(change**2)))
     if not rms > ERROR_LIMIT:
         return ""
@@ -106,7 +104,7 @@ def _note(
 
 def _note_of_cantilever(loads: MissedModes, t: Vector, q: Matrix, v: Matrix) -> str:
     """The note on a body that joints hold at one end alone; see `end_loads`."""
-    spec, native, k = loads.body.body, loads.native, loads.k
+    spec = loads.body.body
     end = held_end(loads, spec.data.positions)
     if end is None:
         return ""
@@ -115,9 +113,8 @@ def _note_of_cantilever(loads: MissedModes, t: Vector, q: Matrix, v: Matrix) -> 
         rows = np.array([end.change(*state) for state in zip(t[some], q[some], v[some], strict=True)])
     except ModelError:
         return ""
-    squared = _squared_frequency(native, k, float(t[0]), q[0], [*loads.columns], [*loads.rates])
-    mass = mass_matrix(native, q[0], k)[loads.rates[0] - 6, loads.rates[0] - 6]
-    change = rows[:, 2] / (mass * end.length * squared) if squared else np.zeros(len(rows))
+    squared = _squared_frequency(loads, float(t[0]), q[0])
+    change = rows[:, 2] / (loads.total_mass(q[0]) * end.length * squared) if squared else np.zeros(len(rows))
     rms = float(np.sqrt(np.mean(change**2)))
     if not rms > ERROR_LIMIT:
         return ""
@@ -154,12 +151,8 @@ def _ends(body: FlexibleBody, markers: set[str]) -> tuple[tuple[str, str], Vecto
     return (pair, axis, length) if length >= APART * extent else None
 
 
-def _squared_frequency(
-    native: NativeScene, k: Vector, t: float, q: Vector, columns: list[int], rates: list[int]
-) -> float:
+def _squared_frequency(loads: MissedModes, t: float, q: Vector) -> float:
     """The square of the lowest frequency of a body as its joints hold it, (rad/s)^2; 0 where they admit none."""
-    straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
-    K = np.zeros((native.nv,) * 2)
-    K[np.ix_(rates, rates)] = modal_stiffness(native, k, straight, columns, rates)
-    modes = admitted_modes(K, native, k, t, straight, rates)
+    native = loads.native
+    modes = loads.vibrations(t, q, modal_stiffness(native, loads.k, undeformed(native, q), loads.places))
     return modes[0].frequency ** 2 if modes else 0.0

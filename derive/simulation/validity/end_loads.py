@@ -14,10 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import coordinates_with, mass_matrix
-from derive.simulation.configurations import rotation_matrix
+from derive.simulation.compiled_scene import mass_matrix, undeformed
 from derive.simulation.space.marker_frames import modal_frames_of
 
 if TYPE_CHECKING:
@@ -45,20 +43,15 @@ class HeldEnd:
 
     def change(self, t: float, q: Vector, v: Vector) -> tuple[float, float, float]:
         """The forces T and B (N) along the body in a state, and m l times the change of the squared frequency."""
-        loads, native, k = self.loads, self.loads.native, self.loads.k
-        first, columns = loads.rates[0] - 6, loads.columns
-        own, turning = slice(first, first + 3), slice(first + 3, first + 6)
-        quaternion = q[columns[0] - 4 : columns[0]]
-        Q = rotation_matrix(quaternion / np.linalg.norm(quaternion))
-        straight = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
-        mass = mass_matrix(native, straight, k)
-        m = float(mass[first, first])
-        applied = Q.T @ -native.force(t, q, np.zeros(native.nv), k)[own] - m * (Q.T @ self._gravity(q))
+        loads, native, k, places = self.loads, self.loads.native, self.loads.k, self.loads.places
+        m, Q = loads.total_mass(q), places.axes(q)
+        inertia = mass_matrix(native, undeformed(native, q), k)[places.translation, places.rotation]
+        applied = Q.T @ -native.force(t, q, np.zeros(native.nv), k)[places.translation] - m * (Q.T @ self._gravity(q))
         at_end = float(applied @ self.axis)
-        lever = -(Q.T @ mass[own, turning]) / m  # of the centre of mass, as a vector product
+        lever = -(Q.T @ inertia) / m  # of the centre of mass, as a vector product
         centre = np.array([lever[2, 1], lever[0, 2], lever[1, 0]])
         root = np.asarray(modal_frames_of(loads.body)[self.marker].point.position, float)
-        across = np.cross(self.axis, v[turning])
+        across = np.cross(self.axis, v[places.rotation])
         of_spin = m * float(across @ across) * float((centre - root) @ self.axis)
         held = sum(loads.forces(t, q, v).values(), np.zeros(3))
         spread = -float(held @ self.axis) - at_end - of_spin
@@ -69,14 +62,13 @@ class HeldEnd:
     def _gravity(self, q: Vector) -> Vector:
         """The acceleration of gravity (3,), m/s^2, by the potential of the body in a state (nq,)."""
         native, k, still = self.loads.native, self.loads.k, np.zeros(self.loads.native.nv)
-        first = self.loads.columns[0] - 7
-        result, mass = np.zeros(3), float(mass_matrix(native, q, k)[self.loads.rates[0] - 6, self.loads.rates[0] - 6])
+        result = np.zeros(3)
         for axis in range(3):
             moved = q.copy()
-            moved[first + axis] += 1.0
+            moved[self.loads.places.position.start + axis] += 1.0
             potentials = [native.energy(at, still, k)[2:] for at in (moved, q)]
-            result[axis] = -float(np.sum(potentials[0] - potentials[1])) / mass
-        return result
+            result[axis] = -float(np.sum(potentials[0] - potentials[1]))
+        return result / self.loads.total_mass(q)
 
 
 def held_end(loads: MissedModes, positions: Matrix | None) -> HeldEnd | None:

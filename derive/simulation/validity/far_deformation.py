@@ -15,8 +15,8 @@ import numpy as np
 from derive.percentages import percent
 from derive.runtime.native_call import Matrix
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.free_body import flexible_body
 from derive.simulation.validity.missed_modes import MOST_ROWS
-from derive.simulation.validity.mode_content import own_amplitudes
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.body import BodyFrame, NodalBody
 from derive.spec.model.spatial_bodies import FlexibleBody
@@ -30,11 +30,11 @@ THIRD_ORDER = 30.0
 def far_deformation_notes(scene: AnyScene, native: NativeScene, q: Matrix) -> Iterator[str]:
     """Yield a note on each finite-element body of second order whose implied error is above the limit; q (n, nq)."""
     for body in scene.bodies if isinstance(scene, SpatialScene) else ():
-        columns = own_amplitudes(body.name, native)[0]
-        if not columns or not isinstance(body, FlexibleBody) or not body.body.second_order:
+        places = flexible_body(body.name, native)
+        if places is None or not isinstance(body, FlexibleBody) or not body.body.second_order:
             continue
         some = np.unique(np.linspace(0, len(q) - 1, min(len(q), MOST_ROWS)).round().astype(int))
-        largest, error = left_out(body.body, q[some][:, columns])
+        largest, error = left_out(body.body, q[some][:, places.amplitudes])
         if error > ERROR_LIMIT:
             implied = f"{percent(error)} in its deformation (rms over the run, relative to the peak; the limit is "
             yield (

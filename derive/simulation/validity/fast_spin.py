@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh, null_space
 
-from derive.mechanics.symbols import amplitude_of
 from derive.notes.body_notes import NOTICEABLE_SPIN
 from derive.percentages import percent
-from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
-from derive.simulation.configurations import rotation_matrix, skew
+from derive.simulation.compiled_scene import ConstrainedSystem, mass_matrix, undeformed
+from derive.simulation.configurations import skew
+from derive.simulation.free_body import RIGID, FreeBody, flexible_body
 from derive.simulation.space.marker_frames import modal_frames_of
+from derive.simulation.validity.mode_content import modal_stiffness
 from derive.spec.model.beam_pieces import CUT
 from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.spatial_beam import SpatialBeam, SpatialBody
@@ -30,17 +30,15 @@ from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
-RIGID = 6
 KNOW_NONE = "displacements of first order know no centrifugal stiffening"
 
 
 @dataclass(frozen=True)
 class Spinning:
-    """A body of first order: its specification, its first velocity and coordinate, and the markers that joints fix."""
+    """A body of first order: its specification, its places in the state, and the markers that joints fix."""
 
     spec: NodalBody | SpatialBeam
-    velocity: int
-    coordinate: int
+    places: FreeBody
     fixed: tuple[str, ...] = ()
     in_scene: FlexibleBody | SpatialBeam | None = None
 
@@ -62,8 +60,8 @@ def fast_spin_notes(
     """
     result = {}
     for of in _bodies(scene, body, native, beams):
-        turning = slice(of.velocity + 3, of.velocity + RIGID)
-        inertia = mass_matrix(native, _undeformed(native, q[0]), k)[turning, turning]
+        turning = of.places.rotation
+        inertia = mass_matrix(native, undeformed(native, q[0]), k)[turning, turning]
         squares = np.einsum("nk,kl,nl->n", v[:, turning], inertia, v[:, turning]) / np.linalg.eigvalsh(inertia)[-1]
         spin = float(np.sqrt(squares.max(initial=0.0)))
         if spin == 0.0:
@@ -107,17 +105,15 @@ def _bodies(scene: AnyScene, body: NodalBody | None, native: ConstrainedSystem, 
     """The bodies of first order with modes."""
     if body is not None:
         if _lacks_stiffening(body) and native.nv > RIGID:
-            yield Spinning(body, 0, RIGID + 1)
+            yield Spinning(body, FreeBody(native.nv - RIGID))
         return
     for own in scene.bodies if isinstance(scene, SpatialScene) else ():
-        first = amplitude_of(own.name, 1)
         left_out = isinstance(own, SpatialBeam) and not beams
-        if not left_out and (spec := _of_first_order(own)) and first.shown in native.coordinates:
+        if not left_out and (spec := _of_first_order(own)) and (places := flexible_body(own.name, native)):
             ends = (end for joint in scene.joints if joint.kind == "fixed" for end in (joint.first, joint.second))
             fixed = tuple(end.marker for end in ends if end.body == own.name)
-            velocity = native.velocities.index(amplitude_of(own.name, 1, 1).shown) - RIGID
             in_scene = own if isinstance(own, (FlexibleBody, SpatialBeam)) else None
-            yield Spinning(spec, velocity, native.coordinates.index(first.shown), fixed, in_scene)
+            yield Spinning(spec, places, fixed, in_scene)
 
 
 def _of_first_order(body: SpatialBody) -> NodalBody | SpatialBeam | None:
@@ -130,56 +126,25 @@ def _of_first_order(body: SpatialBody) -> NodalBody | SpatialBeam | None:
 
 
 def _lowest_frequencies(of: Spinning, native: ConstrainedSystem, k: Vector, q: Vector) -> Iterator[tuple[str, float]]:
-    """The lowest natural frequency (rad/s) of the undeformed body, free, and held at each marker that a joint fixes.
-
-    Its stiffness is the change of its forces at rest for unit amplitudes, on which they depend linearly.
-    """
-    rest, still = _undeformed(native, q), np.zeros(native.nv)
-    modes = _modes(of, native)
-    own = slice(of.velocity, of.velocity + RIGID + modes)
-    elastic = slice(of.velocity + RIGID, own.stop)
-
-    def forces(at: Vector) -> Vector:
-        return native.force(0.0, at, still, k)[elastic]
-
-    columns = []
-    for i in range(modes):
-        bent = rest.copy()
-        bent[of.coordinate + i] = 1.0
-        columns.append(forces(bent) - forces(rest))
+    """The lowest natural frequency (rad/s) of the undeformed body, free, and held at each marker that a joint fixes."""
+    rest, places = undeformed(native, q), of.places
+    modes, own = places.modes, slice(places.rigid.start, places.rates.stop)
     stiffness = np.zeros((RIGID + modes,) * 2)
-    stiffness[RIGID:, RIGID:] = columns
+    stiffness[RIGID:, RIGID:] = modal_stiffness(native, k, rest, places)
     mass = mass_matrix(native, rest, k)[own, own]
     eliminated = np.linalg.solve(mass[:RIGID, :RIGID], mass[:RIGID, RIGID:])
     yield "free", _lowest(np.vstack([-eliminated, np.eye(modes)]), stiffness, mass)
-    quaternion = rest[of.coordinate - 4 : of.coordinate]
     for marker in of.fixed:
         assert of.in_scene is not None
         frame = modal_frames_of(of.in_scene)[marker]
-        point, Q = frame.point, rotation_matrix(quaternion / np.linalg.norm(quaternion))
-        translation = np.hstack([Q.T, -skew(point.position), point.shapes.T])
+        point = frame.point
+        translation = np.hstack([places.axes(rest).T, -skew(point.position), point.shapes.T])
         rotation = np.hstack([np.zeros((3, 3)), np.eye(3), frame.twists.T])
         where = "where the beam is divided" if marker in CUT else f"at {marker}"
         yield f"held {where}", _lowest(null_space(np.vstack([translation, rotation])), stiffness, mass)
 
 
-def _undeformed(native: ConstrainedSystem, q: Vector) -> Vector:
-    """A configuration (nq,) without deformation."""
-    return np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q)
-
-
-def _modes(of: Spinning, native: ConstrainedSystem) -> int:
-    """The number of modes of a body: its amplitudes follow each other."""
-    if of.in_scene is None:
-        return native.nv - RIGID
-    names = native.velocities
-    count = 1
-    while amplitude_of(of.in_scene.name, count + 1, 1).shown in names:
-        count += 1
-    return count
-
-
 def _lowest(motions: Matrix, stiffness: Matrix, mass: Matrix) -> float:
     """The lowest natural frequency (rad/s) of motions (velocities, n)."""
     K, M = (motions.T @ matrix @ motions for matrix in (stiffness, mass))
-    return float(np.sqrt(max(eigh((K + K.T) / 2, M, eigvals_only=True)[0], 0.0)))
+    return float(np.sqrt(max(eigh(K, M, eigvals_only=True)[0], 0.0)))

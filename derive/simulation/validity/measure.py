@@ -73,7 +73,7 @@ def _of_beam(scene: SceneWatch, motion: SceneMotion, errors: ImpliedErrors) -> I
 
 
 def _truncated_error(scene: SceneWatch, motion: SceneMotion, errors: ImpliedErrors, lost: LostInertia) -> float:
-    """The error by truncated terms, from all that they leave out where rows are close enough, else from lost inertia."""
+    """The error by truncated terms: from what they leave out if rows are close enough, else from lost inertia."""
     if errors.straight or not lost.largest < 1 or not errors.frequencies.size or not errors.seen_in(motion.t):
         return errors.of_lost_inertia(lost)
     difference = truncated_energy_error(scene, errors.watched, motion, errors.frequencies)

@@ -9,7 +9,7 @@ deforms no body by itself. Without a stiffness matrix nothing is known.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,11 +18,10 @@ import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.symbols import Family, Identity
-from derive.roles import Role
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
-from derive.simulation.configurations import rotation_matrix
+from derive.simulation.compiled_scene import constraint_matrix, mass_matrix, undeformed
+from derive.simulation.free_body import FreeBody
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.held_beam import SMALL, HeldMode, admitted_modes
 from derive.simulation.validity.monitoring_outputs import acting_loads
@@ -36,19 +35,17 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 300
 """The states of a run that are looked at, evenly spaced."""
-RIGID = 6
 
 
 @dataclass(frozen=True, eq=False)
 class MissedModes:
-    """A finite-element body with the numbers of its amplitudes among the coordinates, and of their rates."""
+    """A finite-element body with its places in the state of its compiled scene, whose constants are k (nk,)."""
 
     scene: SpatialScene
     body: FlexibleBody
     native: NativeScene
     k: Vector
-    columns: Sequence[int]
-    rates: Sequence[int]
+    places: FreeBody
 
     def error(self, t: Vector, q: Matrix, v: Matrix) -> float:
         """The implied error of the deformation in the states q (n, nq), v (n, nv) at t (n,), over its peak."""
@@ -59,9 +56,10 @@ class MissedModes:
         except ModelError:
             return 0.0
         missed = _sizes(loads, self.missed.mass)
-        sizes = _sizes(q[:, self.columns], self._mass(q[0]))
+        sizes = _sizes(q[:, self.places.amplitudes], self._mass(q[0]))
         peak = float(np.hypot(sizes, missed).max())
-        late = sorted(self._late(mode, t, q[0], v) for mode in self._vibrations(float(t[0]), q[0]))
+        vibrations = self.vibrations(float(t[0]), q[0], self.missed.stiffness)
+        late = sorted(self._late(mode, t, q[0], v) for mode in vibrations)
         together = np.hypot(late[-1], np.linalg.norm(late[:-1]) / np.sqrt(2)) if late else 0.0
         return float(np.hypot(_rms(missed), together) / peak) if peak else 0.0
 
@@ -123,6 +121,18 @@ class MissedModes:
             result[name] += Q.T @ wrench[:3]
         return result
 
+    def total_mass(self, q: Vector) -> float:
+        """The mass of the body, kg."""
+        first = self.places.velocity
+        return float(mass_matrix(self.native, q, self.k)[first, first])
+
+    def vibrations(self, t: float, q: Vector, stiffness: Matrix) -> tuple[HeldMode, ...]:
+        """The vibrations of the body as its joints hold it; stiffness (N, N): of its modes."""
+        rates, K = self.places.rates, np.zeros((self.native.nv,) * 2)
+        K[rates, rates] = stiffness
+        own = range(rates.start, rates.stop)
+        return admitted_modes(K, self.native, self.k, t, undeformed(self.native, q), own)
+
     def _loads(self, t: float, q: Vector, v: Vector) -> Vector:
         """The forces and moments at markers, in the axes of the body, and the accelerations by modes and by spin."""
         vdot, multipliers = self.native.solve(t, q, v, self.k)
@@ -136,7 +146,7 @@ class MissedModes:
         names = (*(name for name, _ in self._held), *self._acting)
         single = [len(self._marker(name).nodes) == 1 for name in names]  # a node has no rotation of its own
         at_markers = [load[:3] if lone else load for load, lone in zip(result, single, strict=True)]
-        return np.concatenate([*at_markers, vdot[self.rates], self.missed.of_spin(self._spin(v))])
+        return np.concatenate([*at_markers, vdot[self.places.rates], self.missed.of_spin(self._spin(v))])
 
     def _spin(self, v: Vector) -> Vector:
         """The angular velocity in the axes of the body; zero where its rates are not velocities of the scene."""
@@ -147,38 +157,30 @@ class MissedModes:
 
     def _wrenches(self, t: float, q: Vector, multipliers: Vector) -> Iterator[tuple[str, Vector, Matrix]]:
         """The force in the inertial axes and the moment in those of the body (6,) of each joint, and these axes."""
-        first = self.rates[0] - RIGID
-        G = constraint_matrix(self.native, t, q, self.k)[:, first : first + RIGID] if len(multipliers) else None
-        quaternion = q[self.columns[0] - 4 : self.columns[0]]
-        Q = rotation_matrix(quaternion / np.linalg.norm(quaternion))
+        G = constraint_matrix(self.native, t, q, self.k)[:, self.places.rigid] if len(multipliers) else None
+        Q = self.places.axes(q)
         for name, rows in self._held:
             assert G is not None
             yield name, G[rows].T @ multipliers[rows], Q
 
     def _mass(self, q: Vector) -> Matrix:
-        straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
-        result: Matrix = mass_matrix(self.native, straight, self.k)[np.ix_(self.rates, self.rates)]
+        rates = self.places.rates
+        result: Matrix = mass_matrix(self.native, undeformed(self.native, q), self.k)[rates, rates]
         return result
-
-    def _vibrations(self, t: float, q: Vector) -> tuple[HeldMode, ...]:
-        straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
-        K = np.zeros((self.native.nv,) * 2)
-        K[np.ix_(self.rates, self.rates)] = self.missed.stiffness
-        return admitted_modes(K, self.native, self.k, t, straight, self.rates)
 
     def _late(self, mode: HeldMode, t: Vector, q: Vector, v: Matrix) -> float:
         """The lateness of a vibration, root mean square, in the norm of the mass."""
-        shape, stiffness = mode.motion[self.columns], self.missed.stiffness
+        shape, stiffness = mode.motion[self.places.amplitudes], self.missed.stiffness
         kept = float(shape @ stiffness @ shape)
         load = self._response(mode.motion, float(t[0]), q)
         missed = float(load @ self.missed.energy @ load)
-        rate = _sizes(shape[None], self._mass(q))[0] * (v[:, self.rates] @ stiffness @ shape) / kept
+        rate = _sizes(shape[None], self._mass(q))[0] * (v[:, self.places.rates] @ stiffness @ shape) / kept
         late = missed / (missed + kept) / 2 * _rms(rate * (t - t[0]))
         return float(min(late, np.sqrt(2) * _rms(rate) / mode.frequency))
 
     def _response(self, motion: Vector, t: float, q: Vector) -> Vector:
         """The change of the loads with a small motion from the undeformed state at rest."""
-        straight = np.where(coordinates_with(self.native, Role.AMPLITUDE), 0.0, q)
+        straight = undeformed(self.native, q)
         step = SMALL * max(1.0, float(np.abs(straight).max())) / float(np.abs(motion).max())
         still = np.zeros(self.native.nv)
         ahead, behind = (self._loads(t, straight + sign * step * motion, still) for sign in (1, -1))

@@ -15,12 +15,11 @@ from functools import partial
 import numpy as np
 from scipy.linalg import eigh
 
-from derive.mechanics.symbols import amplitude_of
 from derive.percentages import implied_percent, percent
-from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import ConstrainedSystem, mass_matrix, undeformed
+from derive.simulation.free_body import FreeBody, flexible_body
 from derive.simulation.validity.missed_modes import MissedModes
 from derive.simulation.validity.monitoring_outputs import acting_loads, loaded_bodies
 from derive.simulation.validity.monitors import ERROR_LIMIT
@@ -73,14 +72,14 @@ def mode_errors(
     bodies = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
     equilibrium = loaded_bodies(scene)
     for body in bodies:
-        columns, rows = own_amplitudes(body.name, native)
-        if not columns:
+        places = flexible_body(body.name, native)
+        if places is None:
             continue
-        frequencies, amplitudes = _vibrations(native, k, q, columns, rows)
-        of = partial(ModeError, body.name, len(columns), float(frequencies[-1]))
+        frequencies, amplitudes = _vibrations(native, k, q, places)
+        of = partial(ModeError, body.name, places.modes, float(frequencies[-1]))
         if body in equilibrium and _acting(scene, body.name) <= {*native.outputs}:
-            yield of(MissedModes(scene, body, native, k, columns, rows).error(t, q, v), of_loads=True)
-        elif len(columns) >= FEWEST:
+            yield of(MissedModes(scene, body, native, k, places).error(t, q, v), of_loads=True)
+        elif places.modes >= FEWEST:
             peak = float(np.linalg.norm(amplitudes, axis=1).max())
             part = float(np.sqrt(np.mean(amplitudes[:, -1] ** 2)) / peak) if peak > STILL else 0.0
             yield of(part, of_loads=False)
@@ -96,32 +95,24 @@ def _acting(scene: SpatialScene, body: str) -> set[str]:
     return {output.name for marker, outputs in acting_loads(scene).items() if marker.body == body for output in outputs}
 
 
-def own_amplitudes(name: str, native: ConstrainedSystem) -> tuple[list[int], list[int]]:
-    """The numbers of the amplitudes of a body among the coordinates and the velocities."""
-    columns, rows = list[int](), list[int]()
-    while (own := amplitude_of(name, len(columns) + 1).shown) in native.coordinates:
-        columns.append(native.coordinates.index(own))
-        rows.append(native.velocities.index(amplitude_of(name, len(rows) + 1, 1).shown))
-    return columns, rows
+def modal_stiffness(native: ConstrainedSystem, k: Vector, rest: Vector, places: FreeBody) -> Matrix:
+    """The stiffness of the amplitudes of a body, from its forces in the undeformed configuration `rest` (nq,).
 
-
-def modal_stiffness(native: ConstrainedSystem, k: Vector, rest: Vector, columns: list[int], rows: list[int]) -> Matrix:
-    """The stiffness of the amplitudes of a body, from its forces in the undeformed configuration `rest` (nq,)."""
-    still = np.zeros(native.nv)
-    unloaded = native.force(0.0, rest, still, k)[rows]
-    stiffness = np.empty((len(rows),) * 2)
-    for i, column in enumerate(columns):
+    Forces at rest depend linearly on the amplitudes.
+    """
+    still, rates = np.zeros(native.nv), places.rates
+    unloaded = native.force(0.0, rest, still, k)[rates]
+    stiffness = np.empty((places.modes,) * 2)
+    for i in range(places.modes):
         bent = rest.copy()
-        bent[column] = 1.0
-        stiffness[:, i] = native.force(0.0, bent, still, k)[rows] - unloaded
+        bent[places.amplitudes.start + i] = 1.0
+        stiffness[:, i] = native.force(0.0, bent, still, k)[rates] - unloaded
     return (stiffness + stiffness.T) / 2
 
 
-def _vibrations(
-    native: ConstrainedSystem, k: Vector, q: Matrix, columns: list[int], rows: list[int]
-) -> tuple[Vector, Matrix]:
+def _vibrations(native: ConstrainedSystem, k: Vector, q: Matrix, places: FreeBody) -> tuple[Vector, Matrix]:
     """The frequencies (rad/s) of the modes with the frame held, and their amplitudes (n, modes) in the mass norm."""
-    rest = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, q[0])
-    mass = mass_matrix(native, rest, k)[np.ix_(rows, rows)]
-    squares, shapes = eigh(modal_stiffness(native, k, rest, columns, rows), mass)
-    return np.sqrt(np.maximum(squares, 0.0)), q[:, columns] @ mass @ shapes
+    rest = undeformed(native, q[0])
+    mass = mass_matrix(native, rest, k)[places.rates, places.rates]
+    squares, shapes = eigh(modal_stiffness(native, k, rest, places), mass)
+    return np.sqrt(np.maximum(squares, 0.0)), q[:, places.amplitudes] @ mass @ shapes

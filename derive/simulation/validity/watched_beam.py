@@ -1,16 +1,9 @@
-"""The quantities that a run watches of its beams, as linear forms of its state and its outputs, and their products.
-
-What a model leaves out is compared with the stiffness of the beam in the shape of its lowest mode, as the joints hold
-it. First order leaves out what an axial force N(xi) adds: the integral of N v'^2 along the beam. All models leave out
-what a large deflection adds: in an inextensible beam the curvature is v''/sqrt(1 - v'^2), and the strain energy has a
-further part, the integral of 1/2 EI v''^2 v'^2.
-"""
+"""The quantities that a run watches of its beams, as linear forms of its state and its outputs, and their products."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import groupby
 
 import numpy as np
@@ -18,25 +11,20 @@ import numpy as np
 from derive.runtime.integrators.watch import Watch, Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.observables.beams import piece_names
-from derive.simulation.validity.beam_line import PLACES, deflections_along, places, twists_along
-from derive.simulation.validity.beam_vibrations import MissedForms, Vibration, vibrations_of
+from derive.simulation.validity.beam_forms import BeamForms
+from derive.simulation.validity.beam_line import places
+from derive.simulation.validity.beam_vibrations import Vibration, vibrations_of
 from derive.simulation.validity.bending_planes import bending_planes
-from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_modes
-from derive.simulation.validity.known_gaps import known_gaps
-from derive.simulation.validity.missed_moment import ENDS, SECTIONS, missed_fields, sections
+from derive.simulation.validity.held_beam import StaticResponse, held_modes
+from derive.simulation.validity.missed_moment import ENDS, SECTIONS, sections
 from derive.simulation.validity.monitoring_outputs import is_monitored
 from derive.simulation.validity.piece_frames import PieceFrames
-from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
-from derive.simulation.validity.surroundings import Surroundings, surroundings
-from derive.simulation.validity.turned_stiffness import TurnedStiffness
+from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.simulation.validity.surroundings import surroundings
 from derive.simulation.validity.watched_forms import WatchedForms
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.specification import AnyScene
-
-SLOPE = 1e-9
-"""Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +37,6 @@ class WatchedVibration:
     all coordinates, with a kinetic energy of 1/2 J for its velocities.
     """
 
-    motion: Vector
     rate: int
     late: int
     axial: int
@@ -57,6 +44,7 @@ class WatchedVibration:
     turns: tuple[int, ...]
     frequency: float
     missed: float
+    motion: Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,16 +128,16 @@ def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Ve
     spinning, frames = StaticResponse(native, k, t, q, v), PieceFrames(native, k, t, q)
     still, start = replace(spinning, v=np.zeros_like(v)), spinning.start()
     for _, of_beam in groupby(bending_planes(scene) if is_monitored(scene) else (), lambda shapes: shapes.beam.name):
-        planes, own = list[_BeamForms](), [*of_beam]
+        planes, own = list[BeamForms](), [*of_beam]
         response = still if own[0].beam.beam.order is DisplacementOrder.FIRST_ORDER else spinning
         for shapes in own:
             modes = held_modes((shapes,), native, k, t, q)
-            planes.append(_BeamForms(surroundings(scene, shapes), forms, shapes, modes, response, frames))
+            planes.append(BeamForms(surroundings(scene, shapes), forms, shapes, modes, response, frames))
         if len(planes) > 1:
             modes = held_modes([plane.shapes for plane in planes], native, k, t, q)
         vibrations = vibrations_of(modes, planes, response, start)
         watched = [_changes(forms, of) for of in vibrations]
-        beams += [plane.watched([*zip(vibrations, watched, strict=True)]) for plane in planes]
+        beams += [_watched_beam(plane, [*zip(vibrations, watched, strict=True)]) for plane in planes]
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 
@@ -167,167 +155,58 @@ def _changes(forms: WatchedForms, of: Vibration) -> _WatchedChanges:
     return _WatchedChanges(axial, missed, tuple(forms.add(range(forms.size), turn[None]) for turn in of.turns))
 
 
-class _BeamForms:
-    """The forms of a beam in a plane; modes: its vibrations there alone; response: to such motions."""
+def _watched_beam(of: BeamForms, vibrations: Sequence[tuple[Vibration, _WatchedChanges]]) -> WatchedBeam:
+    """The quantities of a beam in a plane; vibrations: those in all planes, with what changes their stiffness."""
+    forms, shapes, columns, rates = of.forms, of.shapes, of.columns, of.rates
+    bent = of.along(shapes.values(places()), shapes.slopes(ENDS))
+    deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
+    squared = forms.add(columns, bent, deflection)
+    place = int(np.abs(bent @ of.lowest.ravel()).argmax())
+    every_section = np.kron(np.eye(len(of.pieces)), shapes.moments(sections()).T).astype(np.float64)
+    parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
+    xi = np.linspace(-1, 1, 2 * SECTIONS)
+    axial = of.axial()
+    relative = forms.add(*axial)
+    return WatchedBeam(
+        shapes=shapes,
+        deflection=deflection,
+        rate=rate,
+        late=_times_time(forms, rate),
+        cubed=forms.add(columns, bent, squared),
+        middle=forms.add(columns, bent[place, None]),
+        middle_rate=forms.add(rates, bent[place, None]),
+        axial=relative,
+        axial_product=forms.add(*axial, deflection),
+        whole_axial=forms.add(*of.whole_axial()),
+        moment=forms.add(columns, every_section),
+        missed_moment=forms.add(range(forms.size), of.missed.moments),
+        missed=forms.add(range(forms.size), of.missed.deflections),
+        axial_missed=forms.add(*of.axial_missed()),
+        vibrations=tuple(_watched_vibration(of, *each, bent) for each in vibrations),
+        energies=tuple(tuple(forms.add(own, part[None]) for part in parts) for own in of.amplitudes),
+        piece_deflections=tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in of.amplitudes),
+        frequency=of.frequency,
+        hardening=of.hardening(bent),
+        rotations_act=of.rotations_act,
+    )
 
-    def __init__(
-        self,
-        around: Surroundings,
-        forms: WatchedForms,
-        shapes: PieceShapes,
-        modes: Sequence[HeldMode],
-        response: StaticResponse,
-        frames: PieceFrames,
-    ) -> None:
-        self.around, self.forms, self.shapes = around, forms, shapes
-        beam, native = shapes.beam, forms.native
-        self.pieces = piece_names(beam)
-        self.amplitudes = [shapes.amplitudes_in(native, piece) for piece in self.pieces]
-        self.columns = [column for columns in self.amplitudes for column in columns]
-        self.rates = [native.nq + column for piece in self.pieces for column in shapes.rates_in(native, piece)]
-        self.turned = TurnedStiffness(around, forms, shapes, frames, self.pieces, self.amplitudes)
-        if modes:
-            self.frequency, self.lowest = modes[0].frequency, modes[0].motion[self.amplitudes]
-            self.motion: Vector | None = modes[0].motion
-            self.change = response(modes[0].motion)[:, None]
-        else:  # nothing deforms it alone: its first shape stands for that of the loads
-            self.motion, self.change = None, np.zeros((forms.size, 0))
-            self.frequency, self.lowest = np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1))
-        ends = around.held
-        self.clamped = ends[0] if len(ends) == 1 else None
-        self.rotations_act = len(self.pieces) > 1 or any(
-            np.abs(shapes.slopes(np.array([float(end)])) * shapes.length).max() > SLOPE for end in ends
-        )
 
-    def watched(self, vibrations: Sequence[tuple[Vibration, _WatchedChanges]]) -> WatchedBeam:
-        """The numbers of the quantities; vibrations: those in all planes, with what changes their stiffness."""
-        forms, shapes, columns = self.forms, self.shapes, self.columns
-        rates = self.rates
-        bent = self.along(shapes.values(places()), shapes.slopes(ENDS))
-        deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
-        squared = forms.add(columns, bent, deflection)
-        place = int(np.abs(bent @ self.lowest.ravel()).argmax())
-        missed = self.missed
-        every_section = np.kron(np.eye(len(self.pieces)), shapes.moments(sections()).T).astype(np.float64)
-        parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
-        xi = np.linspace(-1, 1, 2 * SECTIONS)
-        axial_columns, axial_factors = self.axial()
-        axial = forms.add(axial_columns, axial_factors)
-        return WatchedBeam(
-            shapes,
-            deflection,
-            rate,
-            forms.add([forms.size - 1], np.eye(1), rate),
-            forms.add(columns, bent, squared),
-            forms.add(columns, bent[place, None]),
-            forms.add(rates, bent[place, None]),
-            axial,
-            forms.add(axial_columns, axial_factors, deflection),
-            self.whole_axial(),
-            forms.add(columns, every_section),
-            forms.add(range(forms.size), missed.moments),
-            forms.add(range(forms.size), missed.deflections),
-            self.axial_missed(),
-            tuple(self.vibration(*of, bent) for of in vibrations),
-            tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
-            tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
-            self.frequency,
-            self.hardening(bent),
-            self.rotations_act,
-        )
+def _watched_vibration(of: BeamForms, vibration: Vibration, changes: _WatchedChanges, bent: Matrix) -> WatchedVibration:
+    """The quantities of a vibration, whose size is that of the deflection in this plane."""
+    size = float(np.abs(bent @ vibration.motion[of.amplitudes].ravel()).max())
+    rate = of.forms.add(vibration.columns, size * vibration.part)
+    return WatchedVibration(
+        rate,
+        _times_time(of.forms, rate),
+        changes.axial,
+        changes.axial_missed,
+        changes.turns,
+        vibration.frequency,
+        vibration.missed,
+        vibration.motion,
+    )
 
-    def vibration(self, of: Vibration, changes: _WatchedChanges, bent: Matrix) -> WatchedVibration:
-        """The quantities of a vibration, whose size is that of the deflection in this plane."""
-        size = float(np.abs(bent @ of.motion[self.amplitudes].ravel()).max())
-        rate = self.forms.add(of.columns, size * of.part)
-        late = self.forms.add([self.forms.size - 1], np.eye(1), rate)
-        return WatchedVibration(
-            of.motion, rate, late, changes.axial, changes.axial_missed, changes.turns, of.frequency, of.missed
-        )
 
-    def along(self, values: Matrix, slopes: Matrix) -> Matrix:
-        """The deflection of the beam per unit of fields of its pieces; of torsion see `twists_along`."""
-        if self.shapes.twists:
-            return twists_along(values, len(self.pieces), self.clamped)
-        return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.clamped)
-
-    @cached_property
-    def missed(self) -> MissedForms:
-        """The fields that the shapes miss: in sections of all pieces, along the beam, and in energies."""
-        moments, deflections, energies = list[Matrix](), np.zeros((PLACES, self.forms.size)), list[Matrix]()
-        slopes, turned = list[Matrix](), np.zeros(self.forms.size)
-        for i, known in enumerate(known_gaps(self.around, self.forms, self.shapes, self.amplitudes)):
-            form = np.array([gap.form for gap in known])
-            missed = missed_fields(self.shapes, [(gap.xi, gap.order) for gap in known])
-            moments.append(missed.moments.T @ form)
-            energies.append(missed.energies @ form)
-            deflections += self.along(missed.values, missed.slopes).reshape(PLACES, -1, len(known))[:, i] @ form
-            slopes.append((missed.along - missed.slopes[:, :1]).T @ form + turned)
-            turned = turned + (missed.slopes[:, 1] - missed.slopes[:, 0]) @ form
-        along = np.array(slopes)
-        if self.clamped is None:  # slopes from the chord
-            along -= np.mean(gauss_points()[1] @ along, axis=0) / 2
-        elif self.clamped == 1:
-            along -= turned
-        return MissedForms(np.vstack(moments), deflections, np.vstack(energies), along)
-
-    @property
-    def strain(self) -> float:
-        """Twice the strain energy of the mode."""
-        a = self.lowest
-        return float(np.sum(a * (a @ self.shapes.stiffness)))
-
-    def hardening(self, bent: Matrix) -> float:
-        """The stiffness that a large deflection adds, relative to that of the mode, over its square, 1/m^2."""
-        if self.shapes.twists:
-            return 0.0
-        xi, weights = gauss_points()
-        a, shapes = self.lowest, self.shapes
-        squares = (a @ shapes.moments(xi)) ** 2 * weights
-        added = 2 * float(np.sum(squares * (a @ shapes.slopes(xi)) ** 2) / np.sum(squares))
-        return added / float(np.abs(bent @ a.ravel()).max()) ** 2
-
-    def axial(self) -> tuple[list[int], Matrix]:
-        """The relative stiffness that the axial force adds to the lowest mode."""
-        columns, factors = list[int](), list[float]()
-        for column, power, near in self.turned.axial_forces():
-            a = self.lowest[near]
-            columns.append(column)
-            factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
-        return columns, np.array([factors])
-
-    @property
-    def second_order(self) -> bool:
-        """Whether the model knows what axial forces and spins add to its stiffness in bending."""
-        return not self.shapes.twists and self.shapes.beam.beam.order is not DisplacementOrder.FIRST_ORDER
-
-    def stiffened(self, motions: Matrix) -> Iterator[tuple[int, Matrix]]:
-        """The numbers in z of axial forces, and what each unit of them adds to the stiffness for motions (n, nq).
-
-        It is that of second order, which a model of first order does not have.
-        """
-        return self.turned.added(motions) if self.second_order else iter(())
-
-    def stiffened_fields(self, changes: Matrix) -> Iterator[tuple[int, Matrix]]:
-        """The same for what the shapes miss in changes of z, columns of `changes` (z, n)."""
-        slopes = self.missed.slopes
-        return self.turned.of_slopes(lambda piece: (slopes[piece] @ changes).T) if self.second_order else iter(())
-
-    def softened(self, motions: Matrix) -> tuple[Vector, Matrix]:
-        """The spin in this plane as a form (z,), and what the square of a unit of it takes away of the stiffness."""
-        if self.second_order:
-            return self.turned.taken(motions)
-        return np.zeros(self.forms.size), np.zeros((len(motions),) * 2)
-
-    def axial_missed(self) -> int:
-        """The stiffness that the axial force adds to what the shapes miss of the lowest mode, relative to that."""
-        fields = self.missed.energies @ self.change
-        forces = [*self.stiffened_fields(self.change)] if np.any(fields) else []
-        factors = np.array([[float(added[0, 0]) / float(2 * np.sum(fields**2)) for _, added in forces]])
-        return self.forms.add([column for column, _ in forces], factors)
-
-    def whole_axial(self) -> int:
-        """The stiffness that the axial force adds to the lowest mode with the rotations of pieces, relative to it."""
-        forces = [*self.turned.added(self.motion[None])] if self.motion is not None else []
-        factors = np.array([[float(added[0, 0]) / self.strain for _, added in forces]])
-        return self.forms.add([column for column, _ in forces], factors)
+def _times_time(forms: WatchedForms, quantity: int) -> int:
+    """The number of a quantity times the time."""
+    return forms.add([forms.size - 1], np.eye(1), quantity)

@@ -85,12 +85,14 @@ class BodyClass:
     """Bodies with coordinates that differ in the values of their constants alone.
 
     leading: the member after which the class and its symbols are named, and which has all handles; is_joined: whether
-    some of the others do not, see `joined_classes.py`.
+    some of the others do not, see `joined_classes.py`. along_first: whether the rows of its joints are along the axes
+    of their first bodies, see `first_body_joints.py`, so that all of these joints vary.
     """
 
     members: tuple[Member, ...]
     leading: int = 0
     is_joined: bool = False
+    along_first: bool = False
 
     @property
     def first(self) -> Member:
@@ -101,7 +103,8 @@ class BodyClass:
     def name(self) -> str:
         """The name of the class in the generated code."""
         name = identifier(self.first.instance.name)
-        return f"joined_{name}" if self.is_joined else name
+        joined = f"joined_{name}" if self.is_joined else name
+        return f"{joined}_along_first" if self.along_first else joined
 
 
 def body_classes(mechanism: AnyMechanism) -> tuple[BodyClass, ...]:

@@ -55,13 +55,8 @@ class ClassEquations:
     axes: sp.ImmutableMatrix | None = None
 
 
-def class_equations(
-    mechanism: AnyMechanism, of: BodyClass, known: KnownMotion, along_first: bool = False
-) -> ClassEquations:
-    """The equations of the first member of a class, in its symbols.
-
-    along_first: whether its joints are along the axes of their first bodies.
-    """
+def class_equations(mechanism: AnyMechanism, of: BodyClass, known: KnownMotion) -> ClassEquations:
+    """The equations of the first member of a class, in its symbols."""
     instance = of.first.instance
     own = instance_equations(instance, mechanism.kinds[instance.kind], False)
     forces = _forces(of.first, own, known)
@@ -74,7 +69,7 @@ def class_equations(
         if isinstance(joint, CoupledJoints):
             part = varying[h] = gear_part(joint, instance.name, own)
             defined, contributed = part.definitions, part.constraints
-        elif along_first and isinstance(joint, SpatialJointInstance):
+        elif of.along_first and isinstance(joint, SpatialJointInstance):
             part = varying[h] = part_along_first(joint, handle.marker, handle.is_first, own)
             defined, contributed = part.definitions, part.constraints
         elif varies(joint):
@@ -125,7 +120,7 @@ def class_equations(
         splines=known.context.equations.splines,
     )
     result = with_known(equations, known, len(of_members), parts, varying)
-    return replace(result, axes=own.motions[of.first.handles[0].marker].frame) if along_first else result
+    return replace(result, axes=own.motions[of.first.handles[0].marker].frame) if of.along_first else result
 
 
 def with_known(

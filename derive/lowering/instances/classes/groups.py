@@ -98,10 +98,14 @@ class GroupElement:
 
 @dataclass(frozen=True)
 class Group:
-    """Elements that differ in the values of constants alone."""
+    """Elements that differ in the values of constants alone.
+
+    along_first: whether they are joints with rows along the axes of their first bodies.
+    """
 
     what: str
     members: tuple[GroupElement, ...]
+    along_first: bool = False
 
     @property
     def first(self) -> GroupElement:
@@ -111,7 +115,8 @@ class Group:
     @property
     def name(self) -> str:
         """The name of the group in the generated code."""
-        return f"{self.what}_{self.first.number}"
+        name = f"{self.what}_{self.first.number}"
+        return f"{name}_along_first" if self.along_first else name
 
 
 class Bodies:

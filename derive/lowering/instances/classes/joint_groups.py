@@ -28,7 +28,7 @@ def joint_groups(bodies: Bodies, along_first: bool = False) -> tuple[Group, ...]
             key = joint.type, plain_joint(joint), joint.multipliers, prescribed, ends, fixed_of(bodies, names)
             element = GroupElement(number, tuple(bodies.members[name] for name in names))
             groups.setdefault(key, []).append(element)
-    joints = tuple(Group("joint", tuple(members)) for members in groups.values())
+    joints = tuple(Group("joint", tuple(members), along_first) for members in groups.values())
     return (*joints, *_gear_groups(bodies))
 
 
@@ -44,10 +44,10 @@ def _gear_groups(bodies: Bodies) -> Iterator[Group]:
     yield from (Group("gear", tuple(members)) for members in groups.values())
 
 
-def joint_equations(bodies: Bodies, group: Group, along_first: bool = False) -> tuple[Equations, tuple[sp.Expr, ...]]:
+def joint_equations(bodies: Bodies, group: Group) -> tuple[Equations, tuple[sp.Expr, ...]]:
     """The equations of the first joint or gear of a group: its constraints, with the drive of `drive_of`.
 
-    along_first: with rows along the axes of its first body, and then the multipliers from those of these rows.
+    The multipliers follow if the rows are along the axes of its first body: from those of these rows.
     """
     joint = constraining(bodies.mechanism)[group.first.number]
     own = {m.instance.name: bodies.equations(m.instance.name) for m in group.first.bodies}
@@ -59,7 +59,7 @@ def joint_equations(bodies: Bodies, group: Group, along_first: bool = False) -> 
     if isinstance(joint, CoupledJoints):
         return group_equations(bodies, own, GeneralisedForce((), ()), conditions=(joint.constraint(at, rows),)), ()
     first, second = map(at, markers_of(joint))
-    if along_first and isinstance(joint, SpatialJointInstance):
+    if group.along_first and isinstance(joint, SpatialJointInstance):
         of = joint_along_first(joint, first, second, rows)
         force = GeneralisedForce((), of.definitions)
         return group_equations(bodies, own, force, conditions=of.constraints), of.reactions

@@ -51,12 +51,9 @@ MOST = 4
 
 
 def joined_classes(
-    mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None, along_first: bool = False
+    mechanism: AnyMechanism, classes: Sequence[BodyClass], system: Blocks | None
 ) -> tuple[BodyClass, ...]:
-    """The classes of bodies in lanes: those given, and in place of some the class that they have joined.
-
-    along_first: whether the rows of joints are along the axes of their first bodies, so that all joints vary.
-    """
+    """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
     result = tuple(classes)
     if system is None or system.adds or gears_of(mechanism) or any(map(_needs_class, mechanism.joints)):
         return result
@@ -64,7 +61,7 @@ def joined_classes(
         return result  # bodies would compute many rows that joints do not have
     for larger in classes:
         if any(of is larger for of in result):
-            result = _with_smaller(mechanism, result, larger, system, along_first)
+            result = _with_smaller(mechanism, result, larger, system)
     return result
 
 
@@ -93,13 +90,13 @@ def _needs_class(joint: AnyJoint) -> bool:
 
 
 def _with_smaller(
-    mechanism: AnyMechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks, along_first: bool
+    mechanism: AnyMechanism, classes: tuple[BodyClass, ...], larger: BodyClass, system: Blocks
 ) -> tuple[BodyClass, ...]:
     """The classes after some have joined one of them, if this takes less, or little more with fewer classes."""
     smaller = [
         (of, members)
         for of in classes
-        if of is not larger and (members := _as_members(mechanism, of, larger, along_first)) is not None
+        if of is not larger and (members := _as_members(mechanism, of, larger)) is not None
     ][:MOST]
     options = [(_work(mechanism, classes), classes)]
     for number in range(1, len(smaller) + 1):
@@ -122,20 +119,14 @@ def _work(mechanism: AnyMechanism, classes: Iterable[BodyClass]) -> int:
     return total
 
 
-def _as_members(
-    mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass, along_first: bool
-) -> tuple[Member, ...] | None:
+def _as_members(mechanism: AnyMechanism, smaller: BodyClass, larger: BodyClass) -> tuple[Member, ...] | None:
     """The bodies of a class as members of another one; None if they have what the bodies of that one have not."""
     first, own = larger.first, smaller.first
     if force_keys(first) != force_keys(own) or body_key(first) != body_key(own) or first.instance.coordinates.reason:
         return None
     numbers: list[int] = []
     for handle in own.handles:  # of the joints that are left the one with the fewest rows, so that others find theirs
-        left = (
-            k
-            for k, other in enumerate(first.handles)
-            if k not in numbers and _fits(mechanism, handle, other, along_first)
-        )
+        left = (k for k in range(len(first.handles)) if k not in numbers and _fits(mechanism, handle, larger, k))
         number = min(left, key=lambda k: mechanism.joints[first.handles[k].joint].multipliers, default=None)
         if number is None:
             return None
@@ -143,12 +134,14 @@ def _as_members(
     return tuple(_member(member, first.handles, numbers) for member in smaller.members)
 
 
-def _fits(mechanism: AnyMechanism, handle: Handle, larger: Handle, along_first: bool) -> bool:
-    """Whether the rows of a joint are the first ones of another, at the same marker of a body; all of varying ones."""
-    here, there = mechanism.joints[handle.joint], mechanism.joints[larger.joint]
+def _fits(mechanism: AnyMechanism, handle: Handle, larger: BodyClass, number: int) -> bool:
+    """Whether the rows of a joint are the first ones of that at a handle of a class; all of varying ones."""
+    other = larger.first.handles[number]
+    here, there = mechanism.joints[handle.joint], mechanism.joints[other.joint]
+    vary = larger.along_first or varies(here) or varies(there)
     return (
-        (handle.is_first, handle.marker) == (larger.is_first, larger.marker)
-        and (not (along_first or varies(here) or varies(there)) or plain_joint(here) == plain_joint(there))
+        (handle.is_first, handle.marker) == (other.is_first, other.marker)
+        and (not vary or plain_joint(here) == plain_joint(there))
         and _axes(here) is _axes(there)
         and _rows(here) == _rows(there)[: here.multipliers]
     )
@@ -179,7 +172,7 @@ def _joined(larger: BodyClass, smaller: Iterable[Sequence[Member]]) -> BodyClass
     every = (*larger.members, *(member for of in smaller for member in of))
     members = with_forces(sorted(every, key=lambda member: member.number))
     leading = next(k for k, member in enumerate(members) if member.number == larger.first.number)
-    return BodyClass(members, leading, True)
+    return replace(larger, members=members, leading=leading, is_joined=True)
 
 
 def _is_spaced(joined: BodyClass, larger: BodyClass, system: Blocks) -> bool:

@@ -48,16 +48,14 @@ from derive.lowering.instances.loop_code.class_code import (
 )
 from derive.lowering.instances.loop_code.context import (
     InstanceContext,
-    Part,
-    Result,
     applied_forces,
     applied_sums,
     given_inputs,
     idle_rows,
-    kernel,
     known_value,
     state,
 )
+from derive.lowering.instances.loop_code.kernels import Part, Result, kernel
 from derive.lowering.instances.places import Place
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.motion.products import product

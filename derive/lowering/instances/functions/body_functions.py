@@ -14,15 +14,8 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode, LoopTarget
-from derive.lowering.instances.loop_code.context import (
-    ZERO,
-    InstanceContext,
-    Result,
-    force_loops,
-    given_inputs,
-    kernel,
-    loops_of,
-)
+from derive.lowering.instances.loop_code.context import InstanceContext, force_loops, given_inputs, loops_of
+from derive.lowering.instances.loop_code.kernels import ZERO, Result, kernel
 from derive.lowering.model_functions import ModelFunction
 
 

@@ -16,15 +16,14 @@ from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.loop_code.class_code import ClassCode, LoopTarget
 from derive.lowering.instances.loop_code.context import (
     InstanceContext,
-    Result,
     given_inputs,
-    kernel,
     known_value,
     loops_of,
     merged,
     scatter,
 )
 from derive.lowering.instances.loop_code.group_code import JointCode, spread
+from derive.lowering.instances.loop_code.kernels import Result, kernel
 from derive.lowering.model_functions import ModelFunction
 
 

@@ -19,17 +19,9 @@ from derive.lowering.flat.dae import residual_rows, stabilising_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.classes.body_classes import Member
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
-from derive.lowering.instances.loop_code.context import (
-    ZERO,
-    InstanceContext,
-    Result,
-    given_inputs,
-    kernel,
-    known_value,
-    scatter,
-    whole,
-)
+from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs, known_value, scatter
 from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode, loads, spread
+from derive.lowering.instances.loop_code.kernels import ZERO, Result, kernel, whole
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 

@@ -17,7 +17,8 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import array_input, define, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.loop_code.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.loop_code.context import InstanceContext, Result, given_inputs, kernel, state
+from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs, state
+from derive.lowering.instances.loop_code.kernels import Result, kernel
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.terms import MarkerEquations
 from derive.spec.model.instances import identifier, joined, skeleton, text_of_instances

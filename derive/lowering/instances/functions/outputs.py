@@ -14,16 +14,9 @@ from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.context import Context, Input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.loop_code.class_code import Loaded
-from derive.lowering.instances.loop_code.context import (
-    ZERO,
-    InstanceContext,
-    Result,
-    given_inputs,
-    kernel,
-    scatter,
-    whole,
-)
+from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs, scatter
 from derive.lowering.instances.loop_code.group_code import GroupCode, loads, spread
+from derive.lowering.instances.loop_code.kernels import ZERO, Result, kernel, whole
 from derive.lowering.model_functions import ModelFunction
 
 

@@ -12,7 +12,8 @@ from derive.lowering.instances.elimination.block_system import KNOWN, RIGHT
 from derive.lowering.instances.functions.accelerations import by_joint, entries_of, solved
 from derive.lowering.instances.functions.local_system import Right
 from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode
-from derive.lowering.instances.loop_code.context import InstanceContext, Result, whole
+from derive.lowering.instances.loop_code.context import InstanceContext
+from derive.lowering.instances.loop_code.kernels import Result, whole
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 

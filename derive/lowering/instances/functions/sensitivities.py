@@ -25,8 +25,9 @@ from derive.lowering.flat.sensitivities import by_parameters_and_inputs, dynamic
 from derive.lowering.instances.classes.known_motion import PARTS, known_symbol
 from derive.lowering.instances.functions.dae import DaeLayout
 from derive.lowering.instances.loop_code.class_code import Loaded, LoopCode
-from derive.lowering.instances.loop_code.context import InstanceContext, Result, kernel, scatter
+from derive.lowering.instances.loop_code.context import InstanceContext, scatter
 from derive.lowering.instances.loop_code.group_code import GroupCode, loads
+from derive.lowering.instances.loop_code.kernels import Result, kernel
 from derive.lowering.model_functions import ModelFunction
 
 

@@ -1,33 +1,26 @@
-"""The data that the functions of a mechanism share: classes of bodies, joints, names, and the making of a kernel."""
+"""The data that the functions of a mechanism share: classes of bodies, joints and names."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import accumulate, permutations
-from typing import Protocol
+from itertools import accumulate
 
 from derive.algebra import sp
-from derive.ir.analysis import reads
-from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
-from derive.ir.kernel import Argument, Kernel, Output, Section, View
-from derive.ir.patterns import Pattern
 from derive.ir.statements import ForEach, Statement, Work
-from derive.ir.unused import without_shadows, without_unused
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, handles_of, marker_classes
-from derive.lowering.instances.classes.class_equations import class_equations, with_known
+from derive.lowering.instances.classes.class_equations import class_equations
 from derive.lowering.instances.classes.first_body_joints import has_rows_along_first
 from derive.lowering.instances.classes.gears import constraining
 from derive.lowering.instances.classes.groups import Bodies, Group, force_groups
-from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.classes.output_groups import output_groups
 from derive.lowering.instances.classes.spatial_actions import action_groups
@@ -36,24 +29,18 @@ from derive.lowering.instances.classes.spatial_outputs import (
     spatial_output_groups,
     spatial_sums,
 )
-from derive.lowering.instances.classes.varying_parts import FactorPlace
 from derive.lowering.instances.elimination.block_system import Blocks, blocks
 from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget
-from derive.lowering.instances.loop_code.ground_at_rest import JointsWithGround, joined_element
-from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode, spread
+from derive.lowering.instances.loop_code.group_code import GroupCode, group_code, spread
+from derive.lowering.instances.loop_code.joint_codes import JointCodes
 from derive.lowering.instances.places import Place, Places
-from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.outputs.output_type import SumOutput
-from derive.mechanics.multibody.space.first_body_rows import rows_along_first, turned_axes
-from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
 from derive.spec.model.instances import identifier, joined
-
-ZERO = Number(Fraction(0))
 
 
 class InstanceContext:
@@ -67,8 +54,6 @@ class InstanceContext:
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
         self.classes = [self._class(of) for of in body_classes(mechanism)]
-        of_classes = [(code.of, code.context.equations) for code in self.classes]
-        self.along_first = not proximal and has_rows_along_first(mechanism, of_classes, self.known)
         rows = [of.multipliers for of in constraining(mechanism)]
         self.first_rows = [0, *accumulate(rows)]
         handles, gears = handles_of(m for c in self.classes for m in c.of.members)
@@ -84,8 +69,10 @@ class InstanceContext:
         self.forces = [self._group(group, equations) for group, equations in forces]
         outputs = spatial_output_groups(bodies) if in_space else output_groups(bodies)
         self.outputs = [self._group(group, equations) for group, equations in outputs]
-        self.joints = [self._joint(group, self.classes) for group in joint_groups(bodies)]
-        self.joints_in_lanes = self._with_ground(self._joints_along_first() if self.along_first else self.joints)
+        codes = JointCodes(bodies, self.places, self.constants)
+        self.joints = codes.of(self.classes)
+        in_lanes = codes.of(self.classes_in_lanes) if self.along_first else self.joints
+        self.joints_in_lanes = codes.with_ground(in_lanes, self.blocks) if self.blocks else in_lanes
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         self.coordinates = len(mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
@@ -100,62 +87,25 @@ class InstanceContext:
 
     def _joined(self) -> list[ClassCode]:
         """The codes of the classes after some have joined others, for which the system then has a spare place."""
-        classes = joined_classes(self.mechanism, [of.of for of in self.classes], self.blocks, self.along_first)
+        of_classes = [(code.of, code.context.equations) for code in self.classes]
+        along_first = not self.proximal and has_rows_along_first(self.mechanism, of_classes, self.known)
+        own = [replace(of, along_first=True) if along_first else of for of, _ in of_classes]
+        classes = joined_classes(self.mechanism, own, self.blocks)
         if self.blocks and any(of.is_joined for of in classes):
             self.blocks = replace(self.blocks, has_spare=True)
-        if self.along_first:
-            return [self._class(of, f"{of.name}_along_first", True) for of in classes]
         return [next((code for code in self.classes if code.of is of), None) or self._class(of) for of in classes]
 
-    def _class(self, of: BodyClass, name: str = "", along_first: bool = False) -> ClassCode:
-        equations = class_equations(self.mechanism, of, self.known, along_first)
+    @property
+    def along_first(self) -> bool:
+        """Whether joints have rows along the axes of their first bodies in lanes."""
+        return any(code.of.along_first for code in self.classes_in_lanes)
+
+    def _class(self, of: BodyClass, name: str = "") -> ClassCode:
+        equations = class_equations(self.mechanism, of, self.known)
         return ClassCode(of, equations, self.places, self.constants, name)
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
-        return GroupCode(self._code(group, equations), group.members)
-
-    def _joints_along_first(self) -> list[JointCode]:
-        """The codes of all joints with rows along the axes of their first bodies."""
-        return [self._joint(group, self.classes_in_lanes, True) for group in joint_groups(self.bodies, True)]
-
-    def _joint(self, group: Group, classes: Sequence[ClassCode], along_first: bool = False) -> JointCode:
-        factors, bodies, first = dict[int, tuple[FactorPlace, ...]](), dict[int, range](), 0
-        for body in group.first.bodies:
-            of, member = next((code, m) for code in classes for m in code.of.members if m.number == body.number)
-            (h,) = (h for h, handle in enumerate(member.handles) if handle.joint == group.first.number)
-            side, count = member.handles[h].side, len(member.instance.coordinates.rows)
-            factors[side], bodies[side] = (*of.varying[h].factors,), range(first, first + count)
-            first += count
-        equations, reactions = joint_equations(self.bodies, group, along_first)
-        name = f"{group.name}_along_first" if along_first else ""
-        code = self._code(group, equations, name)
-        joint = constraining(self.mechanism)[group.first.number]
-        held = rows_along_first(joint) if along_first and isinstance(joint, SpatialJointInstance) else 0
-        rows = enumerate(turned_axes()[:held])
-        turned: dict[FactorPlace, sp.Symbol] = {(k, m): s for k, row in rows for m, s in enumerate(row)}
-        return JointCode(code, group.members, factors, bodies, reactions, turned)
-
-    def _with_ground(self, joints: list[JointCode]) -> list[JointCode]:
-        """The codes of varying joints after one at the ground has joined those between bodies that are like it."""
-        if self.blocks is None:
-            return joints
-        between = [of for of in joints if not of.are_gears]
-        for ground, others in permutations(between, 2):
-            if found := joined_element(self.bodies, ground, others, self.blocks):
-                side, element = found
-                elements = tuple(sorted([element, *others.elements], key=lambda e: e.number))
-                equations, reactions = joint_equations(self.bodies, Group("joint", others.elements), self.along_first)
-                of, constants = Group("joint", elements), len(element.constants)
-                known = with_known(equations, self.known, constants)
-                code = LoopCode(of, known, self.places, self.constants, f"{others.code.name}_and_ground")
-                own = others.factors, others.bodies, reactions, others.turned
-                joined = JointsWithGround(code, elements, *own, side=side)
-                return [joined if of is others else of for of in joints if of is not ground]
-        return joints
-
-    def _code(self, group: Group, equations: Equations, name: str = "") -> LoopCode:
-        constants = len(group.first.constants)
-        return LoopCode(group, with_known(equations, self.known, constants), self.places, self.constants, name)
+        return GroupCode(group_code(group, equations, self.known, self.places, self.constants), group)
 
     def is_loaded(self, of: ClassCode) -> bool:
         """Whether a force that acts between bodies acts on a body of a class."""
@@ -247,76 +197,6 @@ def merged(of: ClassCode, array: str, rows: Iterable[Place], operator: Operator 
     index = [place.at(k) for place, own in zip(places, of.rows, strict=True) for k in range(len(own))]
     entries = tuple(place.entry for place in places if place.entry)
     return LoopTarget(array, index.__getitem__, operator, entries)
-
-
-# ---- kernels ----
-
-
-@dataclass(frozen=True)
-class Result:
-    """The names of the elements of an output; where instances have them their order and their number; or a pattern."""
-
-    elements: tuple[str, ...] = ()
-    pattern: Pattern | None = None
-    count: int | None = None
-
-    def output(self, name: str, doc: str) -> Output:
-        """The output with this name and documentation."""
-        count = self.count if self.pattern is None else len(self.pattern.rowidx)
-        return Output(name, self.elements, doc, self.pattern, count)
-
-
-Part = tuple[str, str, str, Iterable[Statement]]
-"""A section: name, equation, text and statements."""
-
-
-def whole(name: str, size: int, doc: str) -> Argument:
-    """An argument whose elements have no names of their own."""
-    return Argument(name, (), doc, arrays=(View(name, 0, size),))
-
-
-class KernelData(Protocol):
-    """The facts of a mechanism that a kernel needs: its numbers of coordinates and rows, and what is known."""
-
-    known: KnownMotion
-    coordinates: int
-    rows: tuple[str, ...]
-
-
-def kernel(
-    context: KernelData,
-    function: ModelFunction,
-    results: Mapping[str, Result],
-    *sections: Part,
-    inputs: Mapping[str, Argument] | None = None,
-) -> Kernel:
-    """The kernel of a function from its sections, with what is known computed before."""
-    arguments = {
-        "t": Argument("t", (), "time", scalar=True),
-        "q": whole("q", context.coordinates, "generalised coordinates"),
-        "v": whole("v", len(context.rows), "generalised velocities"),
-        "u": context.known.context.u.argument,
-        "k": Argument("k", (), "constants from setup"),
-        **(inputs or {}),
-    }
-    outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
-    bodies = without_unused([tuple(body) for *_, body in sections], [output.name for output in outputs])
-    made = [
-        Section(name, equation, text, tuple(continued_statements(body)))
-        for (name, equation, text, _), body in zip(sections, without_shadows(bodies), strict=True)
-    ]
-    used = {name for section in made for statement in section.body for name in reads(statement)}
-    names = used & context.known.names
-    moving = names & {str(symbol) for symbol in context.known.moving}
-    assert not moving or "t" in function.arguments, f"{function.name} knows no time, on which {moving} depend"
-    known = Section("known", "(1)", "the ground, prescribed motions and drives", context.known.statements(names))
-    return Kernel(
-        function.name,
-        function.doc,
-        tuple(arguments[name] for name in function.arguments),
-        outputs,
-        tuple(section for section in (known, *made) if section.body),
-    )
 
 
 def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:

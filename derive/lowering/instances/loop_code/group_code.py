@@ -9,10 +9,14 @@ from types import MappingProxyType
 from derive.algebra import sp
 from derive.ir.expressions import Operator
 from derive.lowering.flat.context import Input, array_input
-from derive.lowering.instances.classes.groups import GroupElement
+from derive.lowering.flat.setup_constants import Constants
+from derive.lowering.instances.classes.class_equations import with_known
+from derive.lowering.instances.classes.groups import Group, GroupElement
+from derive.lowering.instances.classes.known_motion import KnownMotion
 from derive.lowering.instances.classes.varying_parts import FactorPlace
 from derive.lowering.instances.loop_code.class_code import Loaded, LoopCode, LoopTarget
-from derive.lowering.instances.places import Place
+from derive.lowering.instances.places import Place, Places
+from derive.mechanics.equations import Equations
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,12 @@ class GroupCode:
     """The code of a group of elements, each with several bodies."""
 
     code: LoopCode
-    elements: tuple[GroupElement, ...]
+    group: Group
+
+    @property
+    def elements(self) -> tuple[GroupElement, ...]:
+        """Its elements."""
+        return self.group.members
 
     @property
     def coordinates(self) -> list[list[int]]:
@@ -35,7 +44,7 @@ class GroupCode:
     @property
     def adds(self) -> bool:
         """Whether its elements are parts of sums."""
-        return self.elements[0].adds
+        return self.group.first.adds
 
     def state(self, *names: str) -> list[Loaded]:
         """The places of the coordinates and velocities of the bodies of an element; `names` selects among q and v."""
@@ -65,7 +74,7 @@ class JointCode(GroupCode):
     @property
     def are_gears(self) -> bool:
         """Whether it is one of gears."""
-        first = self.elements[0]
+        first = self.group.first
         return any(h.is_gear for m in first.bodies for h in m.handles if h.joint == first.number)
 
     @property
@@ -76,6 +85,13 @@ class JointCode(GroupCode):
     def own_rows(self, first_rows: Sequence[int]) -> list[list[int]]:
         """The indices of the constraints of each joint."""
         return [[*range(first_rows[j], first_rows[j + 1])] for j in self.joints]
+
+
+def group_code(
+    group: Group, equations: Equations, known: KnownMotion, places: Places, constants: Constants
+) -> LoopCode:
+    """The code of a group with these equations, which contain symbols of what is known."""
+    return LoopCode(group, with_known(equations, known, len(group.first.constants)), places, constants)
 
 
 def loads(of: LoopCode, array: str, given: Input, positions: list[list[int]]) -> list[Loaded]:
