@@ -66,12 +66,15 @@ class ImpliedErrors:
     @property
     def of_deflection(self) -> float:
         """The error from the strain energy that a large deflection adds."""
-        hardening = self.watched.hardening
-        if self.watched.rotations_act:
-            hardening *= ROTATING[self.watched.beam.beam.order]
+        hardening = self.watched.hardening * self.hardens
         return self._error(
             hardening * self._rms(self.watched.cubed), VIBRATION * hardening * self._rms(self.watched.deflection) ** 2
         )
+
+    @property
+    def hardens(self) -> float:
+        """The part of the hardening that counts."""
+        return ROTATING[self.watched.beam.beam.order] if self.watched.rotations_act else 1.0
 
     @property
     def of_axial_force(self) -> float:

@@ -76,5 +76,5 @@ def _truncated_error(scene: SceneWatch, motion: SceneMotion, errors: ImpliedErro
     """The error by truncated terms: from what they leave out if rows are close enough, else from lost inertia."""
     if errors.straight or not lost.largest < 1 or not errors.frequencies.size or not errors.seen_in(motion.t):
         return errors.of_lost_inertia(lost)
-    difference = truncated_energy_error(scene, errors.watched, motion, errors.frequencies)
+    difference = truncated_energy_error(scene, errors.watched, motion, errors.frequencies, errors.hardens)
     return errors.of_truncated_energy(difference)
