@@ -18,7 +18,8 @@ from derive.spec.files.mesh_arrays import mesh_arrays
 from derive.spec.model.mesh import ElementKind, Material
 
 LENGTH, HEIGHT, WIDTH = 0.4, 0.03, 0.0025
-STEEL = Material("steel", 210e9, 0.3, 7850.0)
+DENSITY = 7850.0
+STEEL = Material("steel", 210e9, 0.3, DENSITY)
 MODES, TWIST = 12, 4
 """The modes of the body: the first two bend it in its soft plane, and the fifth and another one twist it."""
 ELEMENTS = 40
@@ -68,8 +69,8 @@ def body_squares(acceleration: float) -> np.ndarray:
 
 def beam_squares(acceleration: float, bending: float, torsion: float, twists: int) -> np.ndarray:
     """The same of a beam with bending and torsional stiffness (N m^2), in its first twists (without the moment)."""
-    line = STEEL.density * HEIGHT * WIDTH
-    polar = STEEL.density * (HEIGHT * WIDTH**3 + WIDTH * HEIGHT**3) / 12
+    line = DENSITY * HEIGHT * WIDTH
+    polar = DENSITY * (HEIGHT * WIDTH**3 + WIDTH * HEIGHT**3) / 12
     h, size = LENGTH / ELEMENTS, 3 * (ELEMENTS + 1)
     K, M = np.zeros((size, size)), np.zeros((size, size))
     points, weights = leggauss(5)
@@ -103,8 +104,8 @@ def test_angular_acceleration_alone_takes_stiffness_away() -> None:
     The beam has the bending and torsional frequencies of the bar at rest; warping is not restrained in it.
     """
     still, spun = (body_squares(acceleration) for acceleration in (0.0, 0.4 * CRITICAL))
-    bending = STEEL.density * HEIGHT * WIDTH * still[0] * (LENGTH**2 / 3.5160153) ** 2
-    polar = STEEL.density * (HEIGHT * WIDTH**3 + WIDTH * HEIGHT**3) / 12
+    bending = DENSITY * HEIGHT * WIDTH * still[0] * (LENGTH**2 / 3.5160153) ** 2
+    polar = DENSITY * (HEIGHT * WIDTH**3 + WIDTH * HEIGHT**3) / 12
     torsion = polar * still[TWIST] * (2 * LENGTH / np.pi) ** 2
 
     def lost(twists: int) -> np.ndarray:
