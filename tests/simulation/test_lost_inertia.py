@@ -68,10 +68,7 @@ def kinetic_error(run: Trajectory) -> float:
 def test_the_error_by_truncated_terms_is_known(
     frame: object, spin: float, rate: float, pieces: int, expected: float
 ) -> None:
-    """What terms of third and fourth order would do, also where a spin brings in those of third order.
-
-    Both models lack the same strain energy.
-    """
+    """The kinetic energies of third and fourth order; a spin brings in those of third order."""
     run, full = (struck(terms, frame, spin, rate, pieces) for terms in ("truncated", "full"))
     measured = error(deflections(run), deflections(full))
     assert measured == pytest.approx(expected, rel=0.02)

@@ -68,7 +68,7 @@ def body_squares(acceleration: float) -> np.ndarray:
 
 
 def beam_squares(acceleration: float, bending: float, torsion: float, twists: int) -> np.ndarray:
-    """The same of a beam with bending and torsional stiffness (N m^2), in its first twists (without the moment)."""
+    """The squares of the frequencies of a beam with two stiffnesses (N m^2), in its first twists without the moment."""
     line = DENSITY * HEIGHT * WIDTH
     polar = DENSITY * (HEIGHT * WIDTH**3 + WIDTH * HEIGHT**3) / 12
     h, size = LENGTH / ELEMENTS, 3 * (ELEMENTS + 1)

@@ -156,7 +156,7 @@ class ImpliedErrors:
 
     @property
     def frequencies(self) -> Vector:
-        """Those of the vibrations in the run, rad/s."""
+        """The frequencies of the vibrations in the run, rad/s."""
         return np.array([self._frequency(of) for of in self.watched.vibrations])
 
     def seen_in(self, t: Vector) -> bool:

@@ -49,7 +49,7 @@ def truncated_energy_error(
 def _of_pieces(
     motion: SceneMotion, watched: WatchedBeam, motions: Matrix, hardening: float
 ) -> Iterator[tuple[tuple[Matrix, Vector, Matrix], list[int], Vector]]:
-    """What each piece leaves out, the numbers of its amplitudes, and by how much it turns in each of the motions."""
+    """The energies that each piece leaves out, the numbers of its amplitudes, and by how much it turns in each of the motions."""
     native, shapes = motion.native, watched.shapes
     frames = PieceFrames(native, motion.k, float(motion.t[0]), motion.q[0])
     unit = moved_by_velocities(native, motion.q[0], motion.k).T
@@ -75,7 +75,7 @@ class _Truncated:
 
     @classmethod
     def of(cls, shapes: PieceShapes, attached: list[tuple[float, float]]) -> _Truncated:
-        """Those of a piece with its attached masses, kg, by their places."""
+        """The integrals of a piece with its attached masses, kg, by their places."""
         points, weights = gauss_points()
         xi = np.append(points, [at for at, _ in attached])
         masses = np.append(shapes.mass / 2 * weights, [mass for _, mass in attached])
