@@ -49,7 +49,7 @@ def truncated_energy_error(
 def _of_pieces(
     motion: SceneMotion, watched: WatchedBeam, motions: Matrix, hardening: float
 ) -> Iterator[tuple[tuple[Matrix, Vector, Matrix], list[int], Vector]]:
-    """The energies that each piece leaves out, the numbers of its amplitudes, and by how much it turns in each motion."""
+    """The energies that each piece leaves out, the numbers of its amplitudes, and its turn in each motion."""
     native, shapes = motion.native, watched.shapes
     frames = PieceFrames(native, motion.k, float(motion.t[0]), motion.q[0])
     unit = moved_by_velocities(native, motion.q[0], motion.k).T
