@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.runtime.integrators.watch import Watched
+from derive.runtime.native_call import Vector
 from derive.simulation.validity.lost_inertia import LostInertia
 from derive.simulation.validity.watched_beam import WatchedBeam, WatchedVibration
 from derive.spec.model.body import DisplacementOrder
@@ -26,12 +27,8 @@ NEARLY_BUCKLED = 0.1
 VIBRATION = 1.5
 """A stiffness that grows with the square of the deflection counts by 3/4 of its peak in a vibration, whose mean square
 is half of that of its peak."""
-INERTIA = 0.03
-"""The part of the largest loss of inertia that the lowest vibration has in a beam that spins as fast as it vibrates.
-
-Measured on beams that are struck while they spin: the error is up to eight times what it implies, see
-`docs/monitors.md`.
-"""
+COARSE = 1.5
+"""The largest angle, rad, by which a vibration turns between two rows from which what it lacks is known."""
 ROTATING = {FIRST: 1 / 3, TRUNCATED: 1 / 6, FULL: 1 / 6}
 """The part of the hardening by which beams err if joints act on the rotations of their ends, or of pieces.
 
@@ -69,12 +66,15 @@ class ImpliedErrors:
     @property
     def of_deflection(self) -> float:
         """The error from the strain energy that a large deflection adds."""
-        hardening = self.watched.hardening
-        if self.watched.rotations_act:
-            hardening *= ROTATING[self.watched.beam.beam.order]
+        hardening = self.watched.hardening * self.hardens
         return self._error(
             hardening * self._rms(self.watched.cubed), VIBRATION * hardening * self._rms(self.watched.deflection) ** 2
         )
+
+    @property
+    def hardens(self) -> float:
+        """The part of the hardening that counts."""
+        return ROTATING[self.watched.beam.beam.order] if self.watched.rotations_act else 1.0
 
     @property
     def of_axial_force(self) -> float:
@@ -119,8 +119,11 @@ class ImpliedErrors:
 
         It is at most that of one that is never in phase.
         """
-        frequency = of.frequency * np.sqrt(self._of_vibration(of))
-        return float(min(faster * self._rms(of.late), np.sqrt(2) * self._rms(of.rate) / frequency))
+        return float(min(faster * self._rms(of.late), np.sqrt(2) * self._rms(of.rate) / self._frequency(of)))
+
+    def _frequency(self, of: WatchedVibration) -> float:
+        """The frequency of a vibration with the axial force and the spin, rad/s."""
+        return of.frequency * float(np.sqrt(self._of_vibration(of)))
 
     def _of_vibration(self, of: WatchedVibration) -> float:
         """The stiffness of a vibration with the axial force and the spin, relative to that without them."""
@@ -138,18 +141,28 @@ class ImpliedErrors:
     def of_lost_inertia(self, lost: LostInertia) -> float:
         """The error from the kinetic energy that deflections remove; it affects vibrations only.
 
-        Each vibration is too fast by half of its own change in the deflected state. Where the beam spins, terms of
-        third order in the deflections are missing as well, the more, the faster it spins against its lowest vibration.
+        Each vibration is too fast by half of its own change in the deflected state.
         """
         if not lost.largest < 1:
             return np.inf
         if self.straight:
             return 0.0
         late = [self._late_by(of, lost.of_frequency(of.frequency) / 2) for of in self.watched.vibrations]
-        lowest = self.watched.vibrations[:1]
-        spin = np.sqrt(sum(float(self.seen.mean_squares[turn]) for of in lowest for turn in of.turns))
-        spinning = self._error(0.0, INERTIA * lost.largest / (1 - lost.largest)) * min(1.0, spin)
-        return float(np.hypot(np.linalg.norm(late) / self.peak, spinning))
+        return float(np.linalg.norm(late) / self.peak)
+
+    def of_truncated_energy(self, difference: float) -> float:
+        """The error from a difference (rms, m) of deflections, which is at most that of one that is never in phase."""
+        return min(difference, float(np.sqrt(2)) * self._rms(self.watched.deflection)) / self.peak
+
+    @property
+    def frequencies(self) -> Vector:
+        """The frequencies of the vibrations in the run, rad/s."""
+        return np.array([self._frequency(of) for of in self.watched.vibrations])
+
+    def seen_in(self, t: Vector) -> bool:
+        """Whether rows at t (n,), s, are close enough to follow how the beam vibrates."""
+        size, rate = self._middle
+        return len(t) > 1 and rate * float(np.diff(t).max()) < COARSE * size
 
     def _error(self, difference: float, stiffness: float) -> float:
         """The error from a difference (rms, m) of deflections and from a mean relative change of the stiffness."""
@@ -160,11 +173,15 @@ class ImpliedErrors:
     @property
     def _vibrating(self) -> float:
         """The fraction of free vibration in the motion, by its rate, if the lowest frequency is its frequency."""
-        mean, squares = self.seen.means[self.watched.middle], self.seen.mean_squares
-        size = np.sqrt(max(squares[self.watched.middle] - mean**2, 0.0))
-        rate = np.sqrt(squares[self.watched.middle_rate])
+        size, rate = self._middle
         vibration = self.watched.frequency * size if size > 0 else 0.0  # a frequency may be infinite
         return float(rate / max(rate, vibration)) if rate > 0 else 1.0
+
+    @property
+    def _middle(self) -> tuple[float, float]:
+        """How far the middle of the lowest mode moves about its mean (rms, m), and its rate (rms, m/s)."""
+        mean, squares = self.seen.means[self.watched.middle], self.seen.mean_squares
+        return float(np.sqrt(max(squares[self.watched.middle] - mean**2, 0.0))), self._rms(self.watched.middle_rate)
 
     def _rms(self, quantity: int) -> float:
         return float(np.sqrt(self.seen.mean_squares[quantity]))

@@ -12,8 +12,9 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.validity.buckling_error import BUCKLED, buckling_error
 from derive.simulation.validity.implied_errors import ImpliedErrors
 from derive.simulation.validity.lateral_buckling import lateral_monitors
-from derive.simulation.validity.lost_inertia import lost_inertia
+from derive.simulation.validity.lost_inertia import LostInertia, lost_inertia
 from derive.simulation.validity.monitors import Cause, Monitor
+from derive.simulation.validity.truncated_energy import truncated_energy_error
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam, scene_watch
 from derive.spec.model.body import DisplacementOrder
 
@@ -31,7 +32,7 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
     buckled = [beam for beam in scene.beams if _buckles(beam, seen)]
     rows = scene.values(motion.t, motion.q, motion.v, motion.outputs) if buckled else np.zeros((0, 0))
     errors = (ImpliedErrors(beam, seen, _buckling_error(beam, motion.t, rows)) for beam in scene.beams)
-    of_beams = (monitor for of in errors for monitor in _of_beam(scene, of))
+    of_beams = (monitor for of in errors for monitor in _of_beam(scene, motion, of))
     return (*of_beams, *lateral_monitors(motion.scene, motion.native, motion.k, motion.t, motion.q))
 
 
@@ -48,7 +49,7 @@ def _buckling_error(beam: WatchedBeam, t: Vector, rows: Matrix) -> float:
     return buckling_error(t, rows[beam.whole_axial], rows[beam.axial], rows[beam.middle], beam.frequency)
 
 
-def _of_beam(scene: SceneWatch, errors: ImpliedErrors) -> Iterator[Monitor]:
+def _of_beam(scene: SceneWatch, motion: SceneMotion, errors: ImpliedErrors) -> Iterator[Monitor]:
     watched, seen = errors.watched, errors.seen
     beam, twists = watched.beam, watched.shapes.twists
 
@@ -68,4 +69,12 @@ def _of_beam(scene: SceneWatch, errors: ImpliedErrors) -> Iterator[Monitor]:
         yield monitor(Cause.TWISTING_MOMENT if twists else Cause.BENDING_MOMENT, value, errors.of_shapes, t)
     if beam.beam.order is DisplacementOrder.TRUNCATED and not twists:
         lost = lost_inertia(scene, watched, seen)
-        yield monitor(Cause.MASS_MATRIX, lost.largest, errors.of_lost_inertia(lost), lost.t)
+        yield monitor(Cause.MASS_MATRIX, lost.largest, _truncated_error(scene, motion, errors, lost), lost.t)
+
+
+def _truncated_error(scene: SceneWatch, motion: SceneMotion, errors: ImpliedErrors, lost: LostInertia) -> float:
+    """The error by truncated terms: from what they leave out if rows are close enough, else from lost inertia."""
+    if errors.straight or not lost.largest < 1 or not errors.frequencies.size or not errors.seen_in(motion.t):
+        return errors.of_lost_inertia(lost)
+    difference = truncated_energy_error(scene, errors.watched, motion, errors.frequencies, errors.hardens)
+    return errors.of_truncated_energy(difference)

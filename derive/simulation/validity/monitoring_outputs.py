@@ -43,7 +43,7 @@ LOADS = ("axial_load", "axial_load_linear", "axial_load_quadratic")
 
 @dataclass(frozen=True)
 class MonitoredPiece:
-    """A piece of a beam, and the outputs that are its axial force: in the middle, and along a lone piece."""
+    """A piece of a beam, and the outputs that are the coefficients of its axial force, of xi^0 to xi^2."""
 
     beam: str
     piece: str
@@ -55,8 +55,7 @@ def monitored_pieces(scene: AnyScene) -> tuple[MonitoredPiece, ...]:
     taken, result = {output.name for output in scene.outputs}, []
     for beam, pieces in _pieces(scene).items():
         for piece in _watched(pieces):
-            kinds = LOADS[: 3 if len(pieces) == 1 else 1]
-            outputs = tuple(SceneOutput(_name(identifier(k, piece), taken), k, {"component": piece}) for k in kinds)
+            outputs = tuple(SceneOutput(_name(identifier(k, piece), taken), k, {"component": piece}) for k in LOADS)
             result.append(MonitoredPiece(beam, piece, outputs))
     return tuple(result)
 

@@ -120,7 +120,7 @@ class Monitor:
             case Cause.BENDING_MOMENT:
                 return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
             case Cause.MASS_MATRIX:
-                return 'choose terms = "full", or the mean frame'
+                return 'choose terms = "full", or divide the beam into more pieces'
             case Cause.LATERAL:
                 return "choose order = 2"
             case Cause.TWISTING_MOMENT:

@@ -27,13 +27,14 @@ from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.specification import AnyScene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WatchedVibration:
     """A vibration of a beam: its rate, as the deflection where that is largest, m/s, and the rate times the time, m.
 
     frequency: that of its strain energy alone, rad/s. missed: the strain energy that the shapes miss, relative to it.
     axial: the stiffness that the axial force adds, relative to that of the strain energy; axial_missed: the same of
-    what is missed. turns: the square of each is the part of that stiffness which a spin takes away.
+    what is missed. turns: the square of each is the part of that stiffness which a spin takes away. motion (nq,): of
+    all coordinates, with a kinetic energy of 1/2 J for its velocities.
     """
 
     rate: int
@@ -43,6 +44,7 @@ class WatchedVibration:
     turns: tuple[int, ...]
     frequency: float
     missed: float
+    motion: Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +203,7 @@ def _watched_vibration(of: BeamForms, vibration: Vibration, changes: _WatchedCha
         changes.turns,
         vibration.frequency,
         vibration.missed,
+        vibration.motion,
     )
 
 
