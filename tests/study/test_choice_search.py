@@ -33,6 +33,7 @@ from derive.study.choice import trials, trusted_reference
 from derive.study.choice.beam_shares import BeamShare, BeamShares
 from derive.study.choice.body_candidates import candidates, cannot_do, suits
 from derive.study.choice.combinations import combinations
+from derive.study.choice.full_scene import without_rotary_inertia
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.modes_of_bodies import ModesOfBodies
 from derive.study.choice.one_beam import try_one_beam
@@ -126,7 +127,8 @@ def test_a_larger_error_needs_no_other_references() -> None:
     for error in (0.009, 0.01, 0.03, 0.1):
         runs = MadeUpRuns(chain(1), converging)
         known = trusted_reference.trusted_reference(runs, error, lambda _: None)
-        assert known.error <= error / 3 and known.agreements[3].label.startswith("larger steps")
+        assert known.difference <= error / 3 and known.error <= error / 1.5
+        assert known.agreements[3].label.startswith("larger steps")
         asked[error] = runs.asked
     assert all(set(fewer) <= set(more) for more, fewer in pairwise(asked.values()))
     few = {polynomials(3, 2), polynomials(3), polynomials(2, 2), polynomials(2), polynomials(2, order=FULL)}
@@ -161,22 +163,21 @@ def test_the_error_that_a_message_promises_is_confirmed(slow: float, beams: int)
     assert promised is not None
     error = float(promised[1]) / 100
     known = searched(error)
-    assert error / (3.7 if beams == 1 else 6) < known.difference <= error / 3 * (1 + 1e-12)
+    assert known.suffices(error) and not known.suffices(error / (1.3 if beams == 1 else 2.6))
 
 
-@pytest.mark.parametrize(("of_shapes", "again"), [(0.2, False), (2.5, True)])
-def test_more_beams_are_compared_with_fewer_shapes_again_only_where_these_matter(of_shapes: float, again: bool) -> None:
-    """The change by fewer shapes of fewer beams is a bound, and has their model in its label."""
+@pytest.mark.parametrize(("of_shapes", "error", "again"), [(0.2, 0.15, False), (25, 0.6, True)])
+def test_more_beams_have_fewer_shapes_where_these_hardly_matter(of_shapes: float, error: float, again: bool) -> None:
+    """Their error is known from fewer beams, with the law by which it falls; it has their model in its label."""
 
     def errors(model: LadderModel, _: float) -> dict[str, float]:
-        return {"b0": 0.2 / model.pieces**3 + of_shapes * 4.0**-model.count / model.pieces}
+        return {"b0": 0.2 / model.pieces**3 + of_shapes * 4.0**-model.count / model.pieces**2}
 
     runs = MadeUpRuns(chain(1), errors)
-    known = trusted_reference.trusted_reference(runs, 0.15, lambda _: None)
-    assert known.model == polynomials(3, 3) and (polynomials(2, 3) in runs.asked) == again
+    known = trusted_reference.trusted_reference(runs, error, lambda _: None)
+    assert known.model == polynomials(3 if again else 2, 3) and (polynomials(3, 3) in runs.asked) == again
     shapes = next(a for a in known.agreements if a.label.startswith("fewer shapes"))
-    before, after = (of_shapes * 3 * 4.0**-3 / pieces for pieces in (2, 3))
-    assert shapes.difference == pytest.approx(after if again else before, rel=0.05)
+    assert shapes.error == pytest.approx(of_shapes * 3 * 4.0**-3 / 9, rel=0.05)
     assert (polynomials(3, 2).label in shapes.label) == (not again)
 
 
@@ -199,15 +200,27 @@ def test_modes_of_another_kind_confirm_a_reference_that_agrees_with_fewer_modes(
     assert [a.label.split(":")[0] for a in known.agreements] == ["fewer modes", "other modes", "larger steps"]
 
 
-@pytest.mark.parametrize("error", [0.1, 0.009, 0.0045])
-def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(error: float) -> None:
-    """Four beams differ from three by 0.78 of their error, which falls with the square of the number of beams."""
+@pytest.mark.parametrize("error", [0.1, 0.009, 0.006])
+@pytest.mark.parametrize(("power", "more"), [(2, 0), (2, 0.7), (1.7, 0)], ids=["law", "few are better", "slower"])
+def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(power: float, more: float, error: float) -> None:
+    """Four beams differ from three by 0.78 of their error, which falls with the square of the number of beams.
+
+    A rod of a slider-crank in space in few pieces was better than by this law.
+    """
 
     def of_pieces(model: LadderModel, _: float) -> dict[str, float]:
-        return {"b0": 0.05 / model.pieces**2}
+        return {"b0": 0.05 / (model.pieces**power + more)}
 
     known = trusted_reference.trusted_reference(MadeUpRuns(chain(1), of_pieces), error, lambda _: None)
-    assert known.difference <= error / 3 and known.error >= 0.05 / known.model.pieces**2 * (1 - 1e-3)
+    assert known.difference <= error / 3 and known.error >= 0.05 / (known.model.pieces**power + more) * (1 - 1e-3)
+
+
+def test_errors_of_a_reference_that_point_the_same_way_add_up() -> None:
+    """The largest of them was taken for all."""
+    agreements = (Agreement("fewer beams", 0.002, 1.5), Agreement("fewer shapes", 0.004, 0.25))
+    known = TrustedReference((), BASE, agreements)
+    assert known.error == pytest.approx(0.004) and known.difference == 0.002
+    assert known.suffices(0.0061) and not known.suffices(0.0059)
 
 
 @pytest.mark.parametrize(("ratio", "up"), [(0.00312, 0.0032), (0.14201, 0.15), (0.003, 0.0031), (0.0999, 0.1)])
@@ -225,7 +238,7 @@ def test_what_differs_most_is_refined_and_full_models_of_two_beams_only_where_tr
     for errors, full, truncation in ((of_beams, [1], 1e-4), (of_truncation, [1, 2], 0.08)):
         runs = MadeUpRuns(chain(1), errors)
         known = trusted_reference.trusted_reference(runs, 0.07, lambda _: None)
-        assert known.model == polynomials(3, 3) and known.truncation == pytest.approx(truncation)
+        assert known.model == polynomials(2, 3) and known.truncation == pytest.approx(truncation)
         assert [model.pieces for model in runs.asked if model.order is FULL] == full
         assert max(model.count for model in runs.asked) == 3
 
@@ -238,9 +251,9 @@ def test_rotary_inertia_that_a_full_model_cannot_have_does_not_prevent_a_referen
         'name = "a"\n[bodies.b]\nmass = 1\nlength = 1\nbending_stiffness = 1\nmarkers = { left = -1 }\n' + text
     )
     assert isinstance(stretching, Scene)
-    lean = trusted_reference._without_rotary_inertia(stretching)
+    lean = without_rotary_inertia(stretching)
     assert [mass.inertia for body in beam_bodies(lean) for mass in body.beam.masses] == [0]
-    assert trusted_reference._without_rotary_inertia(scene).bodies == (beam,)
+    assert without_rotary_inertia(scene).bodies == (beam,)
 
 
 # ---- beams that hardly matter ----
@@ -332,7 +345,7 @@ def test_the_most_modes_tell_whether_fewer_need_a_trial(
     runs = MadeUpRuns(scene, errors)
     try_one_beam(trials_of(monkeypatch, runs, 0.08, reference_of((LadderModel(Shapes.CRAIG_BAMPTON, 6), 0.05))))
     assert [model.count for model in runs.asked if model.shapes is Shapes.FREE] == tried
-    assert (runs.asked[-1].shapes is Shapes.CRAIG_BAMPTON) == (best > 0.1)
+    assert runs.asked[:2] == [RIGID, LadderModel(Shapes.CRAIG_BAMPTON, 6)], "what is derived already comes first"
 
 
 # ---- trials ----
@@ -371,7 +384,7 @@ def test_a_lone_beam_gets_the_cheapest_shapes_and_first_order_where_it_is_good(m
     runs = MadeUpRuns(chain(1), errors)
     search = trials_of(monkeypatch, runs, 0.1, reference_of((sines(1), 0.2)))
     try_one_beam(search)
-    assert runs.asked == [RIGID, sines(2), sines(2, FIRST)]
+    assert runs.asked == [RIGID, polynomials(3), sines(2), sines(2, FIRST)]
     assert search.good[0].model == sines(2, FIRST)
 
 
@@ -404,7 +417,7 @@ def test_a_lone_beam_without_a_good_candidate_gets_a_model_of_the_reference(monk
         return {"b0": 0.001 if model.pieces > 1 else 0.12 if model.order is TRUNCATED else 0.3}
 
     def wrong(model: LadderModel, tolerance: float) -> dict[str, float]:
-        return {"b0": 0.001 if model in (polynomials(3, 2), polynomials(3, 3)) else 0.12}
+        return {"b0": 0.001 if model in (polynomials(3, 2), polynomials(2, 3)) else 0.12}
 
     runs, refused = MadeUpRuns(chain(1), errors), Monitor("b0", 1, Cause.BENDING_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
     measured = MadeUpTrials(
@@ -413,7 +426,7 @@ def test_a_lone_beam_without_a_good_candidate_gets_a_model_of_the_reference(monk
     monkeypatch.setattr(trials, "measured", measured)
     monkeypatch.setattr(Trials, "timed", lambda self: self.lines)
     choice = cheapest_model(runs, 0.1)
-    assert choice.chosen is not None and choice.chosen[0].model == polynomials(3, 3)
+    assert choice.chosen is not None and choice.chosen[0].model == polynomials(2, 3)
     full = [line.model for line in choice.tried if line.model.order is FULL]
     assert full and all(model.pieces == 1 for model in full)
 
@@ -525,6 +538,37 @@ def test_more_shapes_of_bending_do_not_help_a_beam_whose_torsion_is_doubted(monk
     assert all(search.is_doubted("b0", model) for model in alike)
     other = replace(sines(3), torsion=2), replace(polynomials(2, 2), torsion=1), RIGID
     assert not any(search.is_doubted("b0", model) for model in other)
+
+
+@pytest.mark.parametrize("cause", [Cause.DEFLECTION, Cause.MASS_MATRIX])
+def test_no_shapes_help_a_piece_that_bends_too_far(cause: Cause, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A rod in space went from two sines to four, and the same monitors doubted each."""
+    warning = Monitor("b0", 1, cause, TRUNCATED, 0.07, 0.05, 0.0)
+    runs = MadeUpRuns(chain(1), decreasing({"b0": 0.003}))
+    search = trials_of(monkeypatch, runs, 0.01, reference_of(), implied=lambda _: warning)
+    search.run(sines(2))
+    assert search.is_doubted("b0", sines(4)) and search.is_doubted("b0", polynomials(5))
+    assert not any(search.is_doubted("b0", of) for of in (RIGID, sines(2, FULL), polynomials(2, 2)))
+    near = trials_of(monkeypatch, runs, 0.04, reference_of(), implied=lambda _: warning)
+    near.run(sines(2))
+    assert near.is_doubted("b0", sines(2)) and not near.is_doubted("b0", sines(4)), "within the error nearly"
+
+
+def test_what_costs_half_of_a_good_model_of_the_reference_or_more_is_not_derived(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Three beams with two shapes took as long to derive as the three with three shapes that were good."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.5}
+
+    runs = MadeUpRuns(chain(1), errors)
+    good = polynomials(2, 2)
+    search = trials_of(monkeypatch, runs, 0.05, reference_of((good, 0.01)))
+    try_one_beam(search)
+    cost = search.cost.operations
+    dear = [model for model in runs.asked if model not in (polynomials(3), RIGID) and cost(model) > cost(good) / 2]
+    assert sines(1) in runs.asked and not dear and polynomials(4) not in runs.asked
 
 
 def test_what_shapes_of_bending_miss_is_missing_beside_other_shapes_of_torsion() -> None:

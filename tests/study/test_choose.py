@@ -265,7 +265,7 @@ def test_the_command(
     assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0
     text = capsys.readouterr()
     found = json.loads(text.out)
-    assert "model 2: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
+    assert "model 3: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
     assert found["chosen"]["model"] == "1 sine, truncated" and found["specification"] == str(out)
     assert main(["build", str(out), "--out", str(tmp_path)]) == 0
     before = out.read_bytes()

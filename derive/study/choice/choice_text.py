@@ -51,8 +51,8 @@ def choice_text(choice: Choice) -> str:
 
 
 def _of_pieces(agreement: Agreement) -> str:
-    """The error of a reference in a direction where it is more than the difference."""
-    if agreement.factor <= 1:
+    """The error of a reference in a direction where it is not the difference."""
+    if agreement.factor == 1:
         return ""
     return f", an error of {percent(agreement.error)}, as errors fall with the square of the number of beams"
 
