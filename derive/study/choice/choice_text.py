@@ -13,10 +13,10 @@ from derive.study.accuracy.headline import GAIN
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.modelled_bodies import flexible_nouns
 from derive.study.accuracy.table import MODEL_DOC, cheapest
+from derive.study.choice.reference_errors import Agreement
 from derive.study.choice.reference_models import ReferenceModels
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
-from derive.study.choice.trusted_reference import Agreement
 from derive.study.table import Row, StudyColumn, StudyTable, general
 
 STEPS = 2

@@ -15,7 +15,7 @@ from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import replaced
 from derive.study.choice.body_candidates import HOPELESS
 from derive.study.choice.model_runs import ModelRuns
-from derive.study.choice.trusted_reference import TrustedReference
+from derive.study.choice.reference_errors import TrustedReference
 
 TOLERANCES = (1e-3, 1e-5, 1e-7)
 LIMITED = 2.0

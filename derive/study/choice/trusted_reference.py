@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from derive.durations import duration_text
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
-from derive.spec.model.plots import Plot
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import Curves
 from derive.study.accuracy.modelled_bodies import flexible_members
@@ -25,17 +24,14 @@ from derive.study.accuracy.piece_errors import error_over_difference, error_rati
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
-from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.full_scene import without_rotary_inertia
+from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.reference_errors import ROOM, SHARE, Agreement, TrustedReference
 from derive.study.choice.reference_models import CoarserModels
 from derive.study.choice.rigid_shares import MATTERS
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
-SHARE = 1 / 3
-"""The largest difference of a reference from coarser models relative to the requested error."""
-ROOM = 2 / 3
-"""The largest error of a reference relative to the requested error: the models need the rest."""
 CHEAPER = 1.5
 """The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
 SETTLED = 0.25
@@ -53,58 +49,6 @@ def expect_first(runs: ModelRuns) -> None:
     if runs.lone:
         runs.expect(runs.models.needed(runs.models.first))
         runs.expect([LadderModel(Shapes.RIGID)], monitored=True)
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """The difference of the reference from a coarser model, rms over the peak, in the direction that `label` names.
-
-    factor: the error of the reference in this direction over the difference: below 1 where fewer beams differ.
-    """
-
-    label: str
-    difference: float
-    factor: float = 1.0
-
-    @property
-    def error(self) -> float:
-        """The error of the reference in this direction."""
-        return self.factor * self.difference
-
-    @property
-    def decisive(self) -> float:
-        """The difference of models with as many beams as the reference, which decides on a finer one."""
-        return min(1.0, self.factor) * self.difference
-
-
-@dataclass(frozen=True)
-class TrustedReference:
-    """Plots with the curves of the finest model, and how far coarser models differ from it; `model` is that model.
-
-    agreements: with fewer beams, fewer shapes, nothing truncated, beams that are rigid here, and larger steps.
-    truncation: the change by truncation in models with one beam. errors: those of the models that have run, rms over
-    the peak, in the order in which they did.
-    """
-
-    plots: tuple[Plot, ...]
-    model: LadderModel
-    agreements: tuple[Agreement, ...]
-    errors: tuple[tuple[LadderModel, float], ...] = ()
-    truncation: float = 0.0
-
-    @property
-    def difference(self) -> float:
-        """The largest of the differences, which decides on a finer reference."""
-        return max(a.decisive for a in self.agreements)
-
-    @property
-    def error(self) -> float:
-        """The sum of the errors, which may point the same way: a chosen model has to leave room for it."""
-        return sum(a.error for a in self.agreements)
-
-    def suffices(self, error: float) -> bool:
-        """Whether the reference is good enough for a requested error."""
-        return self.difference <= SHARE * error and self.error <= ROOM * error
 
 
 class NotConverged(TisserandError):
