@@ -54,7 +54,8 @@ def _of_pieces(agreement: Agreement) -> str:
     """The error of a reference in a direction where it is not the difference."""
     if agreement.factor == 1:
         return ""
-    return f", an error of {percent(agreement.error)}, as errors fall with the square of the number of beams"
+    error = f"{'with a margin ' if agreement.factor > 1 else ''}an error of {percent(agreement.error)}"
+    return f", {error}, as errors fall with the square of the number of beams"
 
 
 def tried_table(choice: Choice) -> StudyTable:
