@@ -400,7 +400,10 @@ def test_two_models_that_clearly_agree_are_a_reference(
 def test_the_error_of_a_reference_counts_what_more_pieces_would_change(
     crank_slider: Scene, monkeypatch: pytest.MonkeyPatch, enough: float, error: float
 ) -> None:
-    """Errors that fall with the square of the number of beams are larger than the difference of three and four; a quarter is added."""
+    """Errors that fall with the square of the number of beams are larger than the difference of three and four.
+
+    A quarter is added.
+    """
     models = tuple(LadderModel(Shapes.POLYNOMIALS, 4, TRUNCATED, "mean", pieces) for pieces in (1, 2, 3, 4))
     moved = SimpleNamespace(solution=SimpleNamespace(cost=SimpleNamespace(seconds=0.1)))
     made_up: dict[str, Any] = {"refinements": models, "opened": None, "motion": moved, "curves_of": (1,)}
