@@ -26,9 +26,10 @@ from derive.study.choice import one_beam, search
 from derive.study.choice import reference_models as references
 from derive.study.choice.choice_text import choice_text, neighbours
 from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.reference_errors import Agreement, TrustedReference
 from derive.study.choice.screening import Screening, screening
 from derive.study.choice.search import Choice, cheapest_model
-from derive.study.choice.trusted_reference import Agreement, NotConverged, TrustedReference, trusted_reference
+from derive.study.choice.trusted_reference import NotConverged, trusted_reference
 from derive.study.choice.written_specification import chosen_specification, relative_path
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
@@ -265,7 +266,7 @@ def test_the_command(
     assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0
     text = capsys.readouterr()
     found = json.loads(text.out)
-    assert "model 2: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
+    assert "model 3: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
     assert found["chosen"]["model"] == "1 sine, truncated" and found["specification"] == str(out)
     assert main(["build", str(out), "--out", str(tmp_path)]) == 0
     before = out.read_bytes()

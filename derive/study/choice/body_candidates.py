@@ -51,22 +51,19 @@ HOPELESS = 1.5
 Errors = Mapping[LadderModel, float]
 
 
-def candidates(
-    scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies, twists: tuple[int, ...] = TWISTS
-) -> tuple[LadderModel, ...]:
+def candidates(scene: AnyScene, body: Flexible, cost: PredictedCost, modes: ModesOfBodies) -> tuple[LadderModel, ...]:
     """The models of a body from cheap to dear, of second order: first those that suit its ends, then the others.
 
-    twists: the numbers of shapes of torsion of a beam in space that twists. The rigid body is the first. The search
-    adds models of first order where second order is good, and full models, in which nothing is truncated, where
-    truncation limits the error.
+    The rigid body is the first. The search adds models of first order where second order is good, and full models, in
+    which nothing is truncated, where truncation limits the error.
     """
-    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body, twists)
+    of_kind = _of_modes(body, modes) if isinstance(body, FlexibleBody) else _of_beam(body)
     return tuple(sorted([LadderModel(Shapes.RIGID), *of_kind], key=candidate_order(scene, body, cost)))
 
 
-def _of_beam(body: BeamBody | SpatialBeam, twists: tuple[int, ...]) -> Iterator[LadderModel]:
+def _of_beam(body: BeamBody | SpatialBeam) -> Iterator[LadderModel]:
     """The flexible models of a beam, of second order."""
-    for torsion in twists if can_twist(body) else (None,):
+    for torsion in TWISTS if can_twist(body) else (None,):
         for shapes, most in MOST.items():
             frame = FAMILIES[shapes][1].kind if shapes in FAMILIES else "mean"
             for n in range(1, most + 1):

@@ -13,10 +13,10 @@ from derive.study.accuracy.headline import GAIN
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.modelled_bodies import flexible_nouns
 from derive.study.accuracy.table import MODEL_DOC, cheapest
+from derive.study.choice.reference_errors import Agreement
 from derive.study.choice.reference_models import ReferenceModels
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
-from derive.study.choice.trusted_reference import Agreement
 from derive.study.table import Row, StudyColumn, StudyTable, general
 
 STEPS = 2
@@ -51,10 +51,11 @@ def choice_text(choice: Choice) -> str:
 
 
 def _of_pieces(agreement: Agreement) -> str:
-    """The error of a reference in a direction where it is more than the difference."""
-    if agreement.factor <= 1:
+    """The error of a reference in a direction where it is not the difference."""
+    if agreement.factor == 1:
         return ""
-    return f", an error of {percent(agreement.error)}, as errors fall with the square of the number of beams"
+    error = f"{'with a margin ' if agreement.factor > 1 else ''}an error of {percent(agreement.error)}"
+    return f", {error}, as errors fall with the square of the number of beams"
 
 
 def tried_table(choice: Choice) -> StudyTable:

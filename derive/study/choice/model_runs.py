@@ -23,10 +23,13 @@ from derive.study.accuracy.measurement import (
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import bare_plots
-from derive.study.choice.reference_models import ReferenceModels
+from derive.study.choice.reference_models import FLEXIBLE, ReferenceModels
 
 SHORT = 1e9
 """Predicted operations of a run below which the code of a model that is not timed is compiled without optimisation."""
+
+MOST_PIECES = 3
+"""The largest number of pieces of a beam whose models of a reference are often chosen."""
 
 Progress = Callable[[str], None]
 
@@ -113,5 +116,5 @@ class ModelRuns:
 
     def _is_candidate(self, model: LadderModel) -> bool:
         """Whether a model may well be tried, so that one with monitors serves both; a rigid one has none."""
-        in_one_piece = self.lone and model.pieces == 1 and model.order is not DisplacementOrder.FULL
-        return in_one_piece or model.shapes is Shapes.RIGID
+        few = model.pieces == 1 or (model.pieces <= MOST_PIECES and model.count == FLEXIBLE.count)
+        return model.shapes is Shapes.RIGID or (self.lone and few and model.order is not DisplacementOrder.FULL)

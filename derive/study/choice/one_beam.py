@@ -11,6 +11,7 @@ from itertools import islice
 from derive.errors import TisserandError
 from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.study.accuracy.ladder_model import LadderModel
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
 from derive.study.accuracy.reference import rms_difference
@@ -25,10 +26,13 @@ from derive.study.choice.body_candidates import (
     has_more,
     trials_if_all_fail,
 )
+from derive.study.choice.rigid_shares import RIGID
 from derive.study.choice.trials import Trials, usable
 
 NEAR = 1.5
 """A model may be cheaper than a good one if its predicted operations are below this times those of the good one."""
+WORTH = 0.5
+"""A model is derived if its predicted operations are below this times those of a good model of the reference."""
 SIMPLER = 0.5
 """The least ratio of the operations of a model of first order to those of second order."""
 BEYOND = 2
@@ -38,13 +42,22 @@ BEYOND = 2
 def try_one_beam(trials: Trials) -> None:
     """Run models of second order until one is accurate enough, then those of first order that may be cheaper.
 
-    Models that the runs for the reference have shown to be too far from it are left out.
+    Models that the runs for the reference have shown to be too far from it are left out. If the beam is not rigid, the
+    flexible model that has been derived already is run next: its monitors tell how far the beam bends in one piece.
     """
     (body,) = flexible_members(trials.runs.scene)
     errors = dict(trials.known.errors)
     order = candidate_order(trials.runs.scene, body, trials.cost)
-    twists = twists_that_matter(trials, body)
-    models = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes, twists)
+    for model in (RIGID, trials.runs.models.flexible):
+        if trials.good:
+            return
+        line = trials.run(model)
+        errors |= {model: line.best} if line.points else {}
+    every = candidates(trials.runs.scene, body, trials.cost, trials.runs.models.modes)
+    models = [model for model in every if _is_worth_it(model, errors, trials)]
+    if any(model.torsion is not None for model in models):
+        twists = twists_that_matter(trials, body)
+        models = [model for model in models if model.torsion in twists]
     while left := [m for m in (*models, *_with_all_terms(models, errors, trials)) if _is_worth_it(m, errors, trials)]:
         in_order = trials_if_all_fail(sorted(left, key=order), errors, trials.budget)
         model, *others = islice(in_order, 1 + trials.runs.spare)
@@ -89,14 +102,24 @@ def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
     too_far = model in errors and errors[model] > trials.budget
     dearer = any(has_more(model, line.model) for line in trials.good)
     doubted = trials.is_doubted(flexible_members(trials.runs.scene)[0].name, model)
+    least = min((trials.cost.operations(of) for of in _good_of_reference(trials)), default=math.inf)
+    dearer |= model not in trials.runs.ready and trials.cost.operations(model) > WORTH * least
     return not (model in trials or too_far or dearer or doubted or cannot_do(model, errors, trials.budget))
+
+
+def _good_of_reference(trials: Trials) -> list[LadderModel]:
+    """The models of the reference that are accurate enough by what was measured; their monitors may doubt them."""
+    return [model for model, of in trials.known.errors if usable(model) and of <= trials.budget]
 
 
 def _with_all_terms(models: Sequence[LadderModel], errors: Errors, trials: Trials) -> list[LadderModel]:
     """The full variants of those of the models in one piece whose error may come from truncation.
 
-    Finer models of the reference are no candidates: their full variants take a minute to derive.
+    Finer models of the reference are no candidates: their full variants take a minute to derive. In space all take so
+    long, and there are none where pieces, which truncation changes less, are accurate enough.
     """
+    if isinstance(trials.runs.scene, SpatialScene) and _good_of_reference(trials):
+        return []
     limited = [m for m in models if m.pieces == 1 and m.size and m in errors and trials.is_limited(errors[m])]
     return [replace(m, order=DisplacementOrder.FULL) for m in limited if m.order is DisplacementOrder.TRUNCATED]
 

@@ -90,6 +90,10 @@ class ReferenceModels:
         finer = [self._shapes(model, 1), self._pieces(model, 1)]
         return next((of for of in (reversed(finer) if beams_first else finer) if of is not None), None)
 
+    def lean(self, model: LadderModel) -> LadderModel | None:
+        """The model with fewer shapes, which more beams may have as well; None where modes are among them."""
+        return None if self._nodal or self.pieces(model) >= MOST_BEAMS else self._shapes(model, -1)
+
     def truncated(self, model: LadderModel, pieces: int) -> tuple[LadderModel, LadderModel] | None:
         """A model whose beams have few shapes in pieces, and one with nothing truncated; None without beams."""
         if not self._beams:

@@ -25,11 +25,12 @@ from derive.study.accuracy.reference import undeformed_note
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.one_beam import try_more_accurate, try_one_beam
+from derive.study.choice.reference_errors import SHARE, TrustedReference
 from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
 from derive.study.choice.screening import Screening
 from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials, accurate, usable
-from derive.study.choice.trusted_reference import SHARE, TrustedReference, trusted_reference
+from derive.study.choice.trusted_reference import trusted_reference
 from derive.study.choice.untried import untried
 from derive.study.spin_notes import spin_notes
 

@@ -15,13 +15,15 @@ from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import replaced
 from derive.study.choice.body_candidates import HOPELESS
 from derive.study.choice.model_runs import ModelRuns
-from derive.study.choice.trusted_reference import TrustedReference
+from derive.study.choice.reference_errors import TrustedReference
 
 TOLERANCES = (1e-3, 1e-5, 1e-7)
 LIMITED = 2.0
 """Truncation may be the reason of an error of up to this times the change that truncation makes."""
-RUNS = 5
-"""The number of measurements of the time of each run."""
+RUNS = 3
+"""The number of measurements of the time of each run: the choice is by operations."""
+OF_MOTION = (Cause.DEFLECTION, Cause.MASS_MATRIX)
+"""Monitors of how far a piece of a beam bends, whatever its shapes are."""
 
 Progress = Callable[[str], None]
 
@@ -116,7 +118,8 @@ class Trials:
     def is_doubted(self, beam: str, model: LadderModel) -> bool:
         """Whether a monitor of a run implies too large an error of a beam that has this model there, or misses alike.
 
-        Shapes of torsion do not change what those of bending miss, and those of bending hardly what torsion misses.
+        Shapes of torsion do not change what those of bending miss, and those of bending hardly what torsion misses. No
+        shapes change how far a piece bends.
         """
         doubts = ((line.model.of(beam), line.warning) for line in self.lines if implied_error(line) > self.error)
         return any(
@@ -127,10 +130,12 @@ class Trials:
 
     def _misses_alike(self, model: LadderModel, of: LadderModel, warning: Monitor) -> bool:
         """Whether a model of a beam has the shapes that make a monitor warn of another one."""
-        if warning.cause is not Cause.TWISTING_MOMENT:
-            return model == replace(of, torsion=model.torsion)
         far = warning.error > HOPELESS * self.error
-        return far and (model.pieces, model.torsion) == (of.pieces, of.torsion)
+        if warning.cause is Cause.TWISTING_MOMENT:
+            return far and (model.pieces, model.torsion) == (of.pieces, of.torsion)
+        if warning.cause in OF_MOTION and far and model.size:
+            return (model.pieces, model.order) == (of.pieces, of.order)
+        return model == replace(of, torsion=model.torsion)
 
     def _line(self, model: LadderModel) -> Line:
         self.runs.progress(f"model {len(self._lines) + 1}: {model.label} ...")

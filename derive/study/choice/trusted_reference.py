@@ -10,39 +10,33 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import replace
 
 import numpy as np
 
 from derive.durations import duration_text
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
-from derive.simulation.observables.motion import si_value
-from derive.spec.model.planar_bodies import BeamBody
-from derive.spec.model.plots import Plot
-from derive.spec.model.spatial_scene import SpatialScene
-from derive.spec.model.specification import AnyScene
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.measurement import Curves
 from derive.study.accuracy.modelled_bodies import flexible_members
-from derive.study.accuracy.piece_errors import error_over_difference
+from derive.study.accuracy.piece_errors import error_over_difference, error_ratio
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
+from derive.study.choice.full_scene import without_rotary_inertia
 from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.reference_errors import ROOM, SHARE, Agreement, TrustedReference
 from derive.study.choice.reference_models import CoarserModels
 from derive.study.choice.rigid_shares import MATTERS
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
-SHARE = 1 / 3
-"""The largest difference of a reference from coarser models relative to the requested error."""
 CHEAPER = 1.5
 """The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
 SETTLED = 0.25
-"""The difference with fewer shapes over that with fewer beams up to which more beams are not compared with fewer shapes
-again: it is smaller there."""
+"""The difference with fewer shapes over that with fewer beams up to which more beams have the fewer shapes, and are not
+compared with even fewer: the error of these shapes is known, and is smaller in more beams."""
 LONGEST = 120.0
 """The longest time (s) that may be predicted for a run of a finer reference."""
 
@@ -57,49 +51,6 @@ def expect_first(runs: ModelRuns) -> None:
         runs.expect([LadderModel(Shapes.RIGID)], monitored=True)
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """The difference of the reference from a coarser model, rms over the peak, in the direction that `label` names.
-
-    factor: the error of the reference in this direction over the difference.
-    """
-
-    label: str
-    difference: float
-    factor: float = 1.0
-
-    @property
-    def error(self) -> float:
-        """The error of the reference in this direction."""
-        return self.factor * self.difference
-
-
-@dataclass(frozen=True)
-class TrustedReference:
-    """Plots with the curves of the finest model, and how far coarser models differ from it; `model` is that model.
-
-    agreements: with fewer beams, fewer shapes, nothing truncated, beams that are rigid here, and larger steps.
-    truncation: the change by truncation in models with one beam. errors: those of the models that have run, rms over
-    the peak, in the order in which they did.
-    """
-
-    plots: tuple[Plot, ...]
-    model: LadderModel
-    agreements: tuple[Agreement, ...]
-    errors: tuple[tuple[LadderModel, float], ...] = ()
-    truncation: float = 0.0
-
-    @property
-    def difference(self) -> float:
-        """The largest of the differences, which decides on a finer reference."""
-        return max(a.difference for a in self.agreements)
-
-    @property
-    def error(self) -> float:
-        """The largest of the errors, which the error of a chosen model has to leave room for."""
-        return max(a.error for a in self.agreements)
-
-
 class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the requested error."""
 
@@ -107,7 +58,9 @@ class NotConverged(TisserandError):
 def trusted_reference(
     runs: ModelRuns, error: float, report: Progress, rigid: Sequence[BeamShare] = ()
 ) -> TrustedReference:
-    """A reference that differs from coarser models by at most a third of `error`. Raises NotConverged.
+    """A reference that differs from coarser models by at most a third of `error`, and has two thirds of it at most.
+
+    Raises NotConverged.
 
     report: takes a line on each comparison. rigid: the shares of beams that hardly matter, and are rigid.
     """
@@ -120,14 +73,14 @@ def trusted_reference(
             break
         try:
             known = references.add(model)
-            if known.difference <= SHARE * error:
+            if known.suffices(error):
                 known = references.confirmed(known)
         except TisserandError as failure:
             if not references.made or isinstance(failure, NotConverged):
                 raise NotConverged(f"the reference cannot be made: {failure}") from failure
             further = f"; {model.label} cannot be run: {first_line(failure)}"
             break
-        if known.difference <= SHARE * error:
+        if known.suffices(error):
             return known
         model = references.finer(model)
     raise NotConverged(_without_reference(references, error, further))
@@ -137,7 +90,7 @@ def _without_reference(references: _References, error: float, further: str) -> s
     """The text on why no reference is good enough, with the least error for which one of those made is."""
     best = references.best
     worst = max(best.agreements, key=lambda a: a.difference)
-    possible = rounded_up(best.difference / references.share)
+    possible = rounded_up(max(best.difference / references.share, best.error / references.room))
     larger = f"an error of {percent(possible)} or more, or " if possible < 1 else ""
     return (
         f"an error of {percent(error)} needs a reference that differs by at most a third of it from coarser models. No "
@@ -160,30 +113,34 @@ class _References:
         self._rigid = {of.beam: of.model for of in rigid}
         together = float(np.sqrt(sum((of.share or 0.0) ** 2 for of in rigid)))
         self._flexible = [Agreement(f"{', '.join(self._rigid)} flexible", together)] if rigid else []
-        comparable = _without_rotary_inertia(runs.scene)
+        comparable = without_rotary_inertia(runs.scene)
         self._full_runs = runs if comparable == runs.scene else ModelRuns(comparable, comparable.plots, runs.progress)
         self._truncation: dict[int, Agreement] = {}
         self._cost = PredictedCost(runs.scene)
         self._complete: dict[LadderModel, TrustedReference] = {}
         self._settled, self._pieces = dict[str, Agreement](), 0
+        self._lean: LadderModel | None = None
         self._unmixed: dict[LadderModel, LadderModel] = {}
         self.made: list[TrustedReference] = []
 
     def add(self, model: LadderModel) -> TrustedReference:
         """Add a model as the reference, without the comparisons of `confirmed`, which give no direction to refine."""
         models = self._runs.models
-        settled = self._settled if models.pieces(model) > self._pieces else {}
+        fall = error_ratio(self._pieces, pieces := models.pieces(model))
+        settled = {label: replace(a, factor=fall * a.factor) for label, a in self._settled.items() if fall < 1}
         self._runs.expect(map(self._mixture, models.needed(model, settled)))
         compared = [(way, other) for way in models.directions if (other := way.coarser(model)) is not None]
         agreements = [settled.get(way.label) or self._agreement(model, way, other) for way, other in compared]
-        by_beams = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if way.beams]
-        by_shapes = [a.difference for (way, _), a in zip(compared, agreements, strict=True) if not way.beams]
-        self._pieces, self._settled = models.pieces(model), {}
-        if max(by_shapes, default=0.0) <= SETTLED * max(by_beams, default=0.0):
+        by_beams = [a.decisive for (way, _), a in zip(compared, agreements, strict=True) if way.beams]
+        by_shapes = [a.decisive for (way, _), a in zip(compared, agreements, strict=True) if not way.beams]
+        self._pieces, self._settled, self._lean = pieces, settled, None
+        in_more = error_ratio(pieces, pieces + 1) * max(by_shapes, default=0.0)
+        if (lean := models.lean(model)) and not settled and in_more <= SETTLED * max(by_beams, default=0.0):
+            self._lean = lean
             for (way, other), a in zip(compared, agreements, strict=True):
                 label = f"{way.label} of {model.label}: {other.label}"
-                self._settled |= {} if way.beams else {way.label: settled.get(way.label) or replace(a, label=label)}
-        if full := self._full(model, max(a.difference for a in agreements)):
+                self._settled |= {} if way.beams else {way.label: replace(a, label=label)}
+        if full := self._full(model, max(a.decisive for a in agreements)):
             agreements.append(full)
             by_beams.append(full.difference)
         self._beams_first = max(by_beams, default=0.0) > CHEAPER * max(by_shapes, default=0.0)
@@ -216,6 +173,11 @@ class _References:
         return SHARE if self._runs.lone else SHARE - 2 / MATTERS
 
     @property
+    def room(self) -> float:
+        """The error of a reference over a larger error that may be requested, with a reserve for rigid beams."""
+        return ROOM if self._runs.lone else ROOM / 2
+
+    @property
     def best(self) -> TrustedReference:
         """The reference with the least difference, of those that can be compared with larger steps."""
         for known in self.made:
@@ -224,8 +186,11 @@ class _References:
         return min(self._complete.values() or self.made, key=lambda known: known.difference)
 
     def finer(self, model: LadderModel) -> LadderModel | None:
-        """The model after the last one, refined in the direction that differs most; None where there is none."""
-        return self._runs.models.finer(model, self._beams_first)
+        """The model after the last one, refined in the direction that differs most; None where there is none.
+
+        Where fewer shapes have made hardly any difference, more beams have these.
+        """
+        return self._runs.models.finer(self._lean or model, self._beams_first)
 
     def predicted_seconds(self, model: LadderModel) -> float:
         """The approximate time (s) of a run of a model, from that of the finest reference so far."""
@@ -284,17 +249,3 @@ class _References:
             text = f"{names}: a curve vanishes all the time, so that no error of it is known; choose another by --plot"
             raise NotConverged(text)
         return difference
-
-
-def _without_rotary_inertia(scene: AnyScene) -> AnyScene:
-    """The scene without rotary inertia of masses attached to a beam that stretches, which full models do not have."""
-    if isinstance(scene, SpatialScene):
-        return scene
-    return replace(scene, bodies=tuple(_lean(body) if isinstance(body, BeamBody) else body for body in scene.bodies))
-
-
-def _lean(body: BeamBody) -> BeamBody:
-    if body.beam.axial is None or not any(si_value(mass.inertia) for mass in body.beam.masses):
-        return body
-    masses = tuple(replace(mass, inertia=Fraction(0)) for mass in body.beam.masses)
-    return replace(body, beam=replace(body.beam, masses=masses))
