@@ -37,7 +37,7 @@ class MatrixRow:
 
 @dataclass(frozen=True)
 class MatrixKind:
-    """What the matrices of a table have in common.
+    """A kind of matrices, of which a table has one.
 
     size: the rows of a matrix; count: the instances, 1 if all have the same numbers; has_offsets: whether each matrix
     begins with a constant term of each row; has_row_of_offsets: whether there is one more row, whose factors these are;

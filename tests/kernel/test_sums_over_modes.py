@@ -30,7 +30,7 @@ from derive.ir.loop_nests import Assign, For, Node, every, expressions_of
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import with_sums_over_modes
-from derive.ir.symmetric_tables import MATRIX, SymmetricTable, matrices
+from derive.ir.symmetric_tables import MATRIX, MatrixKind, MatrixRow, SymmetricTable, matrices
 from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
 from derive.ir.written_out_rows import with_rows_written_out
 from derive.lowering.instances.functions.body_motions import MOTIONS
@@ -137,7 +137,8 @@ def is_load(line: Node) -> bool:
 
 
 def is_factor(part: Expr) -> bool:
-    return isinstance(part, Element) and part.array.startswith("factors_of_modes")
+    """Whether a number is one of those that the bodies have in other places too."""
+    return isinstance(part, Element) and part.array.startswith("numbers")
 
 
 def loops_over(variable: str, model: Model, name: str) -> Iterator[For]:
@@ -161,20 +162,67 @@ def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
         expected, found = interpret(model.kernel(name), state(kernel)), interpret(kernel, state(kernel), nodes=nodes)
         for output, values in expected.items():
             assert np.abs(np.subtract(found[output], values)).max() < 2e-13 * np.abs(values).max(), name
-    assert sum(loop.count or 0 for loop in loops_over_rows(changed, "accel")) >= 60
-    (loop,) = loops_over(MATRIX, changed, "accel")
-    assert loop.count == 6 and len(loop.body) == MODES  # C5 of the six products of components
+    assert [loop.count for loop in loops_over_rows(changed, "accel")] == [12, 12]  # places of markers, and their rates
+    loops = [(loop.count, len(loop.body)) for loop in loops_over(MATRIX, changed, "accel")]
+    # C5 of the six products of components with J, whose factors are C4; c7 by amplitudes, and by their rates
+    assert loops == [(6, MODES + 1), (3, MODES), (3, MODES)]
+
+
+def fractions(*row: int) -> tuple[Fraction, ...]:
+    return tuple(map(Fraction, row))
 
 
 def test_half_of_a_symmetric_matrix_of_factors_is_read() -> None:
     """Matrices whose entries differ across the diagonal for one instance stay rows of a table."""
-    table = SymmetricTable("c", 2, 2, True)
-    rows = [tuple(map(Fraction, row)) for row in ((1, 2, 3, 4, 5, 6), (7, 8, 5, 6, 9, 10)) for _ in range(3)]
-    assert matrices(rows, 2, 2, True) == 3
-    rows[4] = tuple(map(Fraction, (7, 8, 5, 7, 9, 10)))
-    assert matrices(rows, 2, 2, True) == 0
-    assert table.place(rows[0::3]) == 0
-    assert table.array.values == tuple(map(Fraction, (1, 2, 7, 8, 3, 4, 5, 6, 9, 10)))
+    rows = [fractions(*row) for row in ((1, 2, 3, 4, 5, 6), (7, 8, 5, 6, 9, 10)) for _ in range(3)]
+    ((kind, found),) = matrices(rows, 2, 2, True)
+    assert (kind, len(found)) == (MatrixKind(2, 2, True), 3)
+    table = SymmetricTable("c", kind)
+    assert table.place([rows[0::3]]) == 0
+    assert table.array.values == fractions(1, 2, 7, 8, 3, 4, 5, 6, 9, 10)
+    rows[4] = fractions(7, 8, 5, 7, 9, 10)
+    assert not [*matrices(rows, 2, 2, True)]
+
+
+def test_constant_terms_that_are_factors_of_a_row_are_read_once() -> None:
+    """J has the factors C4, which are the constant terms of S; without one of the rows, each table has its own."""
+    rows = [fractions(k, *row) for row in ((3, 5), (5, 9)) for k in (1, 2, 4)]
+    offsets = [fractions(20 + k, k, k) for k in (1, 2, 4)]
+    ((kind, found),) = matrices([*rows, *offsets], 2, 1, True)
+    assert kind == MatrixKind(2, 1, True, has_row_of_offsets=True)
+    assert found[1] == [MatrixRow(1), MatrixRow(4), MatrixRow(7)]
+    table = SymmetricTable("c", kind)
+    table.place([[rows[1], rows[4], offsets[1]]])
+    assert table.array.values == fractions(2, 2, 22, 3, 5, 9)
+    ((without, _),) = matrices([*rows, *offsets[:2]], 2, 1, True)
+    assert not without.has_row_of_offsets
+
+
+def test_half_of_an_antisymmetric_matrix_of_factors_is_read() -> None:
+    """Rows may come in any order and with any signs; one entry that is not opposite leaves too few matrices."""
+    of_three = [[fractions(0, k, 2 * k), fractions(-k, 0, 3 * k), fractions(-2 * k, -3 * k, 0)] for k in (1, 4, 9)]
+    rows = [row for matrix in reversed(of_three) for row in reversed(matrix)]
+    rows[4] = tuple(-value for value in rows[4])
+    ((kind, found),) = matrices(rows, 3, 1, False)
+    assert kind == MatrixKind(3, 1, False, is_antisymmetric=True)
+    assert found[1] == [MatrixRow(5), MatrixRow(4, True), MatrixRow(3)]
+    table = SymmetricTable("c", kind)
+    table.place(of_three)
+    assert table.array.values == fractions(-1, -2, -3, -4, -8, -12, -9, -18, -27)
+    rows[3] = fractions(-8, -11, 0)
+    assert not [*matrices(rows, 3, 1, False)]
+
+
+def test_the_rows_of_a_body_alone_lie_beside_each_other() -> None:
+    """The fifth of five bodies is in no vector of bodies: vectors have four of its rows."""
+    changed = summed(5)
+    rows = {loop.count for loop in loops_over_rows(changed, "accel")}
+    assert rows == {12, 20, 36, 44}  # those of vectors of bodies have 12
+    columns = [array for array in changed.kernel("accel").constants if array.name.startswith("columns_of_factors")]
+    assert columns
+    kernel = changed.kernel("accel")
+    expected, found = (interpret(model.kernel("accel"), state(kernel)) for model in (looped(5), changed))
+    assert np.abs(np.subtract(found["vdot"], expected["vdot"])).max() < 2e-13 * np.abs(expected["vdot"]).max()
 
 
 def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
@@ -185,7 +233,7 @@ def test_rows_have_no_columns_for_the_modes_of_another_body() -> None:
         assert isinstance(line, Assign)
         assert sum(isinstance(part, ScalarRef) for part in walk(line.expr)) <= MODES
     (text,) = (file.text for file in CBackend().files(looped(3), "") if file.path.endswith(".c"))
-    heads = [line.strip() for line in text.splitlines() if f"; {ROW} < 6; {ROW}++" in line]
+    heads = [line.strip() for line in text.splitlines() if f"; {ROW} < 12; {ROW}++" in line]
     assert heads and all(head.startswith("TISSERAND_SHORT for") for head in heads)
 
 

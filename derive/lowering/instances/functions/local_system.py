@@ -61,8 +61,8 @@ class LocalSystem:
 def local_system(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -> LocalSystem:
     """The system of a class; `symbols` get the names of what it computes first.
 
-    in_lanes: whether bodies are computed in vectors. A loop over the constants of modes then reads each of them once for
-    all its products. If one vector holds all bodies, a call executes their text once, and loops over rows of joints
+    in_lanes: whether bodies are computed in vectors. A loop over the constants of modes then reads each of them once
+    for all its products. If one vector holds all bodies, a call executes their text once, and loops over rows of joints
     spare most of it; several vectors share it.
     """
     mass = of.system.equations.mass
