@@ -255,6 +255,12 @@ def test_long_chains_are_looped_over_their_links_without_being_asked() -> None:
     scenes.append(_mechanism(_chain(14, "auto").replace(*THREAD) + THRUST))
     assert [chosen(mechanism, explicit=True)[0] for mechanism in scenes] == [True, False, False]
     assert chosen(scenes[0], explicit=False)[1].startswith("unrolled, since derivatives in loops")
+    assert chosen(scenes[2], explicit=True)[1].endswith("and thrust is one")
+    seen = _mechanism(_chain(14, "auto") + '[outputs.height]\nkind = "position"\nmarker = "b3.b"\n')
+    assert chosen(seen, explicit=True) == (
+        False,
+        "unrolled, since outputs in loops over links are motions of joints, and height is another one",
+    )
     assert chosen(_mechanism(_chain(20, "auto")), explicit=False)[0]
     assert lower(scenes[0], explicit=True).lowering == "instances"
 

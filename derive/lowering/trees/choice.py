@@ -17,7 +17,7 @@ from collections.abc import Collection
 
 from derive.enumerations import enumeration
 from derive.lowering.mechanism_costs import LONG
-from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED, joint_outputs
+from derive.lowering.trees.joint_outputs import LOOPED, MOST_UNROLLED, other_outputs
 from derive.lowering.trees.links import TreeLink, refusals, tree_of
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 
@@ -32,9 +32,12 @@ def chosen(mechanism: SpatialMechanism, explicit: bool, functions: Collection[st
 
     explicit: whether no derivatives are needed; functions: those on request.
     """
-    has_others = len(mechanism.rows) > MOST_UNROLLED and joint_outputs(mechanism) is None
-    if any(refusals(mechanism)) or has_others:
-        return False, "unrolled, since loops over links do not have all that the scene has"
+    refused = next(refusals(mechanism), "")
+    if refused:
+        return False, f"unrolled, since {refused}"
+    other = next(other_outputs(mechanism), "") if len(mechanism.rows) > MOST_UNROLLED else ""
+    if other:
+        return False, f"unrolled, since outputs in loops over links are motions of joints, and {other} is another one"
     if not {*functions} <= LOOPED:
         return False, f"unrolled, for {enumeration([*functions])}"
     if mechanism.scene.redundant == "resolve":

@@ -17,6 +17,7 @@ from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import OutputEquation
 from derive.spec.model.instances import identifier, joined
+from derive.spec.model.ports import SceneOutput
 
 MOST_UNROLLED = 12
 """The largest number of velocities for which functions without loops are straight-line code."""
@@ -38,21 +39,29 @@ class JointOutput:
 
 def joint_outputs(mechanism: SpatialMechanism) -> tuple[JointOutput, ...] | None:
     """The outputs of a scene, if all of them are motions of joints of trees."""
-    result = []
-    for output in mechanism.scene.outputs:
-        joint = mechanism.joints_by_name.get(str(output.values.get("joint")))
-        if output.kind not in KINDS or not isinstance(joint, SpatialEliminatedJoint):
-            return None
-        freedom = joint.type.coupled(joint.joint)
-        if freedom is None:
-            return None
-        row, coordinate = place_in(mechanism, joint, freedom)
-        noun, per = KINDS[output.kind]
-        shown = joined(output.name, "")
-        doc = f"{noun} in joint {joint.joint.name}"
-        equation = OutputEquation(identifier(shown), shown, f"{freedom.unit}{per}", doc, sp.S.Zero)
-        result.append(JointOutput(equation, joint.sign, row if per else coordinate, bool(per)))
-    return tuple(result)
+    found = [_joint_output(mechanism, output) for output in mechanism.scene.outputs]
+    known = [output for output in found if output]
+    return tuple(known) if len(known) == len(found) else None
+
+
+def other_outputs(mechanism: SpatialMechanism) -> Iterator[str]:
+    """Yield the names of the outputs that are no motions of joints of trees."""
+    yield from (output.name for output in mechanism.scene.outputs if not _joint_output(mechanism, output))
+
+
+def _joint_output(mechanism: SpatialMechanism, output: SceneOutput) -> JointOutput | None:
+    joint = mechanism.joints_by_name.get(str(output.values.get("joint")))
+    if output.kind not in KINDS or not isinstance(joint, SpatialEliminatedJoint):
+        return None
+    freedom = joint.type.coupled(joint.joint)
+    if freedom is None:
+        return None
+    row, coordinate = place_in(mechanism, joint, freedom)
+    noun, per = KINDS[output.kind]
+    shown = joined(output.name, "")
+    doc = f"{noun} in joint {joint.joint.name}"
+    equation = OutputEquation(identifier(shown), shown, f"{freedom.unit}{per}", doc, sp.S.Zero)
+    return JointOutput(equation, joint.sign, row if per else coordinate, bool(per))
 
 
 def values(motion: TreeMotion, outputs: tuple[JointOutput, ...]) -> Iterator[Statement]:
