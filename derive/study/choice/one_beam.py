@@ -102,7 +102,9 @@ def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
     too_far = model in errors and errors[model] > trials.budget
     dearer = any(has_more(model, line.model) for line in trials.good)
     doubted = trials.is_doubted(flexible_members(trials.runs.scene)[0].name, model)
-    least = min((trials.cost.operations(of) for of in _good_of_reference(trials)), default=math.inf)
+    in_pieces = [of for of in _good_of_reference(trials) if of.pieces > 1]  # monitors often doubt those in one
+    good = in_pieces + [of.model for of in trials.good if of.model == trials.runs.models.flexible]
+    least = min(map(trials.cost.operations, good), default=math.inf)
     dearer |= model not in trials.runs.ready and trials.cost.operations(model) > WORTH * least
     return not (model in trials or too_far or dearer or doubted or cannot_do(model, errors, trials.budget))
 
