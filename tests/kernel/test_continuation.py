@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -9,17 +10,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+import derive
 from derive.ir.batches import batch
 from derive.ir.continuation import continued_loops, continued_statements
 from derive.ir.expansion import expand
-from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
-from derive.ir.loop_nests import Assign, For, every
+from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
+from derive.ir.written_out_rows import with_rows_written_out
 from derive.lowering.instances.loop_code.class_code import INSTANCE
+from derive.lowering.instances.lower import lower_instances
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
+from derive.spec.toml.read import parse
 from kernel.test_instance_lanes import looped
+from some_functions import only
 
 SIZE = 24
 
@@ -128,6 +135,55 @@ def test_the_last_body_of_a_batch_computes_nothing_for_a_joint_that_it_does_not_
     written = {line.target.array.removesuffix("_in_turn") for line in lines}
     assert {"second_diagonal", "second_right"} <= written
     assert written.isdisjoint({"first_diagonal", "first_right", "coupling"})
+
+
+WELDED = """name = "welded"
+[scene]
+gravity = [0, 0, -9.81]
+lowering = "instances"
+[ground.markers]
+o = [0, 0, 0]
+"""
+
+
+def welded(count: int) -> Kernel:
+    """The accelerations of a chain of rigid bodies in space, welded to each other, in loops, as batches get them."""
+    text = WELDED
+    for k in range(count):
+        markers = "{ left = [0, 0, 0], right = [0.3, 0.1, 0] }"
+        inertia = f"[0.5, 0.6, 0.{k + 3}, 0, 0, 0]"
+        text += f"[bodies.b{k}]\nkeep_coordinates = true\nmass = {k + 1}\ncentre = [0.1, 0, 0]\n"
+        text += f"inertia = {inertia}\nmarkers = {markers}\n"
+        before = f"b{k - 1}.right" if k else "ground.o"
+        text += f'[joints.j{k}]\nkind = "fixed"\nbetween = ["{before}", "b{k}.left"]\n'
+    made = derive.derive(parse(text))
+    assert isinstance(made, SpatialMechanism)
+    with only("accel", "mass_force", "solve"):
+        return with_rows_written_out(lower_instances(made, explicit=True)).kernel("accel")
+
+
+def places(nodes: Iterable[Node], variables: dict[str, int]) -> Iterator[tuple[str, int]]:
+    """The arrays and the places of all elements that plain statements read and write, in each iteration."""
+    for node in nodes:
+        if isinstance(node, For):
+            for value in node.values(variables):
+                yield from places(node.body, {**variables, node.variable: value})
+            continue
+        parts = [part for expr in expressions_of(node) for part in walk(expr)]
+        parts += [node.target] if isinstance(node, Assign) else []
+        for part in parts:
+            if isinstance(part, Element) and part.index:
+                yield part.array, part.index.at(variables)
+
+
+@pytest.mark.parametrize("count", [4, 5, 6])
+def test_elements_of_both_ends_lie_in_their_arrays(count: int) -> None:
+    """Of four and five bodies each end has one step: those of both ends are one loop, whose blocks are transposed."""
+    nodes = batch(welded(count)).nodes
+    sizes = {node.array: node.size for node in every(nodes) if isinstance(node, Local)}
+    known = [(array, place) for array, place in places(nodes, {"count": 1}) if array in sizes]
+    assert {"coupling", "kept_joints"} <= {array for array, _ in known}
+    assert [(array, place) for array, place in known if not 0 <= place < sizes[array]] == []
 
 
 def test_the_joint_that_is_left_is_one_more_step_of_a_batch() -> None:
