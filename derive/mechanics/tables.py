@@ -5,22 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import combinations_with_replacement, product
+from itertools import product
 from typing import TYPE_CHECKING
 
+from derive.mechanics.axes import AXES, PAIRS
 from derive.mechanics.sums import PARITY, signed_entry
 from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex
 
 if TYPE_CHECKING:
     from derive.mechanics.terms import ModelConstant
     from derive.mechanics.typed_symbol import Symbol
-
-AXES = (1, 2, 3)
-"""The axes of a frame in space."""
-SPACE = len(AXES)
-"""The number of dimensions of space."""
-PAIRS = tuple(combinations_with_replacement(AXES, 2))
-"""Index pairs of a symmetric tensor: 11, 12, 13, 22, 23, 33."""
 
 INDICES = {
     Family.C1: 0,

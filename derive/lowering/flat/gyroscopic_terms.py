@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from itertools import product
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
-from derive.mechanics.tables import AXES
 
 
 def force_rows(equations: Equations) -> tuple[sp.Expr, ...]:

@@ -20,10 +20,11 @@ from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext, row_labels
 from derive.lowering.loops.iteration_matrix import jacobian
 from derive.lowering.model_functions import FunctionKind, ModelFunction, OutputElements, functions_of
+from derive.mechanics.axes import AXES
 from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, I, amplitude, state_rate
-from derive.mechanics.tables import AXES, TableKind
+from derive.mechanics.tables import TableKind
 
 
 def lower_loops(equations: IndexedEquations, choice: str = "") -> Model:

@@ -23,8 +23,8 @@ from derive.lowering.trees.reactions import G, Reactions
 from derive.lowering.trees.sensitivities import derivatives, parameter_jacobian
 from derive.lowering.trees.tangents import ONE, Directions
 from derive.lowering.trees.tree_context import TreeContext
+from derive.mechanics.axes import AXES
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.tables import AXES
 from derive.roles import Source
 
 FREELY, WANTED = "freely", "wanted"

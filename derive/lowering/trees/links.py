@@ -28,6 +28,7 @@ from derive.lowering.trees.exact_numbers import (
     transposed,
 )
 from derive.lowering.trees.row_loads import refused_actions
+from derive.mechanics.axes import AXES
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.frame_motion import fixed_axes, fixed_frame
@@ -36,7 +37,6 @@ from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, j
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import Family, identity
-from derive.mechanics.tables import AXES
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_bodies import SpatialRigidBody
 

@@ -26,7 +26,7 @@ from derive.lowering.trees.links import BodyPlace, marker_in_body
 from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, STILL, TreeMotion, matrix
 from derive.lowering.trees.tree_context import TreeContext
 from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
-from derive.mechanics.tables import AXES
+from derive.mechanics.axes import AXES
 from derive.mechanics.terms import MarkerEquations
 from derive.spec.model.instances import identifier, joined
 

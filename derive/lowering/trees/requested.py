@@ -16,7 +16,7 @@ from derive.lowering.trees.motion import STILL
 from derive.lowering.trees.newton_euler import newton_euler
 from derive.lowering.trees.sensitivities import by_state, derivatives
 from derive.lowering.trees.tree_context import TreeContext
-from derive.mechanics.tables import AXES
+from derive.mechanics.axes import AXES
 
 
 def inverse_dynamics(context: TreeContext, function: ModelFunction) -> Kernel:

@@ -24,11 +24,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.bodies.beam_functions import NOTHING, ONE, XI, BeamFunction
 from derive.mechanics.bodies.beam_integrals import BeamField
 from derive.mechanics.bodies.displacement_fields import axial_shapes, shortening, without_translation
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.tables import AXES
 
 if TYPE_CHECKING:
     from derive.spec.model.beam_parts import Frame

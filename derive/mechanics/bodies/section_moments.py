@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import quantity
+from derive.mechanics.axes import AXES, PAIRS
 from derive.mechanics.bodies.beam_functions import LEFT, ONE, rational
 from derive.mechanics.bodies.beam_integrals import CENTRED, ORTHOGONAL, PARITY
 from derive.mechanics.bodies.section_fields import (
@@ -30,7 +31,6 @@ from derive.mechanics.bodies.section_masses import SectionMass
 from derive.mechanics.bodies.spatial_tables import DOCS, SECOND_ORDER_DOCS
 from derive.mechanics.symbols import Family
 from derive.mechanics.symbols import quantity as quantity_symbol
-from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import ModelConstant
 from derive.mechanics.zero_reasons import CANCEL, CONDITION_17, CONDITION_19, ZERO_THERE
 from derive.roles import Source

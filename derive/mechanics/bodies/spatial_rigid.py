@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES, PAIRS
 from derive.mechanics.bodies.spatial_tables import DOCS, rigid_tables
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import ModelConstant
 from derive.mechanics.zero_reasons import AT_CENTRE
 from derive.roles import Source

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.mechanics.axes import PAIRS
 from derive.mechanics.symbols import Family
-from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
+from derive.mechanics.tables import NO_SHAPES, ODD, SCALARS, TENSORS, CoefficientTable, TableKind, entries
 from derive.mechanics.zero_reasons import AT_CENTRE, CONDITION_17, CONDITION_19, EXACT_SUM, ORTHONORMAL, UNDAMPED
 from derive.spec.model.body import SymbolicBody
 

@@ -20,9 +20,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from derive.mechanics.axes import AXES
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, HALF_ALPHA, IndexedSum
 from derive.mechanics.symbols import Family, I, J, quantity
-from derive.mechanics.tables import AXES
 from derive.roles import Source
 
 SOURCE = Source.SECOND_ORDER

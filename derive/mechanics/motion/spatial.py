@@ -12,6 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES, PAIRS
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import (
@@ -28,7 +29,6 @@ from derive.mechanics.motion.vectors import skew
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components
-from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 if TYPE_CHECKING:

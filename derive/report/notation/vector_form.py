@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES, PAIRS
 from derive.mechanics.fixed_symbols import MASS
 from derive.mechanics.motion.spatial import symbols_of_rotation, symmetric
 from derive.mechanics.motion.vectors import skew
 from derive.mechanics.symbols import Family, I, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components_of
-from derive.mechanics.tables import AXES, PAIRS
 from derive.report.document.formula import Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 from derive.report.notation.typeset_names import column, indexed, whole
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from derive.algebra import sp
 from derive.mechanics import virtual_work_equations as body
+from derive.mechanics.axes import AXES
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.mechanics.bodies.spatial_tables import DOCS
 from derive.mechanics.generic_forces import generic_forces
@@ -17,7 +18,7 @@ from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.spatial import rotation_of, spatial_moment_sums, spatial_row_sums
 from derive.mechanics.sums import IndexedSum
 from derive.mechanics.symbols import Family, I, J, quantity
-from derive.mechanics.tables import AXES, INDICES, TableKind
+from derive.mechanics.tables import INDICES, TableKind
 from derive.mechanics.terms import Term
 from derive.report.document.formula import Equation, Formula, FormulaRow, Name, NumberToken, Part
 from derive.report.notation.formula_reader import formula

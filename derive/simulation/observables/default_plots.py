@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from derive.ir.model import Model
+from derive.mechanics.axes import AXES
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, ChordDeflection
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.outputs import spatial_output_type
 from derive.mechanics.multibody.space.rows import ROTATIONS
-from derive.mechanics.tables import AXES
 from derive.roles import Role
 from derive.simulation.free_body import FreeBody
 from derive.simulation.trajectory import energy_names

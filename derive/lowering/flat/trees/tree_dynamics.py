@@ -19,10 +19,10 @@ from derive.lowering.flat.trees.recursions import ArticulatedBodies, forces, mot
 from derive.lowering.flat.trees.spatial_vectors import Vector, dot, plus, times
 from derive.lowering.flat.trees.steps import SingleFreedom, Turn, TurnedFrame, Wrench
 from derive.lowering.ldlt import VANISHING
+from derive.mechanics.axes import AXES
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL
 from derive.mechanics.symbols import Family, identity
-from derive.mechanics.tables import AXES
 
 
 @dataclass(frozen=True)

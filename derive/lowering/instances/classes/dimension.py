@@ -8,13 +8,13 @@ from functools import cache
 from typing import Any, TypeAlias
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.multibody.kinds import JointInstance
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_axes, fixed_frame, still
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import local
-from derive.mechanics.tables import AXES
 from derive.spec.model.markers import GROUND, MarkerRef
 
 AnyJoint: TypeAlias = "JointInstance | SpatialJointInstance"

@@ -12,10 +12,10 @@ from derive.lowering.instances.classes.body_classes import BodyClass
 from derive.lowering.instances.classes.gears import gears_of
 from derive.lowering.instances.classes.known_motion import KnownMotion
 from derive.lowering.instances.classes.mode_factors import FEWEST_MODES, constants_of_modes
+from derive.mechanics.axes import SPACE
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.first_body_rows import rows_along_first
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
-from derive.mechanics.tables import SPACE
 
 
 def has_rows_along_first(

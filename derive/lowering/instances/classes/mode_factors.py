@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from derive.algebra import sp
+from derive.mechanics.axes import SPACE
 from derive.mechanics.symbols import Identity, identity
-from derive.mechanics.tables import SPACE
 
 FEWEST_MODES = 6
 """The number of modes from which on their coefficients take less than their factors."""

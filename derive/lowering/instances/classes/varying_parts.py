@@ -15,11 +15,11 @@ from derive.lowering.instances.classes.gears import CoupledJoints
 from derive.lowering.instances.classes.known_motion import moving_symbols
 from derive.lowering.instances.classes.mode_factors import constants_of_modes, mode_coefficients
 from derive.lowering.instances.classes.varying_joints import drive_of
+from derive.mechanics.axes import SPACE
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.space.first_body_rows import factors_along_own_axes, rows_along_first
 from derive.mechanics.multibody.space.joints import SpatialJointInstance
 from derive.mechanics.symbols import Identity, local
-from derive.mechanics.tables import SPACE
 from derive.mechanics.terms import Constraint, Intermediate
 
 FactorPlace: TypeAlias = "tuple[int, int | Identity]"

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.motion.vectors import dot
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.space.marker_outputs import MARKER
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
-from derive.mechanics.tables import AXES
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 

@@ -8,6 +8,7 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, TypeAlias
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.section_fields import SectionShape, second_rotation, section_shapes, shortening_of
 from derive.mechanics.bodies.section_inertia import length_of
@@ -15,7 +16,6 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AXES
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder

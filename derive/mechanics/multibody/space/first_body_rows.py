@@ -17,12 +17,12 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import SPACE
 from derive.mechanics.motion.products import product
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.space.frame_motion import fixed_axes
 from derive.mechanics.multibody.space.rows import COINCIDENT, derived, row_variables
 from derive.mechanics.symbols import local
-from derive.mechanics.tables import SPACE
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate, OwnAxes, load_symbols
 
 if TYPE_CHECKING:

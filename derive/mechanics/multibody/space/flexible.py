@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.bodies.spatial_body import NumberValues, modal_body
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
@@ -19,7 +20,6 @@ from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.space.frame_motion import fixed_axes
 from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AXES
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
 from derive.spec.model.spatial_bodies import FlexibleBody

@@ -13,6 +13,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.motion.material_points import (
     MaterialPoint,
     acceleration_of_rates,
@@ -23,7 +24,6 @@ from derive.mechanics.motion.products import product
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, inverse_tangent, section_rotation
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AXES
 from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate, OwnAxes, load_symbols
 
 if TYPE_CHECKING:

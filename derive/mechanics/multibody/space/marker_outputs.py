@@ -16,10 +16,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.motion.vectors import cross, dot, length_of
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, deflection_doc
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
-from derive.mechanics.tables import AXES
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 

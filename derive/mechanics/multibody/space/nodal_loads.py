@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from derive.mechanics.tables import AXES
+from derive.mechanics.axes import AXES
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_bodies import FlexibleBody, NodalLoad
 from derive.spec.model.spatial_forces import SpatialForce

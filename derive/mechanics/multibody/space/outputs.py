@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.multibody.outputs.energies import Energies, Powers, material_damping
 from derive.mechanics.multibody.space.joints import Freedom
 from derive.mechanics.multibody.space.marker_outputs import FRAME, LABELS, MARKER_OUTPUTS, along, observer
 from derive.mechanics.multibody.space.output_parts import SpatialComponent, SpatialOutputType, SpatialParts
 from derive.mechanics.multibody.space.section_monitors import SPATIAL_MONITORS
 from derive.mechanics.multibody.space.section_outputs import SECTION_OUTPUTS
-from derive.mechanics.tables import AXES
 from derive.mechanics.terms import ModelConstant, OutputEquation
 from derive.registry import Registry
 from derive.spec.model.instances import identifier, joined

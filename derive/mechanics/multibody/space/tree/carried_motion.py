@@ -15,12 +15,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.motion.products import product
 from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, VirtualMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, Identity
-from derive.mechanics.tables import AXES
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 
 if TYPE_CHECKING:

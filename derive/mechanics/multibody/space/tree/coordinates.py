@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES
 from derive.mechanics.motion.products import product
 from derive.mechanics.motion.vectors import cross
 from derive.mechanics.multibody.coordinates import CoordinateMap
@@ -19,7 +20,6 @@ from derive.mechanics.multibody.space.frame_motion import VirtualMotion, still
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, Hinge, Rows, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, Identity, owned
-from derive.mechanics.tables import AXES
 from derive.mechanics.terms import Coordinate, Intermediate
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
+from derive.mechanics.axes import AXES, PAIRS
 from derive.mechanics.motion.products import product
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.space.tree.carried_motion import CarriedMotion, TreeDefinitions, summed
 from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Intermediate, Reason, Term
 
 if TYPE_CHECKING:
