@@ -82,7 +82,7 @@ def batch(kernel: Kernel, instead: Iterable[Node] | None = None) -> Batch:
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     own = (node for statement in kernel.statements for node in expand_in_tiles(statement))
     nodes += own if instead is None else instead
-    nodes = [*_initialised(continued_loops(fused(_in_records(_extended(_one_by_one(nodes))))))]
+    nodes = [*_initialised(continued_loops(_in_records(fused(_extended(_one_by_one(nodes))))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     if kernel.repeats:
