@@ -76,7 +76,7 @@ def matrices(
     if found:
         whole = with_rows_of_offsets(found, rows, count) if has_offsets else found
         yield MatrixKind(size, count, has_offsets, len(whole[0]) > size), whole
-    if not has_offsets:
+    elif not has_offsets:
         opposite = antisymmetric(rows, size, count)
         if opposite:
             yield MatrixKind(size, count, has_offsets, is_antisymmetric=True), opposite
@@ -110,10 +110,13 @@ def symmetric(rows: Sequence[Values], size: int, count: int, has_offsets: bool) 
 
 
 def with_rows_of_offsets(matrices: list[Matrix], rows: Sequence[Values], count: int) -> list[Matrix]:
-    """The matrices, each with the row that has its constant terms as factors; without these if one is missing."""
+    """The matrices, each with the row that has its constant terms as factors; without these if one is missing.
+
+    Nor do matrices with the same constant terms get them, as those of a body of revolution: a row belongs to one.
+    """
     by_factors = {row[count:]: number for number, row in enumerate(rows)}
     offsets = [sum((rows[row.number][:count] for row in matrix), start=()) for matrix in matrices]
-    if any(of not in by_factors for of in offsets):
+    if len({*offsets}) < len(offsets) or any(of not in by_factors for of in offsets):
         return matrices
     return [[*matrix, MatrixRow(by_factors[of])] for matrix, of in zip(matrices, offsets, strict=True)]
 

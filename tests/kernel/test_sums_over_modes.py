@@ -196,6 +196,9 @@ def test_constant_terms_that_are_factors_of_a_row_are_read_once() -> None:
     assert table.array.values == fractions(2, 2, 22, 3, 5, 9)
     ((without, _),) = matrices([*rows, *offsets[:2]], 2, 1, True)
     assert not without.has_row_of_offsets
+    alike = [fractions(2 if row[0] == 1 else int(row[0]), *map(int, row[1:])) for row in rows]
+    ((without, _),) = matrices([*alike, *offsets], 2, 1, True)  # two with the constant terms 2, 2
+    assert not without.has_row_of_offsets
 
 
 def test_half_of_an_antisymmetric_matrix_of_factors_is_read() -> None:

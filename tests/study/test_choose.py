@@ -109,7 +109,7 @@ def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     runs = runs_of(scene)
     (one,) = screening(runs)
     choice = cheapest_model(runs, 0.02, screened=(one,))
-    assert label(choice) == "1 sine, first" and choice.reference.suffices(0.02)
+    assert label(choice) == "1 sine, first" and choice.reference.difference < 0.02 / 3
     assert choice.tried[0].model.label == "rigid"
     text = choice_text(choice)
     assert one.text in text and "Chosen: 1 sine, first" in text
@@ -157,7 +157,7 @@ def test_a_large_deflection_needs_all_terms() -> None:
     choice = cheapest_model(runs_of(scene), 0.09)
     assert label(choice) == "1 sine, full"
     tried = {line.model.label: line for line in choice.tried}
-    assert min(p.rms for p in tried["1 sine, truncated"].points) > 0.129
+    assert min(p.rms for p in tried["1 sine, truncated"].points) == pytest.approx(0.13, rel=0.005)
 
 
 @pytest.fixture(scope="module")
