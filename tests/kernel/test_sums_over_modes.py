@@ -31,7 +31,7 @@ from derive.ir.model import Model
 from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.ir.symmetric_tables import MATRIX, MatrixKind, MatrixRow, SymmetricTable, matrices
-from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
+from derive.ir.tiles import in_tiles, kept_in_tiles, numbers_of_instances, tiled, with_kept_in_tiles
 from derive.ir.written_out_rows import with_rows_written_out
 from derive.lowering.instances.functions.body_motions import MOTIONS
 from derive.lowering.instances.functions.constant_modes import ConstantModes, constant_modes
@@ -129,6 +129,8 @@ def in_blocks(kernel: Kernel) -> tuple[Kernel, list[Node]]:
     tables = numbers_of_instances(kernel.constants)
     every_section = (nodes for section in kernel.sections for _, nodes in section_in_lanes(section.body))
     nodes = [in_tiles(node, tables) for part in every_section for node in part]
+    kept = kept_in_tiles(nodes, ())
+    nodes = [with_kept_in_tiles(node, kept) for node in nodes]
     return replace(kernel, constants=(*kernel.constants, *map(tiled, tables.values()))), nodes
 
 
