@@ -63,6 +63,7 @@ def kept_in_tiles(nodes: Iterable[Node], others: Container[str]) -> dict[str, Lo
         for node in every(nodes)
         if isinstance(node, Local) and node.spacing > LANES and not node.cleared and node.array not in others
     }
+    arrays = {name: of for name, of in arrays.items() if of.size >= FEWEST_COLUMNS * of.spacing}
     stops: dict[str, set[int | None]] = {}
     for node in nodes:
         inside = {id(part) for loop in _lanes_of(node) for part in every([loop])}

@@ -13,10 +13,10 @@ from derive.ir.indices import LANE, LANES, ElementIndex, Of, variable
 from derive.ir.interpreter import interpret
 from derive.ir.loop_nests import START, Assign, For, Local, LoopKind, Node, every
 from derive.ir.overlaid_arrays import NAME, overlaid
-from derive.ir.tiles import kept_in_tiles, with_kept_in_tiles
+from derive.ir.tiles import FEWEST_COLUMNS, kept_in_tiles, with_kept_in_tiles
 
 COUNT = 6
-KEPT = Local("kept", 2 * 8, spacing=8)
+KEPT = Local("kept", FEWEST_COLUMNS * 8, spacing=8)
 
 
 def block(*body: Node, stop: int = COUNT) -> For:
@@ -38,9 +38,9 @@ def test_what_bodies_keep_lies_in_tiles() -> None:
     written, read = (with_kept_in_tiles(node, kept) for node in nodes[1:])
     (target,) = (e for node in every([written]) for e in accessed_by(node) if e.array == "kept")
     assert isinstance(target, Element) and target.index
-    assert {(term.stride, term.of) for term in target.index.terms} == {(2 * LANES, Of.CEILING), (1, Of.VALUE)}
+    assert {(term.stride, term.of) for term in target.index.terms} == {(FEWEST_COLUMNS * LANES, Of.CEILING), (1, Of.VALUE)}
     places = [target.index.at({"i": i, LANE: lane}) for i in (0, 2) for lane in range(LANES)]
-    assert places == [4, 5, 6, 7, 12, 13, 14, 15]
+    assert places == [*range(4, 8), *range(FEWEST_COLUMNS * LANES + 4, FEWEST_COLUMNS * LANES + 8)]
     assert target in [e for node in every([read]) for e in accessed_by(node)]
 
 
@@ -56,6 +56,7 @@ def test_arrays_that_others_access_stay_in_rows() -> None:
         assert not kept_in_tiles([KEPT, first, other], ())
     assert not kept_in_tiles([KEPT, first], ("kept",))
     assert not kept_in_tiles([replace(KEPT, cleared=True), first], ())
+    assert not kept_in_tiles([replace(KEPT, count=KEPT.count - KEPT.spacing), first], ())
 
 
 def test_arrays_share_the_memory_that_they_need_in_turn() -> None:
