@@ -18,7 +18,7 @@ from varying_joints import more_joints, with_varying_joints
 import derive
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.model import Model
-from derive.lowering.flat.constraints import DependentConstraints
+from derive.lowering.flat.kkt_matrix import DependentConstraints
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import lower_instances
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of

@@ -11,6 +11,7 @@ from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.kkt_matrix import kkt
 from derive.lowering.flat.motion_quantities import (
     QUANTITIES,
     requested_derivatives,
@@ -121,7 +122,7 @@ def lower(
         proximal=proximal,
         requested=tuple(requested),
         in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
-        kkt=constraints.kkt(context) if scene else None,
+        kkt=kkt(context) if scene else None,
         eliminated=eliminated_parts(equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )

@@ -17,7 +17,7 @@ from derive.ir.expressions import ScalarRef
 from derive.ir.indices import LANES
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.kkt_matrix import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
 from derive.lowering.instances.functions.compliance_loops import ComplianceLoops
 from derive.lowering.instances.functions.constant_modes import constant_modes, elimination_order
