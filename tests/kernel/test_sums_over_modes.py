@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from both_lowerings import both, check
 from numpy.typing import NDArray
-from test_instance_graphs import LATER
-from test_instances_in_space import both, check
 
 import derive
 from conftest import QUICK
@@ -88,8 +87,10 @@ def chain(count: int, kinds: tuple[str, ...], alike: bool = False) -> derive.Spa
 
 
 @cache
-def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes | None]]:
-    """A chain in loops, and what `constant_modes` returned for its bodies."""
+def lowered(
+    count: int, alike: bool = False, names: tuple[str, ...] = (*NAMES, *NEEDED)
+) -> tuple[Model, list[ConstantModes | None]]:
+    """A chain in loops with the functions of these names, and what `constant_modes` returned for its bodies."""
     returned: list[ConstantModes | None] = []
 
     def noted(*of: Any) -> ConstantModes | None:
@@ -98,7 +99,7 @@ def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes 
 
     mechanism = derive.derive(chain(count, ("fixed",), alike))
     assert isinstance(mechanism, SpatialMechanism)
-    with only(*NAMES, *NEEDED), pytest.MonkeyPatch.context() as patch:
+    with only(*names), pytest.MonkeyPatch.context() as patch:
         patch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)
         return lower_instances(mechanism, explicit=True), returned
 
@@ -151,7 +152,7 @@ def loops_over_rows(model: Model, name: str) -> Iterator[For]:
 
 
 @pytest.mark.parametrize(
-    ("count", "alike"), [(3, False), *(pytest.param(*of, marks=LATER) for of in ((6, False), (3, True)))]
+    ("count", "alike"), [(3, False), *(pytest.param(*of, marks=pytest.mark.long) for of in ((6, False), (3, True)))]
 )
 def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
     """Of blocks of bodies that overlap, of fewer bodies than lanes, and of bodies that are alike."""
@@ -218,13 +219,14 @@ def test_half_of_an_antisymmetric_matrix_of_factors_is_read() -> None:
 
 def test_the_rows_of_a_body_alone_lie_beside_each_other() -> None:
     """The fifth of five bodies is in no vector of bodies: vectors have four of its rows."""
-    changed = summed(5)
+    model = lowered(5, names=("accel",))[0]
+    changed = with_sums_over_modes(model)
     rows = {loop.count for loop in loops_over_rows(changed, "accel")}
     assert rows == {12, 20, 36, 44}  # those of vectors of bodies have 12
     columns = [array for array in changed.kernel("accel").constants if array.name.startswith("columns_of_factors")]
     assert columns
     kernel = changed.kernel("accel")
-    expected, found = (interpret(model.kernel("accel"), state(kernel)) for model in (looped(5), changed))
+    expected, found = (interpret(of.kernel("accel"), state(kernel)) for of in (model, changed))
     assert np.abs(np.subtract(found["vdot"], expected["vdot"])).max() < 2e-13 * np.abs(expected["vdot"]).max()
 
 
@@ -275,7 +277,7 @@ def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
         assert not any(isinstance(item, Work) for s in other.statements if isinstance(s, ForEach) for item in s.body)
 
 
-@LATER
+@pytest.mark.long
 @pytest.mark.parametrize("kinds", [("fixed",), ("cylindrical",), KINDS])
 def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
     """Loops and straight-line code agree in states in which no constraint is met and all sections turn."""
@@ -283,7 +285,8 @@ def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize(
-    "kinds", [("fixed",), *(pytest.param(of, marks=LATER) for of in (("spherical", "fixed"), ("prismatic",)))]
+    "kinds",
+    [("fixed",), *(pytest.param(of, marks=pytest.mark.long) for of in (("spherical", "fixed"), ("prismatic",)))],
 )
 def test_a_joint_to_the_ground_has_the_code_of_those_between_bodies(kinds: tuple[str, ...]) -> None:
     """Its accelerations are those of M, h, G and gamma, which compute it by itself.
@@ -335,7 +338,7 @@ def test_rows_of_like_bodies_are_looped_by_themselves() -> None:
     assert chosen(replace(three, joints=(*three.joints, replace(three.joints[0], name="other")))) is None  # a loop
 
 
-@LATER
+@pytest.mark.long
 def test_c_computes_them_and_batches_have_its_bits() -> None:
     model = lower_instances(derive.derive(chain(6, ("fixed",))), explicit=True)
     scene = load_scene((*CBackend().files(model, ""),), QUICK)
@@ -349,7 +352,7 @@ def test_c_computes_them_and_batches_have_its_bits() -> None:
         assert getattr(scene, f"{name}_batch")(0.0, q, v, k).tobytes() == np.array(single).tobytes(), name
 
 
-@LATER
+@pytest.mark.long
 def test_c_computes_the_forms_of_chains_for_implicit_integrators() -> None:
     """Residuals and iteration matrices of all forms, in loops, as the interpreter computes them."""
     model = lower_instances(derive.derive(chain(3, ("revolute",))))
