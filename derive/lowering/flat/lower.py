@@ -22,13 +22,14 @@ from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, wi
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.model_tables import (
+    coordinate_variables,
     eliminated_parts,
     marker_variables,
     multiplier_variables,
     named_splines,
     parameter_variables,
     port_variables,
-    symbol_variable,
+    velocity_variables,
 )
 from derive.lowering.requested_functions import JACOBIANS, requested_functions
 from derive.lowering.terms import model_terms
@@ -100,13 +101,12 @@ def lower(
     kernels = tuple(_kernels(context, every, implementations))
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
-    coordinates = equations.coordinates
     model = Model(
         name=equations.name,
         doc=equations.doc,
         frame_doc=equations.frame_doc,
-        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in coordinates),
-        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in equations.rows),
+        coordinates=coordinate_variables(equations.coordinates),
+        velocities=velocity_variables(equations.rows),
         equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in equations.rows),
         parameters=parameter_variables(equations.parameters),
         constants=constants,

@@ -13,7 +13,7 @@ from derive.ir.statements import Statement, StoreElement, Work
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.links import BodyPlace, Tree, marker_place
 from derive.lowering.trees.motion import FRAME, NEEDED, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, plus, scaled
+from derive.lowering.vectors import applied, cross, plus, scaled
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Intermediate
