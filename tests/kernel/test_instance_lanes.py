@@ -68,9 +68,9 @@ GRAPHS: dict[str, tuple[int, tuple[Link, ...]]] = {
 }
 
 
-pytest.mark.long = ("chain_4", "chain_5", "chain_6", "chain_10", "star", "two_hooks")
+LATER = ("chain_4", "chain_5", "chain_6", "chain_10", "star", "two_hooks")
 """Graphs of which others have what is different in them: an end, a middle, a branch, a whole block and its rest."""
-EVERY_GRAPH = [pytest.param(name, marks=pytest.mark.long if name in pytest.mark.long else ()) for name in GRAPHS]
+EVERY_GRAPH = [pytest.param(name, marks=pytest.mark.long if name in LATER else ()) for name in GRAPHS]
 
 
 @cache

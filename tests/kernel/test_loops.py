@@ -25,10 +25,10 @@ from derive.runtime.compiler import RUN_FLAGS, WITHOUT_BATCHES
 from derive.runtime.native_call import ModelError
 
 SIZES = {"given": (1, 4, 5), "mean": (0, 2, 9)}
-pytest.mark.long = (5, "given")
+LATER = (5, "given")
 """A size of which others have what is different: a whole vector and what is left of one."""
 CASES = [
-    pytest.param(n, frame, marks=pytest.mark.long if (n, frame) == pytest.mark.long else ())
+    pytest.param(n, frame, marks=pytest.mark.long if (n, frame) == LATER else ())
     for frame, of in SIZES.items()
     for n in of
 ]
