@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from test_sums_over_modes import chain, in_blocks, state
+from clouds import chain, in_blocks, state
 
 import derive
 from derive.backends.c.loop_text import filled_by_few

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from both_lowerings import both, check
-from test_sums_over_modes import chain
+from clouds import chain
 
 import derive
 from derive.algebra import sp
