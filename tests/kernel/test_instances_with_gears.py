@@ -136,7 +136,7 @@ def test_the_code_does_not_grow_with_the_number_of_gears() -> None:
         scene = parse(links(count, BETWEEN_HINGES.format(count=count - 2)))
         return [len(str(kernel.statements)) for kernel in derive.lower(derive.derive(scene), explicit=True).kernels]
 
-    few, many = sizes(6), sizes(12)
+    few, many = sizes(6), sizes(9)
     assert np.abs(np.log(np.array(many) + 1.0) - np.log(np.array(few) + 1.0)).max() < 0.05
 
 
