@@ -38,9 +38,9 @@ class Card:
         return Problem(f"*{self.keyword}", message, self.line)
 
 
-def read_text(path: Path, folder: Path = Path()) -> str:
-    """The text of a file in `folder`. Raises OSError and ValueError with a reason that `unreadable` words."""
-    content = regular_file_start(folder / path, MAX_BYTES + 1)
+def read_text(path: Path) -> str:
+    """The text of a file. Raises OSError and ValueError with a reason that `unreadable` words."""
+    content = regular_file_start(path, MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
         raise ValueError(f"it has more than {MAX_BYTES // 10**9} GB")
     return content.decode("utf-8", errors="replace")

@@ -236,14 +236,14 @@ def loops_of(
     return loops
 
 
-def force_loops(context: InstanceContext, array: str, sign: int = 1) -> list[ForEach]:
-    """The loops that add what forces between bodies contribute to the rows of these, with a sign."""
+def force_loops(context: InstanceContext, array: str) -> list[ForEach]:
+    """The loops that add what forces between bodies contribute to the rows of these."""
     result = []
     for group in context.forces:
         of, ctx = group.code, group.code.context
         symbols = ctx.symbols(*given_inputs(of, "t", "q", "v"))
         inputs = group.state("q", "v")
-        items = stores(array, [sign * symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
+        items = stores(array, [symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
         target = spread(of, array, group.rows, Operator.ADD)
         result.append(of.loop(symbols, [Step(of.name, "(10)", "", items)], inputs, {array: target}))
     return result
