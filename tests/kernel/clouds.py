@@ -13,7 +13,7 @@ import derive
 from derive.ir.kernel import Kernel
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Node
-from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
+from derive.ir.tiles import in_tiles, kept_in_tiles, numbers_of_instances, tiled, with_kept_in_tiles
 from derive.spec.toml.read import parse
 
 MODES, NODES = 6, 9
@@ -66,4 +66,6 @@ def in_blocks(kernel: Kernel) -> tuple[Kernel, list[Node]]:
     tables = numbers_of_instances(kernel.constants)
     every_section = (nodes for section in kernel.sections for _, nodes in section_in_lanes(section.body))
     nodes = [in_tiles(node, tables) for part in every_section for node in part]
+    kept = kept_in_tiles(nodes, ())
+    nodes = [with_kept_in_tiles(node, kept) for node in nodes]
     return replace(kernel, constants=(*kernel.constants, *map(tiled, tables.values()))), nodes
