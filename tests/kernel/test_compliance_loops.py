@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from test_instance_graphs import LATER
-from test_sums_over_modes import chain, in_blocks, state
+from clouds import chain, in_blocks, state
 
 import derive
 from derive.backends.c.loop_text import filled_by_few
@@ -43,10 +42,10 @@ def variables(model: Model) -> list[str]:
     [
         (("fixed",), False, 10),
         *(
-            pytest.param(*of, marks=LATER)
+            pytest.param(*of, marks=pytest.mark.long)
             for of in (((("revolute",), False, 10), (("spherical",), False, 0), (("fixed",), True, 10)))
         ),
-        pytest.param(("prismatic",), False, 0, marks=LATER),
+        pytest.param(("prismatic",), False, 0, marks=pytest.mark.long),
     ],
 )
 def test_loops_over_rows_have_the_values_of_straight_lines(kinds: tuple[str, ...], alike: bool, blocks: int) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from test_sums_over_modes import in_blocks, looped, state, summed
+from clouds import in_blocks, state
+from test_sums_over_modes import looped, summed
 
 from derive.ir.analysis import accessed_by
 from derive.ir.expressions import Element

@@ -16,7 +16,7 @@ from derive.algebra import sp
 from derive.ir.expressions import ScalarRef
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.kkt_matrix import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
 from derive.lowering.instances.functions.compliance_loops import ComplianceLoops
 from derive.lowering.instances.functions.constant_modes import constant_modes, elimination_order
