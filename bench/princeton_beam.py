@@ -27,8 +27,10 @@ import numpy as np
 import derive
 from derive.errors import TisserandError
 from derive.runtime.interpreted_scene import InterpretedScene
+from derive.simulation.configurations import rotation_matrix
 from derive.simulation.space.beam_frames import beam_frames
 from derive.simulation.space.initial_state import spatial_scene_state
+from derive.spec.model.beam_pieces import in_pieces
 
 LENGTH, HEIGHT, WIDTH = 0.508, 12.3777e-3, 3.2024e-3
 E, POISSON, DENSITY = 71.7e9, 0.31, 2810.0
@@ -104,9 +106,9 @@ def rotation_vector(R: Any) -> Any:
 
 
 class SecondOrder:
-    """The beam of second order, for all loads: one model with the load as a parameter."""
+    """The beam of second order in some pieces, for all loads: one model with the load as a parameter."""
 
-    def __init__(self, shapes: int) -> None:
+    def __init__(self, shapes: int, pieces: int = 1) -> None:
         powers = range(shapes + 2)
         mass = DENSITY * HEIGHT * WIDTH * LENGTH
         beam = {
@@ -117,11 +119,12 @@ class SecondOrder:
             "torsion": {"ansatz": ["xi", "xi^2", "xi^3"][:shapes], "stiffness": torsional_stiffness()},
             "rotary_inertia": mass * (HEIGHT**2 + WIDTH**2) / 12,
             "ansatz": [f"xi^{power}" for power in powers],
-            "frame": {"kind": "tangent", "at": -1},
+            "frame": {"kind": "tangent", "at": -1} if pieces == 1 else "mean",
             "order": 2,
+            "pieces": pieces,
             "markers": {"left": -1, "right": 1},
         }
-        self.scene = derive.spatial_scene(
+        whole = derive.spatial_scene(
             "princeton",
             ground={"wall": (0, 0, 0)},
             bodies={"beam": beam},
@@ -130,21 +133,23 @@ class SecondOrder:
             forces={"load": {"at": "beam.right", "force": [0, "F2", "F3"]}},
             start="equilibrium",
         )
-        self.frame = beam_frames(self.scene.bodies[0])["right"]
+        self.scene, self.pieces = in_pieces(whole), pieces
+        self.frame = beam_frames(self.scene.bodies[-1])["right"]
         self.native = InterpretedScene(derive.lower(derive.derive(self.scene)))
 
     def end(self, force: Any) -> Any:
-        """The displacement of the end (m) and its rotation vector (rad); NaN where no equilibrium is found."""
+        """The displacement of the end (m), and its rotation vector (rad) of one piece; NaN where there is none."""
         k = self.native.setup([float(x) for x in force[1:]])
         try:
             q = spatial_scene_state(self.scene, self.native, k).q
         except TisserandError:
             return np.full(6, np.nan)
-        frame = self.frame
-        alpha = q[7:]
+        frame, last = self.frame, q[-len(q) // self.pieces :]
+        alpha = last[7:]
         bent = alpha @ frame.point.shapes + np.einsum("i,j,ijk->k", alpha, alpha, frame.point.second) / 2
         turned = alpha @ frame.twists + np.einsum("i,j,ijk->k", alpha, alpha, frame.second_twists) / 2
-        return np.r_[bent, turned]
+        at = last[:3] + rotation_matrix(last[3:7]) @ (np.array([LENGTH / self.pieces / 2, 0, 0]) + bent)
+        return np.r_[at - np.array([LENGTH, 0, 0]), turned if self.pieces == 1 else np.full(3, np.nan)]
 
     def branch(self, force: Any) -> Iterator[tuple[float, float]]:
         """Parts of a force with an equilibrium, and the least stiffness there, relative to that of the straight beam.
