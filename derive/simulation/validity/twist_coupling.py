@@ -1,12 +1,13 @@
 """The error of a beam of first order in space by the coupling of its twist with both bendings, which it leaves out.
 
-A twist theta turns the axes in which a beam resists bending, so that its strain energy has
+A twist theta turns the axes in which a beam resists bending, so that its strain energy is
 
-    U = int (EI_3 - EI_2) theta v'' w'' dx
+    1/2 int EI_3 (v'' cos theta + w'' sin theta)^2 + EI_2 (w'' cos theta - v'' sin theta)^2 dx.
 
-as well. Deflections along e2 and e3 twist a beam by it, and a twist moves what bends along one axis along the other.
-What U would do in the motion of a run is a load on the vibrations of the beam, whose stiffness has the second
-derivatives of U; from that follows the error of each.
+Deflections along e2 and e3 twist a beam by it, and a twist moves what bends along one axis along the other. What the
+difference from the energy at no twist would do in the motion of a run is a load on the vibrations of the beam, whose
+stiffness has its second derivatives; from that follows the error of each. A beam of second order has of this energy
+what is linear in theta.
 
 Seen from an end that joints hold, all fields are turned by the twist phi of its section in the frame of the beam: the
 model has the deflections v + phi w and w - phi v, the moments M turn alike, and theta counts from that end. Its energy
@@ -101,31 +102,54 @@ class _Coupling:
         return result
 
     def _load(self) -> Matrix:
-        """(rows, n): what the model lacks of the generalised forces of U, and what it has of those of its turn."""
-        v, w, theta = (self.amplitudes @ field for field in self.fields)
+        """(rows, n): the moments of the forces less those of the sections, and what the turn has of them already."""
+        v, w, _ = self._seen
         EI_v, EI_w = self.stiffnesses
-        turn, difference = self.turn[:, None], EI_v - EI_w
-        of_v, of_w = v + turn * w, w - turn * v
-        M_v, M_w = EI_v * v + turn * EI_w * w, EI_w * w - turn * EI_v * v
-        along = (
-            turn * (M_w - EI_v * w) - difference * theta * of_w,
-            turn * (EI_w * v - M_v) - difference * theta * of_v,
-            -difference * of_v * of_w,
-        )
-        loads = np.zeros_like(self.amplitudes)
+        M_v, M_w = self._turned(EI_v * v, EI_w * w, self.turn[:, None])
+        kappa_v, kappa_w, c, s = self._sections
+        own_v, own_w = EI_v * kappa_v, EI_w * kappa_w
+        along = M_v - c * own_v + s * own_w, M_w - s * own_v - c * own_w, (EI_w - EI_v) * kappa_v * kappa_w
+        loads = ((EI_w - EI_v) * v * w) @ self.weights
+        result: Matrix = np.outer(loads, self._at_end(TWIST, "values"))
         for of, field in zip(along, self.fields, strict=True):
-            loads += (of * self.weights) @ field.T
-        return loads - np.outer((M_v * w - M_w * v) @ self.weights, self._at_end(TWIST, "values"))
+            result += (of * self.weights) @ field.T
+        return result
 
     def _stiffness(self) -> Matrix:
-        """(rows, n, n): the second derivatives of U in the turned fields."""
+        """(rows, n, n): the second derivatives of the energy of the sections, less those that the model has."""
+        EI_v, EI_w = self.stiffnesses
+        kappa_v, kappa_w, c, s = self._sections
+        less, M_v, M_w = EI_v - EI_w, EI_v * kappa_v, EI_w * kappa_w
+        pairs = (
+            (0, 0, -less * s**2 / 2),
+            (1, 1, less * s**2 / 2),
+            (2, 2, less * (kappa_w**2 - kappa_v**2) / 2),
+            (0, 1, less * c * s),
+            (0, 2, -s * M_v - c * M_w + c * EI_v * kappa_w + s * EI_w * kappa_v),
+            (1, 2, c * M_v - s * M_w + s * EI_v * kappa_w - c * EI_w * kappa_v),
+        )
+        half = np.zeros((len(c), *2 * (len(self.fields[0]),)))
+        for i, j, by in pairs:
+            half += np.einsum("tp,ip,jp->tij", by * self.weights, self.fields[i], self.fields[j])
+        return half + half.transpose(0, 2, 1)
+
+    @property
+    def _seen(self) -> tuple[Matrix, Matrix, Matrix]:
+        """(rows, POINTS): the curvatures v'' and w'' in the frame of the beam, and the twist from the held end."""
         v, w, theta = (self.amplitudes @ field for field in self.fields)
-        turn, (EI_v, EI_w) = self.turn[:, None], self.stiffnesses
-        of_v, of_w, of_theta = self.fields
-        pairs = ((theta, of_v, of_w), (w - turn * v, of_v, of_theta), (v + turn * w, of_w, of_theta))
-        half = sum(np.einsum("tp,ip,jp->tij", (EI_v - EI_w) * by * self.weights, one, two) for by, one, two in pairs)
-        result: Matrix = half + half.transpose(0, 2, 1)
-        return result
+        return v, w, theta
+
+    @property
+    def _sections(self) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+        """(rows, POINTS): the curvatures in the axes of the sections, the cosine and the sine of their twist."""
+        v, w, theta = self._seen
+        kappa_v, kappa_w = self._turned(*self._turned(v, w, self.turn[:, None]), theta)
+        return kappa_v, kappa_w, np.cos(theta), np.sin(theta)
+
+    @staticmethod
+    def _turned(v: Matrix, w: Matrix, by: Matrix) -> tuple[Matrix, Matrix]:
+        """Components along e2 and e3 along axes that are turned about e1 by an angle, rad."""
+        return v * np.cos(by) + w * np.sin(by), w * np.cos(by) - v * np.sin(by)
 
     def _of_end(self) -> tuple[Matrix, dict[int, Vector]]:
         """The work (rows, n) of the moments at the held end by the amplitudes, and the slopes (rows,) that miss."""
