@@ -168,7 +168,7 @@ class _Coupling:
 
     @cached_property
     def frequencies(self) -> Vector:
-        """Those of the vibrations, rad/s."""
+        """The frequencies of the vibrations, rad/s."""
         return np.array([of.frequency for of in self.planes[TWIST].vibrations])
 
     @cached_property
