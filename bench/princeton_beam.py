@@ -9,12 +9,15 @@ elements of Exudyn with the same stiffnesses and next to no shear. The measured 
 them as numbers is at hand. For 8.896 N those of beam and of solid elements of ANSYS are published. Each row has the
 deflections of the end (m) in its stiff and in its soft direction and the rotation about the axis (rad), for Exudyn and
 for a beam of second order, and the largest errors in %; NaN where the beam of second order has no equilibrium that is
-found; and the errors (%) of its deflections against the published ones of beams and of solids.
+found; the errors (%) of its deflections against the published ones of beams and of solids; and the largest part of the
+load up to which it has an equilibrium, if that is less than all of it: from there on the branch of the unloaded beam
+goes back to smaller loads, with a stiffness that is no longer positive.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from importlib import import_module
 from itertools import pairwise, product
 from typing import Any
@@ -24,12 +27,16 @@ import numpy as np
 import derive
 from derive.errors import TisserandError
 from derive.runtime.interpreted_scene import InterpretedScene
+from derive.simulation.configurations import rotation_matrix
 from derive.simulation.space.beam_frames import beam_frames
 from derive.simulation.space.initial_state import spatial_scene_state
+from derive.spec.model.beam_pieces import in_pieces
 
 LENGTH, HEIGHT, WIDTH = 0.508, 12.3777e-3, 3.2024e-3
 E, POISSON, DENSITY = 71.7e9, 0.31, 2810.0
 STIFF, SOFT = E * WIDTH * HEIGHT**3 / 12, E * HEIGHT * WIDTH**3 / 12
+STEP = 0.03
+"""Of the arc length of a branch of equilibria, on which the part of the load counts as much as the deformation."""
 LOADS, ANGLES = (4.448, 8.896, 13.345), (0, 15, 30, 45, 60, 75, 90)
 PUBLISHED_LOAD = 8.896
 PUBLISHED = {
@@ -99,9 +106,9 @@ def rotation_vector(R: Any) -> Any:
 
 
 class SecondOrder:
-    """The beam of second order, for all loads: one model with the load as a parameter."""
+    """The beam of second order in some pieces, for all loads: one model with the load as a parameter."""
 
-    def __init__(self, shapes: int) -> None:
+    def __init__(self, shapes: int, pieces: int = 1) -> None:
         powers = range(shapes + 2)
         mass = DENSITY * HEIGHT * WIDTH * LENGTH
         beam = {
@@ -112,11 +119,12 @@ class SecondOrder:
             "torsion": {"ansatz": ["xi", "xi^2", "xi^3"][:shapes], "stiffness": torsional_stiffness()},
             "rotary_inertia": mass * (HEIGHT**2 + WIDTH**2) / 12,
             "ansatz": [f"xi^{power}" for power in powers],
-            "frame": {"kind": "tangent", "at": -1},
+            "frame": {"kind": "tangent", "at": -1} if pieces == 1 else "mean",
             "order": 2,
+            "pieces": pieces,
             "markers": {"left": -1, "right": 1},
         }
-        self.scene = derive.spatial_scene(
+        whole = derive.spatial_scene(
             "princeton",
             ground={"wall": (0, 0, 0)},
             bodies={"beam": beam},
@@ -125,21 +133,55 @@ class SecondOrder:
             forces={"load": {"at": "beam.right", "force": [0, "F2", "F3"]}},
             start="equilibrium",
         )
-        self.frame = beam_frames(self.scene.bodies[0])["right"]
+        self.scene, self.pieces = in_pieces(whole), pieces
+        self.frame = beam_frames(self.scene.bodies[-1])["right"]
         self.native = InterpretedScene(derive.lower(derive.derive(self.scene)))
 
     def end(self, force: Any) -> Any:
-        """The displacement of the end (m) and its rotation vector (rad); NaN where no equilibrium is found."""
+        """The displacement of the end (m), and its rotation vector (rad) of one piece; NaN where there is none."""
         k = self.native.setup([float(x) for x in force[1:]])
         try:
             q = spatial_scene_state(self.scene, self.native, k).q
         except TisserandError:
             return np.full(6, np.nan)
-        frame = self.frame
-        alpha = q[7:]
+        frame, last = self.frame, q[-len(q) // self.pieces :]
+        alpha = last[7:]
         bent = alpha @ frame.point.shapes + np.einsum("i,j,ijk->k", alpha, alpha, frame.point.second) / 2
         turned = alpha @ frame.twists + np.einsum("i,j,ijk->k", alpha, alpha, frame.second_twists) / 2
-        return np.r_[bent, turned]
+        at = last[:3] + rotation_matrix(last[3:7]) @ (np.array([LENGTH / self.pieces / 2, 0, 0]) + bent)
+        return np.r_[at - np.array([LENGTH, 0, 0]), turned if self.pieces == 1 else np.full(3, np.nan)]
+
+    def branch(self, force: Any) -> Iterator[tuple[float, float]]:
+        """Parts of a force with an equilibrium, and the least stiffness there, relative to that of the straight beam.
+
+        They follow the branch of the unloaded beam by its arc length, to the whole force or past the largest part.
+        """
+        native, count = self.native, len(self.native.velocities) - 6
+        unit = np.eye(count)
+
+        def forces(a: Any, part: float) -> Any:
+            q, k = np.r_[LENGTH / 2, 0, 0, 1, 0, 0, 0, a], native.setup([float(part * x) for x in force[1:]])
+            return np.asarray(native.force(0.0, q, np.zeros(len(native.velocities)), k))[6:]
+
+        def stiffness(a: Any, part: float) -> Any:
+            return np.array([(forces(a + x, part) - forces(a - x, part)) / 2e-6 for x in 1e-6 * unit]).T
+
+        straight, load = stiffness(0 * unit[0], 0.0), forces(0 * unit[0], 1.0)
+        size = np.abs(np.linalg.solve(straight, load)).max()
+        scale = np.sqrt(np.diag(straight))
+        x, ahead, largest = np.zeros(count + 1), np.r_[np.zeros(count), 1.0], 0.0
+        while x[-1] < 1 and x[-1] > largest - 0.02:
+            gradient = np.column_stack([stiffness(size * x[:-1], x[-1]) * size, load])
+            along = np.linalg.svd(gradient)[2][-1]
+            ahead = along * np.sign(along @ ahead)
+            begin, x = x, x + STEP * ahead
+            for _ in range(10):
+                off = np.r_[forces(size * x[:-1], x[-1]), load @ load * (ahead @ (x - begin) - STEP)]
+                gradient = np.column_stack([stiffness(size * x[:-1], x[-1]) * size, load])
+                x = x - np.linalg.solve(np.vstack([gradient, load @ load * ahead]), off)
+            largest = max(largest, x[-1])
+            at = stiffness(size * x[:-1], x[-1])
+            yield float(x[-1]), float(np.linalg.eigvalsh((at + at.T) / 2 / np.outer(scale, scale))[0])
 
 
 def relative(own: Any, known: Any) -> tuple[float, float]:
@@ -171,6 +213,7 @@ if __name__ == "__main__":
         "rot %",
         "beam %",
         "solid %",
+        "limit",
     )
     print(("{:>9s}" * len(heads)).format(*heads))
     for load, angle in product(LOADS, ANGLES):
@@ -178,4 +221,5 @@ if __name__ == "__main__":
         force = np.array([0, load * np.cos(phi), load * np.sin(phi)])
         known, own = exact(arguments.elements, force), beam.end(force)
         row = (load, angle, *known[1:4], *own[1:4], *relative(own, known), *off_published(load, angle, own))
-        print(("{:9.3f}{:9.0f}" + 6 * "{:9.5f}" + 4 * "{:9.2f}").format(*row))
+        limit = max(part for part, _ in beam.branch(force)) if np.isnan(own).any() else np.nan
+        print(("{:9.3f}{:9.0f}" + 6 * "{:9.5f}" + 4 * "{:9.2f}" + "{:9.3f}").format(*row, limit))

@@ -221,5 +221,5 @@ def test_a_body_that_bends_too_far_is_named(tmp_path: Path) -> None:
     text = (ROOT / "scenes/solid_beam.toml").read_text()
     start = "[body.start]\nangular_velocity = [0, 100, 0]\namplitudes = [0.18]\n[simulation]\nduration = 1e-3\n"
     (tmp_path / "far.toml").write_text(f"{text}\n{start}output = 1e-3\n")
-    with pytest.raises(MassMatrixNotDefinite, match=r"a body of order 2 deforms too far .* order = 1 leaves it out"):
+    with pytest.raises(MassMatrixNotDefinite, match=r"deforms too far .* leave \d+ % of .* order = 1 leaves out"):
         derive.simulate(derive.read(tmp_path / "far.toml"))

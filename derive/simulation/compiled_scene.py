@@ -41,13 +41,15 @@ class ConstrainedSystem(Constraints, Protocol):
 
     q is (nq,), v (nv,); qdot = rates(q, v), which is v except in space, where nq > nv. k (nk,) are the constants of
     `setup`, lambda and g are (nlambda,), all in SI units. proximal: whether constraints may be redundant; the
-    multipliers are those of least norm then. in_space: whether the bodies are in space.
+    multipliers are those of least norm then. in_space: whether the bodies are in space. bodies: the names of those of
+    a scene.
     """
 
     name: str
     nlambda: int
     proximal: bool
     in_space: bool
+    bodies: tuple[str, ...]
     coordinates: tuple[str, ...]
     velocities: tuple[str, ...]
     multipliers: tuple[str, ...]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from derive.enumerations import enumeration
 from derive.errors import TisserandError
 from derive.lowering.redundancy import Dependence, redundancy_text
+from derive.percentages import percent
 
 AT_DEAD_CENTRE = (
     "Start next to this state instead of in it, drive another joint, or change lengths so that the mechanism "
@@ -93,16 +94,18 @@ class NoEquilibrium(SimulationError):
 class MassMatrixNotDefinite(SimulationError):
     """Deflections have taken a truncated model of second order to the limit of a positive definite mass matrix.
 
-    in_space: whether it is a body in space, of which a finite-element body has no full model.
+    t: the time, s. body: the body in space whose motion loses its inertia, of which a finite-element body has no full
+    model; left: the part of that inertia that its modes leave in its frame while it is undeformed.
     """
 
-    def __init__(self, t: float, in_space: bool = False) -> None:
-        self.t = t
+    def __init__(self, t: float, body: str = "", left: float = 1.0) -> None:
+        self.t, self.body, self.left = t, body, left
         cause = (
-            "a body of order 2 deforms too far for its terms, which are truncated. "
-            'Write terms = "full" in the table of a beam. The geometric stiffness of a finite-element body holds for '
-            "small deformations; order = 1 leaves it out"
-            if in_space
+            f"{body} deforms too far for the truncated terms of order = 2. Undeformed, its modes leave {percent(left)} "
+            'of the inertia of the motion that has lost all of it: in frame = "mean" they leave most, at a node or a '
+            'tangent less with every mode. terms = "full" in the table of a beam truncates nothing; order = 1 leaves '
+            "out the geometric stiffness of a finite-element body"
+            if body
             else "a beam of order 2 with truncated terms bends too far for its frame. "
             'Write terms = "full" in its table, or frame = "mean"'
         )

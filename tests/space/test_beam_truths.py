@@ -39,10 +39,12 @@ def test_oblique_end_load_as_far_as_second_order_reaches() -> None:
     """A slender beam bends in both planes and twists.
 
     Its deflection is 0.3, 1.4, 7 and 4 % off where it is 4, 11, 22 and 13 % of the length; the twist is 1.4, 10, 64
-    and 20 % off. Where it would be 23 to 39 % of the length, no equilibrium is found.
+    and 20 % off. Where it would be 23 to 39 % of the length there is no equilibrium: on the branch of the unloaded beam
+    the load is largest at 73 to 93 % of it, and the stiffness vanishes there and is negative beyond. Two pieces
+    have one.
     """
     module = princeton()
-    beam = module.SecondOrder(3)
+    beam, pieces = module.SecondOrder(3), module.SecondOrder(2, 2)
     off, twist = {}, {}
     for (load, angle), known in EXACT.items():
         phi = np.deg2rad(angle)
@@ -51,8 +53,15 @@ def test_oblique_end_load_as_far_as_second_order_reaches() -> None:
         twist[load, angle] = own[3] / known[2] - 1
     assert list(off.values()) == pytest.approx([0.00325, 0.0144, 0.0703, 0.0435], rel=0.02)
     assert list(twist.values()) == pytest.approx([0.0140, 0.105, 0.640, 0.199], rel=0.02)
-    for angle in np.deg2rad((30, 45, 60, 75)):
-        assert np.isnan(beam.end(13.345 * np.array([0, np.cos(angle), np.sin(angle)]))).all()
+    limits = (0.935, 0.1189), (0.787, 0.1566), (0.734, 0.1806), (0.749, 0.1937)
+    for angle, (part, far) in zip(np.deg2rad((30, 45, 60, 75)), limits, strict=True):
+        force = 13.345 * np.array([0, np.cos(angle), np.sin(angle)])
+        assert np.isnan(beam.end(force)).all()
+        assert np.hypot(*pieces.end(force)[1:3]) == pytest.approx(far, abs=2e-4)
+        parts, stiffnesses = np.array([*beam.branch(force)]).T
+        assert parts.max() == pytest.approx(part, abs=0.002)
+        rising = np.arange(len(parts)) < parts.argmax()
+        assert np.all(stiffnesses[rising] > 0) and stiffnesses[-1] < -0.05 and abs(stiffnesses[parts.argmax()]) < 0.05
 
 
 @pytest.mark.long

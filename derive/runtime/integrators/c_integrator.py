@@ -27,7 +27,7 @@ from derive.short_text import counted, summary
 Array = NDArray[np.float64]
 
 CODES = {
-    1: "a pivot vanished: joints are redundant, or in a singular position",
+    1: "a pivot vanished: joints are redundant, or in a singular position, or a mass matrix is not definite",
     2: "a value is not finite or not positive",
     3: "the constraints could not be met",
     4: "an argument makes no sense",

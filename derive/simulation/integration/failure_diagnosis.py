@@ -7,7 +7,7 @@ import numpy as np
 from derive.roles import Role
 from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with
-from derive.simulation.constraints.mass_definiteness import nearly_indefinite
+from derive.simulation.constraints.mass_definiteness import lost_inertia_of, nearly_indefinite
 from derive.simulation.constraints.neighbouring_states import driven_multipliers, neighbouring_states
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
@@ -33,7 +33,8 @@ def diagnose_failure(
     """
     # An indefinite M comes first, since constraints scaled by it may look dependent.
     if np.all(np.isfinite(y)) and nearly_indefinite(native, k, y[: native.nq]):
-        return MassMatrixNotDefinite(t, bool(coordinates_with(native, Role.QUATERNION).any()))
+        in_space = bool(coordinates_with(native, Role.QUATERNION).any())
+        return MassMatrixNotDefinite(t, *(lost_inertia_of(native, k, y[: native.nq]) if in_space else ()))
     if (dead_centre := _dead_centre(native, k, t, y)) is not None:
         return dead_centre
     reason = f"{message.rstrip('.')}" + (f"; {refused[1]} at t = {refused[0]:.9g} s" if refused else "")

@@ -107,12 +107,8 @@ class BeamForms:
 
     def axial(self) -> tuple[list[int], Matrix]:
         """The stiffness that the axial force adds to the lowest mode, relative to it: the factors of elements of z."""
-        columns, factors = list[int](), list[float]()
-        for column, power, near in self.turned.axial_forces():
-            a = self.lowest[near]
-            columns.append(column)
-            factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
-        return columns, np.array([factors])
+        slopes = self.lowest @ self.shapes.slopes(gauss_points()[0])  # relative to the frames of the pieces
+        return _factors(self.turned.of_slopes(lambda piece: slopes[[piece]]), self.strain)
 
     def whole_axial(self) -> tuple[list[int], Matrix]:
         """The stiffness that the axial force adds to the lowest mode with the rotations of pieces, relative to it."""

@@ -8,11 +8,12 @@ the rows of a run, with constant coefficients between two of them.
 
 from __future__ import annotations
 
-from math import cos, cosh, sin, sinh, sqrt
+from math import sqrt
 
 import numpy as np
 
 from derive.runtime.native_call import Vector
+from derive.simulation.validity.varying_stiffness import responses
 
 BUCKLED = -1.0
 """The whole of the added stiffness at which none is left."""
@@ -30,16 +31,6 @@ def buckling_error(t: Vector, whole: Vector, missing: Vector, deflection: Vector
     steps, fastest = np.diff(t), frequency * sqrt(1 + float(np.abs(whole).max()))
     if not fastest * float(steps.max()) < COARSE:
         return 0.0
-    product = missing * deflection
-    stiffness = frequency**2 * (1 + (whole[1:] + whole[:-1]) / 2)
-    load = -(frequency**2) * (product[1:] + product[:-1]) / 2
-    errors, error, rate = [0.0], 0.0, 0.0
-    for h, k, f in zip(steps.tolist(), stiffness.tolist(), load.tolist(), strict=True):
-        root = sqrt(abs(k))
-        c, s = (cos(root * h), sin(root * h)) if k > 0 else (cosh(root * h), sinh(root * h))
-        sine = s / root if root else h
-        ramp = (1 - c) / k if k else h * h / 2
-        error, rate = c * error + sine * rate + ramp * f, -k * sine * error + c * rate + sine * f
-        errors.append(error)
-    e = np.array(errors)
-    return float(np.sqrt(np.mean(e**2)) / np.abs([deflection, deflection + e]).max())
+    load, stiffness = -(frequency**2) * missing * deflection, frequency**2 * (1 + whole)
+    error = responses(t, stiffness[:, None, None], load[:, None])[:, 0]
+    return float(np.sqrt(np.mean(error**2)) / np.abs([deflection, deflection + error]).max())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from derive.simulation.validity.lateral_buckling import lateral_monitors
 from derive.simulation.validity.lost_inertia import LostInertia, lost_inertia
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.simulation.validity.truncated_energy import truncated_energy_error
+from derive.simulation.validity.twist_coupling import twist_coupling_errors
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam, scene_watch
 from derive.spec.model.body import DisplacementOrder
 
@@ -33,7 +35,15 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
     rows = scene.values(motion.t, motion.q, motion.v, motion.outputs) if buckled else np.zeros((0, 0))
     errors = (ImpliedErrors(beam, seen, _buckling_error(beam, motion.t, rows)) for beam in scene.beams)
     of_beams = (monitor for of in errors for monitor in _of_beam(scene, motion, of))
-    return (*of_beams, *lateral_monitors(motion.scene, motion.native, motion.k, motion.t, motion.q))
+    laterally = lateral_monitors(motion.scene, motion.native, motion.k, motion.t, motion.q)
+    return (*of_beams, *(own for of in laterally for own in _with_coupling(scene, motion, of)))
+
+
+def _with_coupling(scene: SceneWatch, motion: SceneMotion, of: Monitor) -> Iterator[Monitor]:
+    """The monitor of lateral buckling with the error that its couplings cause, if it is known, in both planes."""
+    errors = twist_coupling_errors(scene, motion, of.beam) if of.value < 1 else {}
+    for axis in errors or (of.axis,):
+        yield replace(of, axis=axis, error=errors.get(axis, of.error))
 
 
 def _buckles(beam: WatchedBeam, seen: Watched) -> bool:

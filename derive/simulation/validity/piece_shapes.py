@@ -74,17 +74,6 @@ class PieceShapes:
         stiffness: Matrix = self.bending_stiffness * self.length / 2 * (curvatures * weights) @ curvatures.T
         return stiffness
 
-    def geometric_stiffness(self, power: int) -> Matrix:
-        """(shapes, shapes), 1/m: the integral of xi^power v'^2, by which an axial force N xi^power stiffens the piece.
-
-        This is what the kinematics of second order add, and those of first order leave out: slopes are relative to the
-        floating frame.
-        """
-        xi, weights = gauss_points()
-        slopes = self.slopes(xi)
-        result: Matrix = self.length / 2 * (slopes * weights * xi**power) @ slopes.T
-        return result
-
     def moments(self, xi: Vector) -> Matrix:
         """(shapes, len(xi)): the moments of unit amplitudes at places xi of a piece, EI v'' in bending, N."""
         result: Matrix = self.bending_stiffness * (2 / self.length) ** 2 * self._derivatives(self.strain_order, xi)

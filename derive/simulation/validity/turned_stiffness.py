@@ -38,13 +38,28 @@ class TurnedStiffness:
 
     def of_slopes(self, slopes: Callable[[int], Matrix]) -> Iterator[tuple[int, Matrix]]:
         """The same for fields with the slopes (n, POINTS) along a piece, by its number."""
-        xi, weights = gauss_points()
-        for column, power, near in self.axial_forces():
-            weighted = np.tile(self.shapes.length / 2 * weights * xi**power, len(near))
+        weights = self.shapes.length / 2 * gauss_points()[1]
+        for column, power, near in self._axial_forces():
+            weighted = np.hstack([weights * self._along(power, piece) for piece in near])
             along = np.hstack([slopes(piece) for piece in near])
             yield column, (along * weighted) @ along.T
 
-    def axial_forces(self) -> Iterator[tuple[int, int, list[int]]]:
+    def _along(self, power: int, piece: int) -> Vector:
+        """(POINTS,): the axial force along a piece for a unit of the factor of xi^power.
+
+        Where an attached mass moves with the beam, the force jumps by the mass times its acceleration, which these
+        factors give as they give that of the beam: (2 N_1 + 4 N_2 xi)/m. In the middle xi = 0 the force is that on the
+        right, which is the one of N_0.
+        """
+        xi, _ = gauss_points()
+        force = xi**power
+        for of, at, mass in self.around.masses:
+            if of == piece and power:
+                beyond = (xi > at).astype(float) - (at <= 0)
+                force = force + mass / self.shapes.mass * 2 * power * at ** (power - 1) * beyond
+        return force
+
+    def _axial_forces(self) -> Iterator[tuple[int, int, list[int]]]:
         """The factors of xi^power in axial forces: their numbers in z, the powers, and the pieces that have them.
 
         Pieces that are not monitored have the force of the nearest.

@@ -112,13 +112,17 @@ class SceneWatch:
         """The values (quantities, n) in these states."""
         return self.watch.values(t, self._rows(t, q, v, outputs))
 
-    def _rows(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None) -> Matrix:
+    def outputs_of(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None = None) -> Matrix:
+        """(n, nout): the outputs in these states."""
         native, k = self.native, self.k
         if outputs is None:
             outputs = np.empty((len(t), len(native.outputs)))
             for row, time, at, rates in zip(outputs, t, q, v, strict=True):
                 row[:] = native.evaluate_outputs(float(time), at, rates, *native.solve(float(time), at, rates, k), k)
-        return np.hstack([q, v, outputs])
+        return outputs
+
+    def _rows(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None) -> Matrix:
+        return np.hstack([q, v, self.outputs_of(t, q, v, outputs)])
 
 
 def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> SceneWatch:
