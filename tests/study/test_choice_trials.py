@@ -106,6 +106,27 @@ def test_nothing_is_truncated_where_truncation_limits_the_error(monkeypatch: pyt
     assert not small.good and all(line.model.order is not FULL for line in small.lines)
 
 
+@pytest.mark.parametrize(("of_first", "shapes"), [(0.13, 4), (0.145, 3)], ids=["decided", "too far off"])
+def test_a_reference_that_leaves_open_whether_a_cheaper_model_is_good_is_refined(
+    of_first: float, shapes: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 15 % the crank-slider got second order, which is dearer: 12 % of first order and 2.7 % of the reference."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        few = 0.025 if model.shapes is Shapes.POLYNOMIALS and model.count < 3 else 0.0
+        return {"b0": 0.5 if model == RIGID else of_first if model.order is FIRST else few}
+
+    runs, lines = MadeUpRuns(chain(1), errors), list[str]()
+    monkeypatch.setattr(trials, "measured", MadeUpTrials(runs).measured)
+    monkeypatch.setattr(Trials, "timed", lambda self: self.lines)
+    choice = cheapest_model(runs, 0.15, lines.append)
+    assert choice.chosen is not None and choice.reference.model == polynomials(shapes, 2)
+    assert (choice.chosen[0].model == sines(1, FIRST)) == (shapes == 4)
+    reason = "with an error of 2.5 % it leaves open whether 1 sine, first is good, and is refined"
+    assert any(line.endswith(reason) for line in lines) == (shapes == 4)
+    assert choice.chosen[1].rms + choice.reference.error <= 0.15
+
+
 def test_full_variants_of_models_of_the_reference_are_no_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     """A full model of four shapes and three twists took 46 s of 140 s, and was no better."""
     runs = MadeUpRuns(chain(1), lambda model, _: {"b0": 0.12})

@@ -12,7 +12,7 @@ from derive.errors import TisserandError
 from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_scene import SpatialScene
-from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.ladder_model import COMPONENT_MODES, LadderModel
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice.beam_shares import SMALL, TOLERANCE
@@ -105,7 +105,8 @@ def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
     in_pieces = [of for of in _good_of_reference(trials) if of.pieces > 1]  # monitors often doubt those in one
     good = in_pieces + [of.model for of in trials.good if of.model == trials.runs.models.flexible]
     least = min(map(trials.cost.operations, good), default=math.inf)
-    dearer |= model not in trials.runs.ready and trials.cost.operations(model) > WORTH * least
+    worth = 1.0 if model.shapes in COMPONENT_MODES else WORTH
+    dearer |= model not in trials.runs.ready and trials.cost.operations(model) > worth * least
     return not (model in trials or too_far or dearer or doubted or cannot_do(model, errors, trials.budget))
 
 

@@ -8,7 +8,7 @@ error, so that a search for a larger error goes through the same models and ends
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -55,18 +55,21 @@ class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the requested error."""
 
 
-def trusted_reference(
+def trusted_references(
     runs: ModelRuns, error: float, report: Progress, rigid: Sequence[BeamShare] = ()
-) -> TrustedReference:
-    """A reference that differs from coarser models by at most a third of `error`, and has two thirds of it at most.
+) -> Iterator[TrustedReference]:
+    """Yield references that differ from coarser models by at most a third of `error`, and have two thirds of it.
 
-    Raises NotConverged.
+    The first one is the coarsest, and those after it are finer: a search takes them where the error of the first one
+    leaves open whether a model is accurate enough.
+
+    Raises NotConverged if there is none.
 
     report: takes a line on each comparison. rigid: the shares of beams that hardly matter, and are rigid.
     """
     references = _References(runs, report, rigid)
     model: LadderModel | None = runs.models.first
-    further = ""
+    further, found = "", False
     while model is not None:
         if references.made and (seconds := references.predicted_seconds(model)) > LONGEST:
             further = f"; {model.label} would need {duration_text(seconds)} for a run"
@@ -76,14 +79,16 @@ def trusted_reference(
             if known.suffices(error):
                 known = references.confirmed(known)
         except TisserandError as failure:
-            if not references.made or isinstance(failure, NotConverged):
+            if not found and (not references.made or isinstance(failure, NotConverged)):
                 raise NotConverged(f"the reference cannot be made: {failure}") from failure
             further = f"; {model.label} cannot be run: {first_line(failure)}"
             break
         if known.suffices(error):
-            return known
+            found = True
+            yield known
         model = references.finer(model)
-    raise NotConverged(_without_reference(references, error, further))
+    if not found:
+        raise NotConverged(_without_reference(references, error, further))
 
 
 def _without_reference(references: _References, error: float, further: str) -> str:
