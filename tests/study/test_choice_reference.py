@@ -32,6 +32,7 @@ from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.full_scene import without_rotary_inertia
 from derive.study.choice.reference_errors import Agreement, TrustedReference
+from derive.study.choice.reference_models import MOST_BEAMS
 from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
 from derive.study.choice.trusted_reference import NotConverged, rounded_up
 
@@ -128,6 +129,19 @@ def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(power: floa
 
     known = reference(MadeUpRuns(chain(1), of_pieces), error)
     assert known.difference <= error / 3 and known.error >= 0.05 / (known.model.pieces**power + more) * (1 - 1e-3)
+
+
+def test_the_most_beams_get_no_more_shapes_where_these_hardly_matter() -> None:
+    """A rod in space at 0.3 % got more shapes for minutes where only more beams than are tried would have helped."""
+
+    def of_pieces(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.05 / model.pieces**2 + 1e-5 * 4.0**-model.count}
+
+    runs = MadeUpRuns(chain(1), of_pieces)
+    with pytest.raises(NotConverged, match=r"finer ones are not tried. Ask for an error of 0\.\d+ % or more"):
+        reference(runs, 1e-3)
+    assert max(model.pieces for model in runs.asked) == MOST_BEAMS
+    assert max(model.count for model in runs.asked) == polynomials(3).count
 
 
 def test_errors_of_a_reference_that_point_the_same_way_add_up() -> None:

@@ -30,7 +30,7 @@ from derive.spec.model.specification import AnyScene
 from derive.spec.toml.read import read
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.choice import trials
+from derive.study.choice import one_beam, trials
 from derive.study.choice.body_candidates import candidates, cannot_do, suits
 from derive.study.choice.modes_of_bodies import ModesOfBodies
 from derive.study.choice.one_beam import try_one_beam
@@ -224,6 +224,21 @@ def test_what_costs_half_of_a_good_model_of_the_reference_or_more_is_not_derived
     cost = search.cost.operations
     dear = [model for model in runs.asked if model not in (polynomials(3), RIGID) and cost(model) > cost(good) / 2]
     assert sines(1) in runs.asked and not dear and polynomials(4) not in runs.asked
+
+
+def test_modes_that_are_hardly_cheaper_are_derived(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take seconds to derive: the rod of a slider-crank got six vibrations where four were good."""
+    scene = read(ROOT / "examples" / "spatial_crank_slider.toml")
+    assert isinstance(scene, AnyScene)
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"rod": 0.02 if model.shapes is Shapes.CRAIG_BAMPTON and model.count >= 4 else 0.6}
+
+    search = trials_of(monkeypatch, MadeUpRuns(scene, errors), 0.05, reference_of())
+    try_one_beam(search)
+    four, six = (LadderModel(Shapes.CRAIG_BAMPTON, count) for count in (4, 6))
+    assert six in search and search.good[0].model == four
+    assert search.cost.operations(four) > one_beam.WORTH * search.cost.operations(six)
 
 
 def test_what_shapes_of_bending_miss_is_missing_beside_other_shapes_of_torsion() -> None:

@@ -27,7 +27,7 @@ from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.full_scene import without_rotary_inertia
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.reference_errors import ROOM, SHARE, Agreement, TrustedReference
-from derive.study.choice.reference_models import CoarserModels
+from derive.study.choice.reference_models import MOST_BEAMS, CoarserModels
 from derive.study.choice.rigid_shares import MATTERS
 
 FINE, COARSE = 1e-10, 1e-8
@@ -87,6 +87,8 @@ def trusted_references(
             found = True
             yield known
         model = references.finer(model)
+    else:
+        further = "; finer ones are not tried"
     if not found:
         raise NotConverged(_without_reference(references, error, further))
 
@@ -148,7 +150,9 @@ class _References:
         if full := self._full(model, max(a.decisive for a in agreements)):
             agreements.append(full)
             by_beams.append(full.difference)
-        self._beams_first = max(by_beams, default=0.0) > CHEAPER * max(by_shapes, default=0.0)
+        of_beams, of_shapes = (max(of, default=0.0) for of in (by_beams, by_shapes))
+        self._beams_first = of_beams > CHEAPER * of_shapes
+        self._exhausted = pieces >= MOST_BEAMS and of_shapes <= SETTLED * of_beams
         curves, mixture = self._curves(self._runs, model, FINE), self._mixture(model)
         report = (lambda _: None) if self.made else self._report  # each reference leaves out the same
         plots = reference_plots(self._runs.bare, mixture.label, curves, report)
@@ -193,8 +197,11 @@ class _References:
     def finer(self, model: LadderModel) -> LadderModel | None:
         """The model after the last one, refined in the direction that differs most; None where there is none.
 
-        Where fewer shapes have made hardly any difference, more beams have these.
+        Where fewer shapes have made hardly any difference, more beams have these, and no beams of the largest number
+        have more.
         """
+        if self._exhausted:
+            return None
         return self._runs.models.finer(self._lean or model, self._beams_first)
 
     def predicted_seconds(self, model: LadderModel) -> float:
