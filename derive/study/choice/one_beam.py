@@ -32,8 +32,8 @@ from derive.study.choice.trials import Trials, usable
 NEAR = 1.5
 """A model may be cheaper than a good one if its predicted operations are below this times those of the good one."""
 WORTH = 0.5
-"""A beam is derived if its predicted operations are below this times those of a good model of the reference: this takes
-its time, and that of modes hardly any."""
+"""A beam is derived if its predicted operations are below this times those of a good model of the reference. Modes are
+derived if theirs are below those: they take seconds, where beams in pieces take a minute."""
 SIMPLER = 0.5
 """The least ratio of the operations of a model of first order to those of second order."""
 BEYOND = 2
