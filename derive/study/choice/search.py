@@ -1,11 +1,11 @@
 """The search for the cheapest model of a scene that is accurate enough.
 
 First a reference is made that can be trusted, and a finer one where its error leaves open whether a cheaper model is
-accurate enough. A scene with one beam is then tried with models from cheap to dear. In
-a scene with several beams each gets a model of its own: its share in the error is measured, see `beam_shares`, and
-combinations are run from cheap to dear, and if none is accurate enough, full models, where truncation may be the
-reason. Those that made the reference come last. The chosen model has been run and compared with the reference, and none
-of its monitors implies a larger error.
+accurate enough. A scene with one beam is then tried with models from cheap to dear. In a scene with several beams each
+gets a model of its own: its share in the error is measured, see `beam_shares`, and combinations are run from cheap to
+dear, and if none is accurate enough, full models, where truncation may be the reason. Those that made the reference
+come last. The chosen model has been run and compared with the reference, and none of its monitors implies a larger
+error.
 """
 
 from __future__ import annotations
