@@ -21,7 +21,7 @@ from derive.lowering.elimination_orders import EliminationRule, coordinates_firs
 from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, Input, Solution, array_input, stores
+from derive.lowering.flat.context import Context, Input, KktSolution, array_input, stores
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.joint_turns import JointTurns, axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
@@ -302,7 +302,7 @@ def by_factors(
     )
 
 
-def _solution(context: Context, symbols: Symbols, right: list[ca.SX]) -> Solution:
+def _solution(context: Context, symbols: Symbols, right: list[ca.SX]) -> KktSolution:
     """The solution of the system, with relative rotations where possible; see `by_factors`."""
     idle = not context.proximal and any(not c.jacobian for c in context.equations.constraints)
     try:
@@ -335,7 +335,7 @@ def _redundant(context: Context, symbols: Symbols) -> tuple[Dependence, ...]:
     return dependences(G, int(np.linalg.matrix_rank(G, 1e-9)), context.multipliers)
 
 
-def _with_pivots(context: Context, symbols: Symbols, right: list[ca.SX], joints: JointTurns | None) -> Solution:
+def _with_pivots(context: Context, symbols: Symbols, right: list[ca.SX], joints: JointTurns | None) -> KktSolution:
     """The solution of the system, with relative rotations at some joints. Raises LoweringError.
 
     The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and all
@@ -371,4 +371,4 @@ def _with_pivots(context: Context, symbols: Symbols, right: list[ca.SX], joints:
         ]
     )
     term = f"; pivots of multipliers with a proximal term, refined {REFINEMENTS} times" if context.proximal else ""
-    return Solution(tuple(items), solution, checks, f"eliminate {order}; fill-in {factors.fill}{term}")
+    return KktSolution(tuple(items), solution, checks, f"eliminate {order}; fill-in {factors.fill}{term}")

@@ -54,7 +54,7 @@ def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class KktSolution:
     """The solution of a system with the KKT matrix.
 
     pivots: the values of its factorisation, in their order. values: of the accelerations, then of the multipliers.
@@ -108,7 +108,7 @@ class Context:
         every = (self.t, self.q, self.v, self.vdot, self.lam, self.u, self.k, self.y, self.ydot, self.cj)
         self._symbols: dict[tuple[sp.Symbol, ...], Symbols] = {}
         self._constant_symbols: Symbols | None = None
-        self.solutions: dict[Symbols, Solution] = {}
+        self.solutions: dict[Symbols, KktSolution] = {}
         self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
 
     @cached_property
