@@ -107,18 +107,18 @@ def test_bodies_that_miss_stiffness_or_modes_are_hollow_and_what_they_miss_is_be
     """Craig-Bampton modes of a rod were 32 % off and drawn as valid: the terminal alone knew of its axial force."""
     softer = "rod: joints press it with 6.78e+03 N, which changes its bending stiffness by about 652 %"
     few = ModeError("rod", 4, 100.0, 0.48, of_loads=True)
-    noted = (replace(LINES[0], spins={"rod": softer}), replace(LINES[1], missed=(few,)), LINES[2])
+    noted = (replace(LINES[0], spins={"rod, axial": softer}), replace(LINES[1], missed=(few,)), LINES[2])
     chart = replace(a_chart(), lines=noted)
     svg = accuracy_svg(chart)
     groups = [svg[svg.index(f'id="line_0_{n}"') :].split("<use", 2)[1] for n in range(3)]
     assert ["fill-opacity: 0;" in group for group in groups] == [True, True, False]
     assert all(line.valid for line in noted) and chart.headline.recommended is not None
     text = " ".join(box.text for box in text_boxes(svg))
-    assert f"Without stiffness that loads add (hollow): {softer} (1 beam, P2, truncated)" in text
+    assert f"Without stiffness that loads or spin add (hollow): {softer} (1 beam, P2, truncated)" in text
     assert "With too few modes (hollow), " in text and "hollow: in doubt" in text and not outside(svg)
     assert "hollow" not in " ".join(box.text for box in text_boxes(accuracy_svg(replace(chart, lines=noted[2:]))))
     page = accuracy_html(chart)
-    assert "the stiffness that loads add to rod is missing" in page and "the modes of rod are too few" in page
+    assert "stiffness that loads or spin add is missing" in page and "the modes of rod are too few" in page
     assert "hollow" not in accuracy_text(chart) and "With too few modes, the error" in accuracy_text(chart)
     assert [len(group) for group in label_groups([LINES[0], replace(LINES[0], missed=(few,))])] == [1, 1]
 

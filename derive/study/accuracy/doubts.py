@@ -37,7 +37,7 @@ def doubt_reason(line: Line, shown: Sequence[str]) -> str:
     warning = line.warning
     if warning is None:
         few = [f"the modes of {of.body} are too few" for of in line.missed]
-        softer = [f"the stiffness that loads add to {body} is missing" for body in line.spins]
+        softer = ["stiffness that loads or spin add is missing"] if line.spins else []
         return line.failure or "; ".join([*few, *softer])
     text = f"{CAUSES[warning.cause.value]} of {warning.beam} is in doubt"
     if shown and warning.beam not in shown:
@@ -78,4 +78,4 @@ def doubt_lines(lines: Sequence[Line], shown: Sequence[str], drawn: bool = False
         for line in (heading, *(f"{reason}: {'; '.join(models)}" for reason, models in of.items()))
     ]
     softer = spin_notes((line.label, line.spins) for line in adaptive) if drawn else []
-    return [*result, *([f"Without stiffness that loads add{hollow}:", *softer] if softer else [])]
+    return [*result, *([f"Without stiffness that loads or spin add{hollow}:", *softer] if softer else [])]

@@ -260,7 +260,7 @@ class Line:
 
     @property
     def noted(self) -> bool:
-        """Whether a run notes that finite-element bodies miss modes, or stiffness that loads add."""
+        """Whether a run notes that finite-element bodies miss modes, or stiffness that loads or spin add."""
         return bool(self.spins or self.missed)
 
     @property
