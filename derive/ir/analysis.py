@@ -50,6 +50,13 @@ def names_read(nodes: Iterable[Node]) -> Iterator[str]:
                 yield part.array
 
 
+def accessed_by(node: Node) -> Iterator[Element | Ends]:
+    """The elements that a plain statement reads and writes, without those of its body."""
+    yield from (p for expr in expressions_of(node) for p in walk(expr) if isinstance(p, Element | Ends))
+    if isinstance(node, Assign) and isinstance(node.target, Element | Ends):
+        yield node.target
+
+
 def needed(body: Iterable[Node], terms: Iterable[Node]) -> list[Let]:
     """The named values of a body that some statements are made of, in their order."""
     names = set(names_read(terms))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import count, groupby
 
-from derive.ir.analysis import names_read
+from derive.ir.analysis import accessed_by, names_read
 from derive.ir.continuation import continued_loops
 from derive.ir.early_sines import with_early_sines
 from derive.ir.expansion import ZERO, expand_in_tiles
@@ -145,9 +145,9 @@ def _in_records(nodes: Iterable[Node]) -> Iterator[Node]:
     nodes = tuple(nodes)
     arrays = {n.array: n for n in every(nodes) if isinstance(n, Local) and n.spacing}
     used = {array: set(range(n.size // n.spacing)) if n.cleared else set() for array, n in arrays.items()}
-    for element in _elements(nodes):
+    for element in (element for node in every(nodes) for element in accessed_by(node)):
         if element.array in arrays:
-            assert element.index
+            assert isinstance(element, Element) and element.index
             used[element.array].add(element.index.offset // arrays[element.array].spacing)
     components = {array: sorted(of) for array, of in used.items()}
 
@@ -168,14 +168,6 @@ def _in_records(nodes: Iterable[Node]) -> Iterator[Node]:
             yield replace(node, count=node.spacing * len(components[node.array]))
         else:
             yield rewritten(node, leaf)
-
-
-def _elements(nodes: Iterable[Node]) -> Iterator[Element]:
-    """The elements that plain statements read and write."""
-    for node in every(nodes):
-        parts = [part for expr in expressions_of(node) for part in walk(expr)]
-        parts += [node.target] if isinstance(node, Assign) and isinstance(node.target, Element) else []
-        yield from (part for part in parts if isinstance(part, Element))
 
 
 def _gathered(argument: str, view: View) -> tuple[Node, ...]:

@@ -42,6 +42,7 @@ from derive.ir.loop_nests import (
     reindexed,
 )
 from derive.ir.ordering import with_few_waiting
+from derive.ir.overlaid_arrays import overlaid
 from derive.ir.parallel_sums import with_parallel_sums
 from derive.ir.statements import Let, Require
 
@@ -61,11 +62,11 @@ def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     made = _Block(loop)
     if not made.fits:
         return (replace(loop, kind=LoopKind.ORDERED),)
-    body = tuple(made.body())
+    body = made.body()
     arrays = [Local(array, LANES) for array in (*made.angles, *made.sines.values())]
-    arrays += [Local(array, LANES * size, in_lanes=True) for array, size in made.local.items()]
+    local, lines = overlaid([Local(array, LANES * size, in_lanes=True) for array, size in made.local.items()], body)
     rows = [Local(_array(name, placed), LANES * len(placed)) for name, placed in made.placed.items() if placed]
-    return (*arrays, *rows, replace(loop, body=body, kind=LoopKind.ORDERED, step=made.lanes))
+    return (*arrays, *local, *rows, replace(loop, body=lines, kind=LoopKind.ORDERED, step=made.lanes))
 
 
 def runs_in_blocks(loop: For) -> bool:

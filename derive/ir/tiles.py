@@ -1,22 +1,25 @@
 """Numbers of instances in tiles: those of the four instances of a vector beside each other, one vector after the other.
 
-Constant arrays hold one number of all instances after the other. A block of four then reads vectors that lie as far
-apart as there are instances, of which each touches one or two lines of the cache and uses a part of them. Where a body
-has many numbers, those of a block are a tile here, which is read from its beginning to its end. The last block may
-overlap the one before, and has a tile of its own.
+Arrays hold one number of all instances after the other. A block of four then reads vectors that lie as far apart as
+there are instances, of which each touches one or two lines of the cache and uses a part of them. Where a body has many
+numbers, those of a block are a tile here, which is read from its beginning to its end. The last block may overlap the
+one before, and has a tile of its own.
+
+Local arrays of what a body keeps from one loop for another are in tiles too, if all loops have the same blocks.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 
-from derive.ir.expressions import Element, Expr, Leaf
+from derive.ir.analysis import accessed_by
+from derive.ir.expressions import Element, Ends, Expr, Leaf
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm, Of
 from derive.ir.kernel import ConstantArray
-from derive.ir.loop_nests import Alias, For, LoopKind, Node, rewritten
+from derive.ir.loop_nests import Alias, For, Local, LoopKind, Node, every, rewritten
 
 FEWEST_COLUMNS = 64
 """The numbers of an instance from which on they lie in tiles: fewer ones fit into the nearest cache in any order."""
@@ -52,25 +55,77 @@ def tiled(array: ConstantArray) -> ConstantArray:
     return replace(array, name=tiled_name(array.name), values=values, instances=0)
 
 
-def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:
-    """A loop over blocks of instances that reads numbers from tiles; other statements stay as they are."""
-    if not tables or not isinstance(node, For) or not node.overlaps or node.start.offset or node.start.terms:
+def kept_in_tiles(nodes: Iterable[Node], others: Container[str]) -> dict[str, Local]:
+    """The local arrays that only blocks of the same instances access, each its own numbers, besides others."""
+    nodes = tuple(nodes)
+    arrays = {
+        node.array: node
+        for node in every(nodes)
+        if isinstance(node, Local) and node.spacing > LANES and not node.cleared and node.array not in others
+    }
+    ends: dict[str, set[int]] = {}
+    for node in nodes:
+        inside = {id(part) for loop in _lanes_of(node) for part in every([loop])}
+        for part in every([node]):
+            for element in accessed_by(part):
+                array = arrays.get(element.array)
+                if array is None:
+                    continue
+                if id(part) not in inside or not _in_block(element, node, array.spacing):
+                    del arrays[array.array]
+                else:
+                    assert isinstance(node, For)
+                    ends.setdefault(array.array, set()).add(node.stop.offset)
+    return {name: array for name, array in arrays.items() if len(ends.get(name, ())) == 1}
+
+
+def with_kept_in_tiles(node: Node, arrays: Mapping[str, Local]) -> Node:
+    """A plain statement with the elements of local arrays in tiles."""
+    if not arrays or not isinstance(node, For):
         return node
 
+    def leaf(item: Leaf) -> Expr:
+        if not isinstance(item, Element) or item.array not in arrays:
+            return item
+        array = arrays[item.array]
+        index = _index(item.index, node.variable, array.spacing) if item.index else None
+        assert index
+        tile = IndexTerm(array.size // array.spacing * LANES, node.variable, Of.CEILING)
+        return replace(item, index=replace(index, terms=(tile, *index.terms)))
+
+    return rewritten(node, leaf)
+
+
+def _lanes_of(node: Node) -> list[For]:
+    """The loops over lanes of a loop over blocks of instances that begin with the first one."""
+    if not isinstance(node, For) or not node.overlaps or node.start.offset or node.start.terms:
+        return []
+    return [part for part in node.body if isinstance(part, For) and part.kind in (LoopKind.LANES, LoopKind.FEW)]
+
+
+def _in_block(element: Element | Ends, node: Node, spacing: int) -> bool:
+    """Whether an element in a loop over blocks is a number of the instance that a lane has."""
+    if not isinstance(node, For) or not isinstance(element, Element) or not element.index:
+        return False
+    return _index(element.index, node.variable, spacing) is not None
+
+
+def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:
+    """A loop over blocks of instances that reads numbers from tiles; other statements stay as they are."""
+    if not tables or not isinstance(node, For):
+        return node
+    lanes = _lanes_of(node)
     read: dict[str, None] = {}
 
     def leaf(item: Leaf) -> Expr:
         if isinstance(item, Element) and item.index and item.array in tables:
-            index = _index(item.index, node.variable, tables[item.array])
+            index = _index(item.index, node.variable, tables[item.array].instances)
             if index is not None:
                 read.setdefault(item.array)
                 return replace(item, array=_tile(item.array), index=index)
         return item
 
-    body = tuple(
-        rewritten(part, leaf) if isinstance(part, For) and part.kind in (LoopKind.LANES, LoopKind.FEW) else part
-        for part in node.body
-    )
+    body = tuple(rewritten(part, leaf) if part in lanes else part for part in node.body)
     views: list[Node] = []
     for name in read:
         size = len(tables[name].values) // tables[name].instances * LANES
@@ -84,14 +139,16 @@ def _tile(name: str) -> str:
     return f"{name}_tile"
 
 
-def _index(index: ElementIndex, block: str, array: ConstantArray) -> ElementIndex | None:
-    """The index in the tiles of an element that the lanes of a block read beside each other; None for other ones."""
-    count = array.instances
+def _index(index: ElementIndex, block: str, spacing: int) -> ElementIndex | None:
+    """The index in its tile of an element that the lanes of a block read beside each other; None for other ones.
+
+    spacing: the distance of the numbers of an instance.
+    """
     others = [term for term in index.terms if term.variable not in (block, LANE)]
     own = {(term.variable, term.stride, term.of) for term in index.terms if term not in others}
     if own != {(block, 1, Of.VALUE), (LANE, 1, Of.VALUE)}:
         return None
-    if index.offset % count or any(term.stride % count or term.of is not Of.VALUE for term in others):
+    if index.offset % spacing or any(term.stride % spacing or term.of is not Of.VALUE for term in others):
         return None
-    terms = [replace(term, stride=term.stride // count * LANES) for term in others]
-    return ElementIndex(index.offset // count * LANES, (*terms, IndexTerm(1, LANE)))
+    terms = [replace(term, stride=term.stride // spacing * LANES) for term in others]
+    return ElementIndex(index.offset // spacing * LANES, (*terms, IndexTerm(1, LANE)))

@@ -24,7 +24,14 @@ from derive.ir.loop_nests import Node
 from derive.ir.model import Model
 from derive.ir.sines_of_bodies import with_sines_of_bodies
 from derive.ir.statements import Let, Statement
-from derive.ir.tiles import NO_TABLES, in_tiles, numbers_of_instances, tiles_read
+from derive.ir.tiles import (
+    NO_TABLES,
+    in_tiles,
+    kept_in_tiles,
+    numbers_of_instances,
+    tiles_read,
+    with_kept_in_tiles,
+)
 from derive.ir.variants import Variants
 
 
@@ -56,6 +63,11 @@ def function(
     passed = {
         array for section in kernel.sections if section.body in shared for array, _ in shared[section.body].arrays
     }
+    kept = kept_in_tiles(nodes, passed)
+    sections = [
+        [(n, tuple(with_kept_in_tiles(node, kept) for node in part)) for n, part in section] for section in sections
+    ]
+    nodes = [node for section in sections for _, part in section for node in part]
     whole = filled_by_few(nodes) - passed
     starts = vector_starts(nodes, whole)
     counter = "ptrdiff_t" if kernel.repeats else "int"

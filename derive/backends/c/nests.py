@@ -103,7 +103,8 @@ class CNests(ValuesInLanes):
                 return self._declared([node])
             case Alias():
                 kind = "double" if node.array in self.outputs else "const double"
-                return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};")
+                unknown = [f"    TISSERAND_UNKNOWN({node.name});"] if node.name in self.filled else []
+                return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};", *unknown)
             case Integer():
                 value = f"{node.array}[{index_text(node.index)}]{f' * {node.times}' if node.times else ''}"
                 return plain(f"    const {self.counter} {node.name} = {value};")

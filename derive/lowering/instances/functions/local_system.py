@@ -172,7 +172,7 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -
         rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(), strict=True)]
         unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
         markers = modes.markers
-        in_rows = markers and of.count <= LANES
+        in_rows = markers and of.count > 1
         loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if in_rows else None
         return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks, (), markers, loops)
     entries = jacobian_entries(context, symbols)
