@@ -21,8 +21,8 @@ import derive
 from derive.backends.c.source import CBackend
 from derive.ir.expressions import Number
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries, kkt, kkt_pattern
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.kkt_matrix import jacobian_entries, kkt, kkt_pattern
 from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.equations import Equations

@@ -6,11 +6,12 @@ and a kept model is simulated, with the descriptions alone, so that SymPy would 
 
 from __future__ import annotations
 
+from fractions import Fraction
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-__all__ = ["sp", "zero"]
+__all__ = ["fraction", "sp", "zero"]
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -30,3 +31,8 @@ else:
 def zero() -> sp.Expr:
     """The exact zero, as the default of a field."""
     return sp.S.Zero
+
+
+def fraction(number: sp.Expr) -> Fraction:
+    """A rational number of SymPy as one of Python."""
+    return Fraction(int(number.p), int(number.q))

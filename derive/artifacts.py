@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import IO
 
 from derive.errors import TisserandError
 from derive.short_text import counted, summary
@@ -259,6 +260,15 @@ def _create(path: Path, data: bytes, target: Path) -> None:
             os.chmod(path, mode)
 
 
+def lock(file: int | IO[bytes], wait: bool = True) -> None:
+    """Lock a file or a folder against other processes until it is closed or this one ends; not on Windows.
+
+    Raises OSError where the file system has no locks and, unless this is to wait, if another process has the lock.
+    """
+    if fcntl is not None:
+        fcntl.flock(file, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
     """Lock a folder against other processes that write there; the system unlocks it when this process ends.
@@ -271,7 +281,7 @@ def _locked(folder: Path) -> Iterator[None]:
     handle = os.open(folder, os.O_RDONLY)
     try:
         with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
+            lock(handle)
         yield
     finally:
         os.close(handle)

@@ -16,8 +16,8 @@ from derive.function_names import ON_REQUEST
 from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
-from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
+from derive.lowering.flat.kkt_matrix import DependentConstraints
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.mechanism_costs import LONG, MechanismCosts, estimate_mechanism_costs, is_predicted
 from derive.mechanics.equations import Equations

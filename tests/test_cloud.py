@@ -15,13 +15,10 @@ import numpy as np
 import pytest
 
 import derive
-from conftest import QUICK
+from cloud_checks import GRAVITY, CloudCode, Vector, check_lowerings, gravity, times, turned
 from derive import ModalBody, Model, NodalBody
-from derive.backends.c.source import CBackend
-from derive.backends.python.backend import PythonBackend
 from derive.mechanics.bodies.spatial_body import parameters
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
-from derive.runtime.compiled_model import Native
 
 SHAPES = [pytest.param(n, marks=pytest.mark.long if n in (1, 3) else ()) for n in (0, 1, 3, 5)]
 KINDS = ("numbers flat", "numbers loops", "parameters flat", "parameters loops")
@@ -36,7 +33,6 @@ CASES = [
     pytest.param(n, kind, marks=() if (n, kind) in FEW else pytest.mark.long) for n in (0, 1, 3, 5) for kind in KINDS
 ]
 POINTS = 10
-GRAVITY = (0.7, -0.3, -9.81)
 MASS_DAMPING, STIFFNESS_DAMPING = 0.1, 0.01
 
 
@@ -83,12 +79,6 @@ def body(c: Cloud) -> ModalBody:
     return derive.modal(nodal(c))
 
 
-def gravity() -> tuple[Any, ...]:
-    found = derive.symbolic_body("g", 1, gravity=list(GRAVITY)).gravity
-    assert found is not None
-    return found
-
-
 @cache
 def model(n: int, kind: str) -> Model:
     what, lowering = kind.split()
@@ -101,15 +91,8 @@ def model(n: int, kind: str) -> Model:
 
 
 @cache
-def compiled(n: int, kind: str) -> Native:
-    return derive.load(CBackend().files(model(n, kind), "test"), QUICK)
-
-
-@cache
-def module(n: int, kind: str) -> dict[str, Any]:
-    names: dict[str, Any] = {}
-    exec(PythonBackend().files(model(n, kind), "test")[0].text, names)
-    return names
+def code(n: int, kind: str) -> CloudCode:
+    return CloudCode(model(n, kind), given(n, kind))
 
 
 def given(n: int, kind: str) -> np.ndarray:
@@ -130,25 +113,6 @@ def state(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 # ---- the oracle, in mpmath
 
-Vector = list[Any]
-
-
-def turned(e: Vector, r: Vector) -> Vector:
-    """e r e* / |e|^2."""
-    x = times(times(e, [mpmath.mpf(0), *r]), [e[0], -e[1], -e[2], -e[3]])
-    norm = sum(a * a for a in e)
-    return [a / norm for a in x[1:]]
-
-
-def times(a: Vector, b: Vector) -> Vector:
-    """The product of quaternions."""
-    return [
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-    ]
-
 
 def place(n: int, k: int, c: Vector, e: Vector, alpha: Vector) -> Vector:
     """x of point k, (1)."""
@@ -158,6 +122,13 @@ def place(n: int, k: int, c: Vector, e: Vector, alpha: Vector) -> Vector:
         for a in range(3)
     ]
     return [a + b for a, b in zip(c, turned(e, r), strict=True)]
+
+
+def places(n: int, q: np.ndarray) -> list[Vector]:
+    """x of all points."""
+    with mpmath.workdps(30):
+        parts = [[mpmath.mpf(float(z)) for z in part] for part in (q[:3], q[3:7], q[7:])]
+        return [place(n, k, *parts) for k in range(POINTS)]
 
 
 def damping_matrix(n: int) -> np.ndarray:
@@ -228,77 +199,32 @@ def expected_rows(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(("n", "kind"), CASES)
 def test_generated_code_is_the_oracle(n: int, kind: str) -> None:
-    native, python = compiled(n, kind), module(n, kind)
-    k = native.setup(given(n, kind))
+    of = code(n, kind)
     for seed in range(3):
         q, v, a = state(n, seed)
         expected, size = expected_rows(n, seed)
-        values, h = native.mass_force(0.0, q, v, k)
-        mass = python["dense"](python["MASS"], values)
-        assert np.max(np.abs(mass @ a + h - expected) / size) < 1e-12
-        by_python = python["dense"](python["MASS"], python["mass"](q, k)) @ a + python["force"](0.0, q, v, k)
-        assert np.max(np.abs(by_python - expected) / size) < 1e-12
-        qdot = native.rates(q, v, k)
-        y, ydot = np.concatenate([q, v]), np.concatenate([qdot, a])
-        residual = native.residual(0.0, y, ydot, k)
+        of.check_rows(q, v, a, expected, size, 1e-12)
+        qdot = of.native.rates(q, v, of.k)
+        residual = of.native.residual(0.0, np.concatenate([q, v]), np.concatenate([qdot, a]), of.k)
         assert np.max(np.abs(residual[: 7 + n])) < 1e-14
         assert np.max(np.abs(residual[7 + n :] - expected) / size) < 1e-12
-        solved = native.accel(0.0, q, v, k)
-        left = np.abs(mass @ solved + h)
-        assert np.max(left) < 1e-12 * np.linalg.cond(mass) * np.max(np.abs(h))
 
 
 @pytest.mark.parametrize("kind", ["numbers flat", "numbers loops"])
 @pytest.mark.parametrize("n", SHAPES)
 def test_jacobian_markers_and_loads(n: int, kind: str) -> None:
-    native, python = compiled(n, kind), module(n, kind)
-    k = native.setup()
-    q, v, a = state(n, 5)
-    y, ydot = np.concatenate([q, v]), np.concatenate([native.rates(q, v, k), a])
-    size, cj, step = len(y), 2.3, 1e-40
-    steps = 1j * step * np.eye(size)
-    numeric_values = python["residual"](0.0, y + steps, ydot + cj * steps, k).imag.T / step
-    matrix = python["dense"](python["JACOBIAN"], native.jacobian(0.0, y, ydot, cj, k))
-    scale = np.abs(numeric_values).max(axis=1, keepdims=True)
-    assert np.max(np.abs(matrix - numeric_values) / scale) < 1e-12
-    force = np.array([3.0, -2.0, 0.7])
+    of, (q, v, a) = code(n, kind), state(n, 5)
+    of.check_jacobian(q, v, a)
     for name, node in (("first", 0), ("last", 9)):
-        x, xdot, jacobian = native.marker(name, q, v, k)
-        with mpmath.workdps(30):
-            expected = place(n, node, *([mpmath.mpf(float(z)) for z in part] for part in (q[:3], q[3:7], q[7:])))
-        assert np.allclose(x, [float(z) for z in expected], rtol=1e-14, atol=1e-14)
-        dense = python["dense"](native.marker_pattern(name), jacobian)
-        assert np.allclose(dense @ v, xdot, rtol=1e-13, atol=1e-13)
-        assert np.allclose(native.load(name, q, force, k), dense.T @ force, rtol=1e-13, atol=1e-13)
-        assert np.allclose(python[f"load_{name}"](q, force, k), dense.T @ force, rtol=1e-13, atol=1e-13)
-        by_python = python[f"marker_{name}"](q, v, k)
-        assert all(
-            np.allclose(e, f, rtol=1e-13, atol=1e-14) for e, f in zip(by_python, (x, xdot, jacobian), strict=True)
-        )
+        of.check_marker(name, q, v, places(n, q)[node])
 
 
 @pytest.mark.parametrize("kind", ["numbers flat", "numbers loops"])
 @pytest.mark.parametrize("n", SHAPES)
 def test_power_balance_and_momentum(n: int, kind: str) -> None:
-    """v . (M vdot + h) less what damping takes is d/dt (T + U + V); gravity alone changes the momenta."""
-    native, python = compiled(n, kind), module(n, kind)
-    k = native.setup()
-    q, v, a = state(n, 9)
-    qdot = native.rates(q, v, k)
-    power = v @ native.residual(0.0, np.concatenate([q, v]), np.concatenate([qdot, a]), k)[7 + n :]
-    power -= v[6:] @ damping_matrix(n) @ v[6:]
-    step = 1e-40
-    change = python["energy"](q + 1j * step * qdot, v + 1j * step * a, k).imag.sum() / step
-    assert np.isclose(power, change, rtol=1e-11)
-    free = native.accel(0.0, q, v, k)
-    drift = python["momentum"](q + 1j * step * qdot, v + 1j * step * free, k).imag / step
-    c = cloud(n)
-    with mpmath.workdps(30):
-        parts = [[mpmath.mpf(float(z)) for z in part] for part in (q[:3], q[3:7], q[7:])]
-        points = np.array([[float(z) for z in place(n, node, *parts)] for node in range(POINTS)])
-    weight = np.outer(c.masses, GRAVITY)
-    expected = np.concatenate([weight.sum(axis=0), np.cross(points, weight).sum(axis=0)])
-    assert np.max(np.abs(drift - expected)) < 1e-9 * np.max(np.abs(free))
+    of, (q, v, a) = code(n, kind), state(n, 9)
+    points = np.array(places(n, q), dtype=float)
+    of.check_balances(q, v, a, v[6:] @ damping_matrix(n) @ v[6:], cloud(n).masses, points)
 
 
 @pytest.mark.parametrize(
@@ -310,27 +236,5 @@ def test_power_balance_and_momentum(n: int, kind: str) -> None:
     ],
 )
 def test_both_lowerings_give_the_same(n: int, what: str) -> None:
-    """They agree to 1e-14 of the largest value; accelerations as far as the mass matrix is conditioned."""
-    flat, loops = compiled(n, f"{what} flat"), compiled(n, f"{what} loops")
-    dense = module(n, f"{what} flat")["dense"]
-    kf, kt = flat.setup(given(n, f"{what} flat")), loops.setup(given(n, f"{what} loops"))
     for seed in range(3):
-        q, v, a = state(n, seed)
-        y, ydot = np.concatenate([q, v]), np.concatenate([flat.rates(q, v, kf), a])
-
-        calls = {
-            "mass": lambda native, k, q=q: dense(native.mass_pattern, native.mass(q, k)),
-            "force": lambda native, k, q=q, v=v: native.force(0.0, q, v, k),
-            "energy": lambda native, k, q=q, v=v: native.energy(q, v, k),
-            "momentum": lambda native, k, q=q, v=v: native.momentum(q, v, k),
-            "residual": lambda native, k, y=y, ydot=ydot: native.residual(0.0, y, ydot, k),
-            "jacobian": lambda native, k, y=y, ydot=ydot: dense(
-                native.jacobian_pattern, native.jacobian(0.0, y, ydot, 2.3, k)
-            ),
-            "accel": lambda native, k, q=q, v=v: native.accel(0.0, q, v, k),
-        }
-        condition = np.linalg.cond(dense(flat.mass_pattern, flat.mass(q, kf)))
-        for name, call in calls.items():
-            one, other = call(flat, kf), call(loops, kt)
-            limit = 1e-15 * condition if name == "accel" else 1e-14
-            assert np.max(np.abs(one - other)) < limit * np.max(np.abs(one)), name
+        check_lowerings(code(n, f"{what} flat"), code(n, f"{what} loops"), *state(n, seed), bound=1e-14)

@@ -20,31 +20,26 @@ import pytest
 
 import derive
 from derive import Model
-from derive.backends.c.source import CBackend
-from derive.backends.python.backend import PythonBackend
 from derive.lowering.cost_model import flat_operations
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.mechanics.bodies.spatial_body import modal_body
 from derive.mechanics.symbols import Family
 from derive.reduction import reduce
-from derive.runtime.compiled_model import Native
 from derive.spec.model.body import BodyFrame, DisplacementOrder
 
 sys.path.insert(0, str(Path(__file__).parent / "reduction"))
 import bodies_of_nodes as bodies
 import second_order_bodies as stiff
 
-from test_cloud import gravity, times, turned
+from cloud_checks import GRAVITY, CloudCode, check_lowerings, gravity, times, turned
 
 N, POINTS = 3, 8
-GRAVITY = (0.7, -0.3, -9.81)
 KINDS = (
     *(pytest.param(f"{frame} flat", marks=pytest.mark.long) for frame in ("given", "mean")),
     "given loops",
     pytest.param("mean loops", marks=pytest.mark.long),
 )
 """In the mean frame some sums vanish."""
-Vector = list[Any]
 
 
 @cache
@@ -65,15 +60,8 @@ def model(kind: str) -> Model:
 
 
 @cache
-def compiled(kind: str) -> Native:
-    return derive.load(CBackend().files(model(kind), "test"), ("-std=c99", "-O0", "-ffp-contract=off"))
-
-
-@cache
-def module(kind: str) -> dict[str, Any]:
-    names: dict[str, Any] = {}
-    exec(PythonBackend().files(model(kind), "test")[0].text, names)
-    return names
+def code(kind: str) -> CloudCode:
+    return CloudCode(model(kind))
 
 
 def state(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -193,95 +181,42 @@ def expected(frame: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return Lagrangian(frame).rows(*state(seed))
 
 
+def places(frame: str, q: np.ndarray) -> np.ndarray:
+    """x of all points, of which nothing is cut off."""
+    _, _, x, phi, psi = body(frame)
+    r = x + np.tensordot(q[7:], phi, 1) + np.einsum("i,j,ijnk->nk", q[7:], q[7:], psi) / 2
+    with mpmath.workdps(30):
+        return q[:3] + np.array([[float(z) for z in turned(list(mp(q[3:7])), list(mp(p)))] for p in r])
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_generated_code_is_the_truncated_lagrangian(kind: str) -> None:
-    native, python = compiled(kind), module(kind)
-    k = native.setup()
     for seed in range(2):
-        q, v, a = state(seed)
-        rows, size = expected(kind.split(maxsplit=1)[0], seed)
-        values, h = native.mass_force(0.0, q, v, k)
-        mass = python["dense"](python["MASS"], values)
-        assert np.max(np.abs(mass @ a + h - rows) / size) < 1e-13
-        assert np.array_equal(mass, mass.T)
-        by_python = python["dense"](python["MASS"], python["mass"](q, k)) @ a + python["force"](0.0, q, v, k)
-        assert np.max(np.abs(by_python - rows) / size) < 1e-13
-        solved = native.accel(0.0, q, v, k)
-        assert np.max(np.abs(mass @ solved + h)) < 1e-12 * np.linalg.cond(mass) * np.max(np.abs(h))
+        code(kind).check_rows(*state(seed), *expected(kind.split(maxsplit=1)[0], seed), bound=1e-13)
 
 
 @pytest.mark.parametrize("frame", ["given", pytest.param("mean", marks=pytest.mark.long)])
 def test_both_lowerings_give_the_same(frame: str) -> None:
-    flat, loops = compiled(f"{frame} flat"), compiled(f"{frame} loops")
-    kf, kt = flat.setup(), loops.setup()
-    q, v, a = state(4)
-    y, ydot = np.concatenate([q, v]), np.concatenate([flat.rates(q, v, kf), a])
-    for call in (
-        lambda native, k: native.force(0.0, q, v, k),
-        lambda native, k: native.energy(q, v, k),
-        lambda native, k: native.momentum(q, v, k),
-        lambda native, k: native.residual(0.0, y, ydot, k),
-        lambda native, k: native.accel(0.0, q, v, k),
-        lambda native, k: native.load("at0", q, np.array([3.0, -2.0, 0.7]), k),
-        lambda native, k: np.concatenate(native.marker(f"at{POINTS - 1}", q, v, k)[:2]),
-    ):
-        one, other = call(flat, kf), call(loops, kt)
-        assert np.max(np.abs(one - other)) < 1e-11 * np.max(np.abs(one))
+    check_lowerings(code(f"{frame} flat"), code(f"{frame} loops"), *state(4), bound=1e-11)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_jacobian_by_complex_steps(kind: str) -> None:
-    native, python = compiled(kind), module(kind)
-    k = native.setup()
-    q, v, a = state(5)
-    y, ydot = np.concatenate([q, v]), np.concatenate([native.rates(q, v, k), a])
-    cj, step = 2.3, 1e-40
-    steps = 1j * step * np.eye(len(y))
-    numeric = python["residual"](0.0, y + steps, ydot + cj * steps, k).imag.T / step
-    matrix = python["dense"](python["JACOBIAN"], native.jacobian(0.0, y, ydot, cj, k))
-    assert np.max(np.abs(matrix - numeric) / np.abs(numeric).max(axis=1, keepdims=True)) < 1e-12
+    code(kind).check_jacobian(*state(5))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_markers_move_to_second_order(kind: str) -> None:
-    """Nothing of x is cut off at a point; its velocity and its Jacobian are derivatives of it."""
-    native, python = compiled(kind), module(kind)
-    k = native.setup()
     q, v, _ = state(6)
-    _, _, x, phi, psi = body(kind.split(maxsplit=1)[0])
-    alpha, qdot = q[7:], native.rates(q, v, k)
     for node in (0, POINTS - 1):
-        place, speed, jacobian = native.marker(f"at{node}", q, v, k)
-        r = x[node] + alpha @ phi[:, node] + np.einsum("i,j,ijk->k", alpha, alpha, psi[:, :, node]) / 2
-        with mpmath.workdps(30):
-            expected = q[:3] + np.array([float(z) for z in turned(list(mp(q[3:7])), list(mp(r)))])
-        assert np.allclose(place, expected, rtol=1e-14, atol=1e-14)
-        assert np.allclose(python[f"marker_at{node}"](q + 1e-40j * qdot, v, k)[0].imag / 1e-40, speed, rtol=1e-12)
-        dense = python["dense"](native.marker_pattern(f"at{node}"), jacobian)
-        assert np.allclose(dense @ v, speed, rtol=1e-13, atol=1e-13)
-        force = np.array([3.0, -2.0, 0.7])
-        assert np.allclose(native.load(f"at{node}", q, force, k), dense.T @ force, rtol=1e-13, atol=1e-13)
+        code(kind).check_marker(f"at{node}", q, v, list(places(kind.split(maxsplit=1)[0], q)[node]))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_power_balance_and_momenta(kind: str) -> None:
-    """v . (M vdot + h) is the rate of the energy; gravity alone changes the momenta, to second order in a."""
-    native, python = compiled(kind), module(kind)
-    k = native.setup()
-    q, v, a = state(9)
-    qdot, step = native.rates(q, v, k), 1e-40
-    power = v @ native.residual(0.0, np.concatenate([q, v]), np.concatenate([qdot, a]), k)[7 + N :]
-    change = python["energy"](q + 1j * step * qdot, v + 1j * step * a, k).imag.sum() / step
-    assert np.isclose(power, change, rtol=1e-11)
-    free = native.accel(0.0, q, v, k)
-    drift = python["momentum"](q + 1j * step * qdot, v + 1j * step * free, k).imag / step
-    _, masses, x, phi, psi = body(kind.split(maxsplit=1)[0])
-    r = x + np.tensordot(q[7:], phi, 1) + np.einsum("i,j,ijnk->nk", q[7:], q[7:], psi) / 2
-    with mpmath.workdps(30):
-        places = q[:3] + np.array([[float(z) for z in turned(list(mp(q[3:7])), list(mp(p)))] for p in r])
-    weight = np.outer(masses, GRAVITY)
-    expected = np.concatenate([weight.sum(axis=0), np.cross(places, weight).sum(axis=0)])
-    assert np.max(np.abs(drift - expected)) < 1e-9 * np.max(np.abs(free))
+    """To second order in the amplitudes."""
+    frame, (q, v, a) = kind.split(maxsplit=1)[0], state(9)
+    code(kind).check_balances(q, v, a, 0.0, body(frame)[1], places(frame, q))
 
 
 def test_zeros_of_the_mean_frame() -> None:

@@ -9,9 +9,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from derive.errors import Problem
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import text_or_fault
 from derive.fem.model import Array, Indices
-from derive.spec.files.file_content import why_unreadable
 
 
 def read_rows(path: Path, columns: int, problems: list[Problem], content: str | None = None) -> Array | None:
@@ -19,10 +18,8 @@ def read_rows(path: Path, columns: int, problems: list[Problem], content: str | 
 
     content: the text of the file, if it has been read.
     """
-    try:
-        text = read_text(path) if content is None else content
-    except (OSError, ValueError) as error:
-        problems.append(Problem(path.name, f"the file cannot be read: {why_unreadable(error)}"))
+    text = text_or_fault(path, problems, path.name) if content is None else content
+    if text is None:
         return None
     if not text.strip():
         problems.append(Problem(path.name, "the file is empty; the program has not finished, or stopped with an error"))

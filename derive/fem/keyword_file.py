@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.errors import Problem, quoted
-from derive.spec.files.file_content import regular_file_start, why_unreadable
+from derive.errors import Problem, SpecError, quoted
+from derive.spec.files.file_content import regular_file_start, unreadable
 
 MAX_BYTES = 2_000_000_000
 MAX_INCLUDES = 20
@@ -38,22 +38,36 @@ class Card:
         return Problem(f"*{self.keyword}", message, self.line)
 
 
-def read_text(path: Path, folder: Path = Path()) -> str:
-    """The text of a file in `folder`. Raises OSError and ValueError with a reason that `why_unreadable` words."""
-    content = regular_file_start(folder / path, MAX_BYTES + 1)
+def read_text(path: Path) -> str:
+    """The text of a file. Raises OSError and ValueError with a reason that `unreadable` words."""
+    content = regular_file_start(path, MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
         raise ValueError(f"it has more than {MAX_BYTES // 10**9} GB")
     return content.decode("utf-8", errors="replace")
 
 
+def text_or_fault(path: Path, problems: list[Problem], where: str) -> str | None:
+    """The text of a file; None, and a fault with the place that it is shown at, if it cannot be read."""
+    try:
+        return read_text(path)
+    except (OSError, ValueError) as error:
+        problems.append(Problem(where, unreadable(error)))
+        return None
+
+
+def required_text(path: Path) -> str:
+    """The text of a file that a command names. Raises SpecError."""
+    problems: list[Problem] = []
+    text = text_or_fault(path, problems, "")
+    if text is None:
+        raise SpecError(tuple(problems), str(path))
+    return text
+
+
 def read_cards(path: Path, problems: list[Problem]) -> list[Card]:
     """The cards of a file and of those that it includes; files that cannot be read are faults."""
-    try:
-        text = read_text(path)
-    except (OSError, ValueError) as error:
-        problems.append(Problem("", f"the file cannot be read: {why_unreadable(error)}"))
-        return []
-    return list(_cards(text, path.name, path.parent, problems, 0))
+    text = text_or_fault(path, problems, "")
+    return [] if text is None else list(_cards(text, path.name, path.parent, problems, 0))
 
 
 def _cards(text: str, name: str, folder: Path, problems: list[Problem], depth: int) -> Iterator[Card]:
@@ -100,7 +114,7 @@ def _included(card: Card, folder: Path, problems: list[Problem], depth: int) -> 
         try:
             text = read_text(folder / name)
         except (OSError, ValueError) as error:
-            problems.append(card.fault(f"the file {quoted(name)} cannot be read: {why_unreadable(error)}"))
+            problems.append(card.fault(unreadable(error, name)))
             return
         yield from _cards(text, name, folder, problems, depth + 1)
 

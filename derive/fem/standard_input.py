@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 
 from derive.errors import Problem, SpecError
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import required_text
 from derive.fem.model import Array, FiniteElementModel
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction.integrals import omega_factors
 from derive.sid.blocks import SidError
 from derive.sid.mapping import symmetric_parts
 from derive.sid.read import StandardInput, read_with_rotations
-from derive.spec.files.file_content import why_unreadable
 
 AROUND = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / 3**0.5
 """The nodes around a frame, as multiples of ARM."""
@@ -31,13 +30,10 @@ ARM = 0.01
 def read_standard_input(path: Path) -> FiniteElementModel:
     """The body of a file. Raises SpecError with all faults."""
     try:
-        content = read_with_rotations(read_text(path))
+        content = read_with_rotations(required_text(path))
     except SidError as error:
         problems = tuple(Problem("", fault.message, fault.line) for fault in error.problems)
         raise SpecError(problems, str(path)) from None
-    except (OSError, ValueError) as error:
-        problem = Problem("", f"the file cannot be read: {why_unreadable(error)}")
-        raise SpecError((problem,), str(path)) from None
     body = content.body
     positions, modes, sets = _frames(content)
     moments, geometric = moments_of(body)

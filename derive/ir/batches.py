@@ -14,7 +14,7 @@ from derive.ir.analysis import accessed_by, names_read
 from derive.ir.continuation import continued_loops
 from derive.ir.early_sines import with_early_sines
 from derive.ir.expansion import ZERO, expand_in_tiles
-from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped, walk
+from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
 from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.kernel import Argument, Kernel, View
@@ -32,7 +32,6 @@ from derive.ir.loop_nests import (
     Sines,
     ends_of,
     every,
-    expressions_of,
     rewritten,
 )
 from derive.ir.ordering import with_few_waiting

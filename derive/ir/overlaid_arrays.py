@@ -24,7 +24,7 @@ def overlaid(arrays: Sequence[Local], body: Sequence[Node]) -> tuple[tuple[Local
     """
     lives = _lives({array.array for array in arrays}, body)
     places = _places([array for array in arrays if array.array in lives], lives)
-    size = max((place + array.size for array in arrays for place in (places.get(array.array, 0),)), default=0)
+    size = max((places[array.array] + array.size for array in arrays if array.array in places), default=0)
     if size >= sum(array.size for array in arrays):
         return tuple(arrays), tuple(body)
     name = f"{NAME}_{size}"
@@ -54,9 +54,7 @@ def _places(arrays: Iterable[Local], lives: dict[str, tuple[int, int]]) -> dict[
     placed: dict[str, tuple[int, int]] = {}
     for array in sorted(arrays, key=lambda local: -local.size):
         first, last = lives[array.array]
-        others = sorted(
-            span for other, span in placed.items() if lives[other][0] <= last and first <= lives[other][1]
-        )
+        others = sorted(span for other, span in placed.items() if lives[other][0] <= last and first <= lives[other][1])
         place = 0
         for start, stop in others:
             if start - place >= array.size:

@@ -56,27 +56,22 @@ def tiled(array: ConstantArray) -> ConstantArray:
 
 
 def kept_in_tiles(nodes: Iterable[Node], others: Container[str]) -> dict[str, Local]:
-    """The local arrays that only blocks of the same instances access, each its own numbers, besides others."""
+    """The local arrays, besides others, of which all loops access the numbers of an instance in the same blocks."""
     nodes = tuple(nodes)
     arrays = {
         node.array: node
         for node in every(nodes)
         if isinstance(node, Local) and node.spacing > LANES and not node.cleared and node.array not in others
     }
-    ends: dict[str, set[int]] = {}
+    stops: dict[str, set[int | None]] = {}
     for node in nodes:
         inside = {id(part) for loop in _lanes_of(node) for part in every([loop])}
         for part in every([node]):
             for element in accessed_by(part):
-                array = arrays.get(element.array)
-                if array is None:
-                    continue
-                if id(part) not in inside or not _in_block(element, node, array.spacing):
-                    del arrays[array.array]
-                else:
-                    assert isinstance(node, For)
-                    ends.setdefault(array.array, set()).add(node.stop.offset)
-    return {name: array for name, array in arrays.items() if len(ends.get(name, ())) == 1}
+                if element.array in arrays:
+                    stop = _stop(element, node, arrays[element.array].spacing) if id(part) in inside else None
+                    stops.setdefault(element.array, set()).add(stop)
+    return {name: arrays[name] for name, of in stops.items() if len(of) == 1 and None not in of}
 
 
 def with_kept_in_tiles(node: Node, arrays: Mapping[str, Local]) -> Node:
@@ -103,11 +98,11 @@ def _lanes_of(node: Node) -> list[For]:
     return [part for part in node.body if isinstance(part, For) and part.kind in (LoopKind.LANES, LoopKind.FEW)]
 
 
-def _in_block(element: Element | Ends, node: Node, spacing: int) -> bool:
-    """Whether an element in a loop over blocks is a number of the instance that a lane has."""
+def _stop(element: Element | Ends, node: Node, spacing: int) -> int | None:
+    """Where the blocks of a loop end, if an element in it is a number of the instance that a lane has."""
     if not isinstance(node, For) or not isinstance(element, Element) or not element.index:
-        return False
-    return _index(element.index, node.variable, spacing) is not None
+        return None
+    return node.stop.offset if _index(element.index, node.variable, spacing) else None
 
 
 def in_tiles(node: Node, tables: Mapping[str, ConstantArray]) -> Node:

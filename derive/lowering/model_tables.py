@@ -11,7 +11,9 @@ from derive.lowering.flat.casadi_symbols import table_name
 from derive.mechanics.symbols import identity
 from derive.mechanics.terms import (
     Constraint,
+    Coordinate,
     Eliminated,
+    EquationOfMotion,
     InputSymbol,
     MarkerEquations,
     OutputEquation,
@@ -24,6 +26,16 @@ from derive.spec.model.time_function import Spline
 def symbol_variable(symbol: sp.Symbol, doc: str, unit: str, role: Role | None = None) -> Variable:
     """A coordinate or a velocity with its name for people."""
     return Variable(str(symbol), doc, unit, role=role, shown=identity(symbol).shown)
+
+
+def coordinate_variables(coordinates: Iterable[Coordinate]) -> tuple[Variable, ...]:
+    """The coordinates q."""
+    return tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in coordinates)
+
+
+def velocity_variables(rows: Iterable[EquationOfMotion]) -> tuple[Variable, ...]:
+    """The velocities v."""
+    return tuple(symbol_variable(row.v, row.doc, row.unit) for row in rows)
 
 
 def parameter_variables(parameters: Iterable[ParameterSymbol]) -> tuple[Variable, ...]:

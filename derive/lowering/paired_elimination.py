@@ -36,6 +36,11 @@ class Pair:
     multiplier: int
 
 
+def rows_of(pairs: Iterable[Pair]) -> tuple[int, ...]:
+    """The rows of pairs, in the order of their elimination."""
+    return tuple(row for pair in pairs for row in (pair.coordinate, pair.multiplier))
+
+
 def forest_of_pairs(pattern: Pattern, coordinates: int, constant: Iterable[tuple[int, int]]) -> tuple[Pair, ...]:
     """Pairs whose constraints are independent of each other in every state, in the order of their elimination.
 

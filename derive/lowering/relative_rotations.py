@@ -17,31 +17,15 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from derive.lowering.congruences import AddedRow, Columns, Entries, columns_of, lower_triangle
+from derive.lowering.vectors import ZERO, Vector, cross, dot, transposed
 
 Triple = tuple[int, int, int]
-Vector = list[ca.SX]
 SPACE = range(3)
-ZERO = ca.SX(0)
-
-
-def cross(a: Sequence[ca.SX], b: Sequence[ca.SX]) -> Vector:
-    """The product a x b."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def dot(a: Sequence[ca.SX], b: Sequence[ca.SX]) -> ca.SX:
-    """The product a . b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def turned(vector: Sequence[ca.SX], matrix: Sequence[Sequence[ca.SX]]) -> Vector:
     """The product of a matrix and a vector; zero if the vector is."""
     return [ZERO] * 3 if all(x.is_zero() for x in vector) else [dot(row, vector) for row in matrix]
-
-
-def transposed(matrix: Sequence[Sequence[ca.SX]]) -> list[Vector]:
-    """The transpose of a matrix."""
-    return [list(column) for column in zip(*matrix, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -177,10 +177,8 @@ class _Sums:
         elif sums:
             doc = indexed_sum.doc.format(i="i")
             self.table_sums.append(TableSum(indexed_sum.symbol, offset, tuple(sums), doc, indexed_sum.source))
-        elif offset != 0:
-            self.inlined[indexed_sum.symbol] = offset
         else:
-            self.reasons[indexed_sum.symbol] = tuple(dict.fromkeys(behind))
+            self._inline(indexed_sum.symbol, offset, behind)
 
     def _scalar(self, indexed_sum: IndexedSum, expr: sp.Expr, behind: list[tuple[sp.Symbol, str]]) -> None:
         terms = sp.Add.make_args(expr)
@@ -190,10 +188,15 @@ class _Sums:
             self.mode_sums.append(
                 ModeSum(indexed_sum.symbol, offset, inside, indexed_sum.doc.format(i="i"), indexed_sum.source)
             )
-        elif offset != 0:
-            self.inlined[indexed_sum.symbol] = offset
         else:
-            self.reasons[indexed_sum.symbol] = tuple(dict.fromkeys(behind))
+            self._inline(indexed_sum.symbol, offset, behind)
+
+    def _inline(self, symbol: Symbol, value: sp.Expr, behind: list[tuple[sp.Symbol, str]]) -> None:
+        """A sum without terms in the modes: a value, or zero for the reasons behind it."""
+        if value != 0:
+            self.inlined[symbol] = value
+        else:
+            self.reasons[symbol] = tuple(dict.fromkeys(behind))
 
     def _entry(self, symbol: Symbol, behind: list[tuple[sp.Symbol, str]]) -> sp.Expr:
         """The symbol of an integral or of an earlier sum; zero if it vanishes."""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from fractions import Fraction
 from functools import reduce
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.errors import TisserandError
 from derive.mechanics.fixed_symbols import t
 from derive.mechanics.quantity import function_constant
@@ -80,7 +79,7 @@ def time_function(expr: sp.Expr, parameters: Iterable[Parameter], splines: Mappi
 
 
 def _number(value: sp.Rational) -> TimeFunction:
-    return TimeFunction("number", value=Fraction(int(value.p), int(value.q)))
+    return TimeFunction("number", value=fraction(value))
 
 
 def _sum(expr: sp.Expr, convert: Callable[[sp.Expr], TimeFunction]) -> TimeFunction:

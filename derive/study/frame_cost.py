@@ -13,7 +13,7 @@ from derive.backends.model_files import emit
 from derive.derivation import derive
 from derive.ir.model import Model
 from derive.lowering.elimination_orders import EliminationRule
-from derive.lowering.flat.constraints import DependentConstraints
+from derive.lowering.flat.kkt_matrix import DependentConstraints
 from derive.lowering.flat.lower import lower
 from derive.mechanics.equations import Equations
 from derive.remaining_time import RemainingTime

@@ -15,8 +15,8 @@ from derive.backends.model_files import explicit_files
 from derive.derivation import derive
 from derive.errors import TisserandError
 from derive.ir.patterns import Pattern, pattern
-from derive.lowering.flat.constraints import DependentConstraints, kkt_pattern
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.kkt_matrix import DependentConstraints, kkt_pattern
 from derive.lowering.flat.lower import lower
 from derive.runtime.compiler import UNOPTIMISED
 from derive.runtime.interpreted_scene import with_iteration_matrix

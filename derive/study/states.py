@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,14 +49,12 @@ def start_state(scene: AnyScene, native: NativeScene, k: Vector) -> State:
     return 0.0, state.q, state.v
 
 
-def simulated_states(
-    scene: Scene, native: NativeScene, k: Vector, count: int, progress: Callable[[float], None] | None = None
-) -> list[State]:
+def simulated_states(scene: Scene, native: NativeScene, k: Vector, count: int) -> list[State]:
     """`count` states of the motion, equally spaced over a period. Raises SimulationError."""
     _, q, v = start_state(scene, native, k)
     assert scene.simulation is not None
     times = np.linspace(0.0, period(scene)[0], count)
-    settings = Settings(scene.simulation.tolerance, progress=progress)
+    settings = Settings(scene.simulation.tolerance)
     solution = adaptive(native).integrate(k, q, v, times, settings)
     return [(float(t), solution.q[i], solution.v[i]) for i, t in enumerate(times)]
 

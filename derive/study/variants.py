@@ -11,8 +11,8 @@ from derive.ir.analysis import operations
 from derive.ir.model import Model
 from derive.lowering.elimination_orders import EliminationRule, work
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.kkt_matrix import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.schedule import Step
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.reference_conditions import ConditionError

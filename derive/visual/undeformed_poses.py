@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 
@@ -19,7 +19,7 @@ from derive.spec.model.joints import CustomJoint, Joint
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import Scene
+from derive.spec.model.scene import Scene, SceneInput
 from derive.spec.model.time_function import TimeFunction
 
 Array = NDArray[np.float64]
@@ -36,8 +36,7 @@ def initial_poses(scene: Scene) -> dict[str, Array]:
     Newton's method starts from the initial guesses of the specification and closes the joints and drives. Where it
     finds no closed configuration, the poses are those of the guesses. Run-time inputs without a function are zero.
     """
-    given = tuple(replace(value, function=value.function or ZERO) for value in scene.inputs)
-    scene = with_functions(replace(scene, inputs=given), {})
+    scene = with_functions(replace(scene, inputs=inputs_or_zero(scene.inputs)), {})
     names = [body.name for body in scene.bodies]
     starts = (body.start for body in scene.bodies)
     guess: Array = np.array([[*(s.position or (0.0, 0.0)), s.angle or 0.0] for s in starts], dtype=float).ravel()
@@ -46,14 +45,27 @@ def initial_poses(scene: Scene) -> dict[str, Array]:
         poses = _by_name(names, values)
         return np.array([r for joint in scene.joints for r in _residuals(scene, joint, poses)])
 
-    values = guess.copy()
+    return _by_name(names, closed(residual, guess, np.ones(len(guess))))
+
+
+def inputs_or_zero(inputs: Iterable[SceneInput]) -> tuple[SceneInput, ...]:
+    """Run-time inputs, which are zero where they have no function."""
+    return tuple(replace(value, function=value.function or ZERO) for value in inputs)
+
+
+def closed(residual: Callable[[Array], Array], start: Array, mobility: Array) -> Array:
+    """The values next to the start at which a residual vanishes, by Newton's method; the start if it finds none.
+
+    mobility: the weights of the changes of values, which are the least.
+    """
+    values = start.copy()
     for _ in range(STEPS):
         error = residual(values)
         if not error.size or np.abs(error).max() < CLOSED:
-            return _by_name(names, values)
+            return values
         columns = [(residual(values + unit) - error) / DIFFERENCE for unit in DIFFERENCE * np.eye(len(values))]
-        values = values - np.linalg.lstsq(np.array(columns).T, error, rcond=1e-6)[0]
-    return _by_name(names, values if np.abs(residual(values)).max() < 1e3 * CLOSED else guess)
+        values = values - mobility * np.linalg.lstsq(np.array(columns).T * mobility, error, rcond=1e-6)[0]
+    return values if np.abs(residual(values)).max() < 1e3 * CLOSED else start
 
 
 def _by_name(names: list[str], values: Array) -> dict[str, Array]:

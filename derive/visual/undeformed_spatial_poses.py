@@ -21,7 +21,7 @@ from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_beam import SpatialBody
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
-from derive.visual.undeformed_poses import CLOSED, DIFFERENCE, STEPS, ZERO, Array
+from derive.visual.undeformed_poses import Array, closed, inputs_or_zero
 
 FIRM = 1e-3
 """The change of a given pose over that of others where both would close a joint."""
@@ -37,26 +37,18 @@ def initial_spatial_poses(scene: SpatialScene) -> dict[str, Pose]:
     which are small for given poses; drives and initial values of joints are kept. Where it finds no closed
     configuration, the poses are those that it started from. Run-time inputs without a function are zero.
     """
-    given = tuple(replace(value, function=value.function or ZERO) for value in scene.inputs)
-    scene = with_functions(replace(scene, inputs=given), {})
+    scene = with_functions(replace(scene, inputs=inputs_or_zero(scene.inputs)), {})
     driven = {drive.joint: float(drive_values(drive, np.zeros(1))[0]) for drive in scene.drives}
     guess = laid_poses(scene, driven)
     names = [body.name for body in scene.bodies]
-    closed = [_JointRows(scene, joint, driven.get(joint.name)) for joint in scene.joints]
+    every = [_JointRows(scene, joint, driven.get(joint.name)) for joint in scene.joints]
 
     def residual(changes: Array) -> Array:
         poses = _changed(guess, names, changes)
-        return np.concatenate([np.zeros(0), *(rows.values(poses) for rows in closed)])
+        return np.concatenate([np.zeros(0), *(rows.values(poses) for rows in every)])
 
-    changes = np.zeros(6 * len(names))
     mobility = np.repeat([FIRM if _is_given(body) else 1.0 for body in scene.bodies], 6)
-    for _ in range(STEPS):
-        error = residual(changes)
-        if not error.size or np.abs(error).max() < CLOSED:
-            return _changed(guess, names, changes)
-        columns = [(residual(changes + unit) - error) / DIFFERENCE for unit in DIFFERENCE * np.eye(len(changes))]
-        changes = changes - mobility * np.linalg.lstsq(np.array(columns).T * mobility, error, rcond=1e-6)[0]
-    return _changed(guess, names, changes) if np.abs(residual(changes)).max() < 1e3 * CLOSED else guess
+    return _changed(guess, names, closed(residual, np.zeros(6 * len(names)), mobility))
 
 
 def _is_given(body: SpatialBody) -> bool:

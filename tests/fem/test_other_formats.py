@@ -106,6 +106,10 @@ def test_modal_data_of_mbdyn_become_a_body_with_their_modes(tmp_path: Path) -> N
     assert reduced.mass == pytest.approx(float(model.mass.sum() / 3) if model.mass is not None else 0)
     assert any("approximate" in note for note in body.notes)
     assert "not read: initial modal displacements" in body.notes
+    path = tmp_path / "part.fem"
+    path.write_text(path.read_text().replace("** RECORD GROUP 5, NODAL", "** RECORD GROUP\n** RECORD GROUP NODAL"))
+    with pytest.raises(derive.SpecError, match="RECORD GROUP 5: this is missing"):
+        read(path)
 
 
 @pytest.mark.parametrize(

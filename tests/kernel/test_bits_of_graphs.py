@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from both_lowerings import results
 from generated_sine import sines
-from test_instance_graphs import LATER, results, small
+from test_instance_graphs import small
 
 import derive
 from conftest import QUICK
@@ -49,7 +50,9 @@ def evaluated(*of: int) -> list[str]:
     return [name for name in names if name.partition("_")[0] not in ("setup", "marker", "load")]
 
 
-@pytest.mark.parametrize(("seed", "varying", "pieces"), [pytest.param(*GENERATED[0], marks=LATER), *GENERATED[1:]])
+@pytest.mark.parametrize(
+    ("seed", "varying", "pieces"), [pytest.param(*GENERATED[0], marks=pytest.mark.long), *GENERATED[1:]]
+)
 def test_python_has_the_bits_of_the_interpreter(seed: int, varying: bool, pieces: bool) -> None:
     of = small(seed, varying, pieces)
     for name in evaluated(seed, varying, pieces):

@@ -1,4 +1,4 @@
-"""Bodies with many modes that one vector holds: their compliance in loops over the rows of their joints."""
+"""Bodies with many modes in loops: their compliance in loops over the rows of their joints."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from test_instance_graphs import LATER
-from test_sums_over_modes import chain, in_blocks, state
+from clouds import chain, in_blocks, state
 
 import derive
 from derive.backends.c.loop_text import filled_by_few
@@ -17,7 +16,6 @@ from derive.ir.model import Model
 from derive.ir.statements import ForEach, inside
 from derive.ir.sums_over_modes import with_sums_over_modes
 from derive.lowering.instances.functions.compliance_loops import COLUMN, ROW
-from derive.lowering.instances.functions.local_system import LANES
 from derive.lowering.instances.functions.marker_modes import LABEL
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
@@ -25,11 +23,12 @@ from some_functions import only
 
 
 @cache
-def looped(count: int, kinds: tuple[str, ...], alike: bool = False, lanes: int = LANES) -> Model:
+def looped(count: int, kinds: tuple[str, ...], alike: bool = False, straight: bool = False) -> Model:
     mechanism = derive.derive(chain(count, kinds, alike))
     assert isinstance(mechanism, SpatialMechanism)
     with only("accel"), pytest.MonkeyPatch.context() as patch:
-        patch.setattr("derive.lowering.instances.functions.local_system.LANES", lanes)
+        if straight:
+            patch.setattr("derive.lowering.instances.functions.local_system.ComplianceLoops", lambda *_: None)
         return lower_instances(mechanism, explicit=True)
 
 
@@ -43,15 +42,15 @@ def variables(model: Model) -> list[str]:
     [
         (("fixed",), False, 10),
         *(
-            pytest.param(*of, marks=LATER)
+            pytest.param(*of, marks=pytest.mark.long)
             for of in (((("revolute",), False, 10), (("spherical",), False, 0), (("fixed",), True, 10)))
         ),
-        pytest.param(("prismatic",), False, 0, marks=LATER),
+        pytest.param(("prismatic",), False, 0, marks=pytest.mark.long),
     ],
 )
 def test_loops_over_rows_have_the_values_of_straight_lines(kinds: tuple[str, ...], alike: bool, blocks: int) -> None:
     """Small blocks, whose halves are stored without gaps, and rows along axes that move stay a straight line."""
-    model, straight = looped(3, kinds, alike), looped(3, kinds, alike, lanes=0)
+    model, straight = looped(3, kinds, alike), looped(3, kinds, alike, straight=True)
     used = variables(model)
     assert (used.count(COLUMN), used.count(LABEL)) == (blocks, 1)
     assert used.count(ROW) >= blocks
@@ -59,11 +58,6 @@ def test_loops_over_rows_have_the_values_of_straight_lines(kinds: tuple[str, ...
     given = state(model.kernel("accel"))
     expected, found = (interpret(of.kernel("accel"), given)["vdot"] for of in (straight, model))
     assert np.abs(np.subtract(found, expected)).max() < 1e-12 * np.abs(expected).max()
-
-
-def test_bodies_of_several_vectors_share_their_text() -> None:
-    used = {*variables(looped(7, ("fixed",)))}
-    assert LABEL in used and not {ROW, COLUMN} & used
 
 
 def test_three_bodies_store_whole_vectors_where_there_is_room() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from own_kernels import own_kernel
 
 import derive
 from derive.ir.batches import batch
@@ -17,7 +18,7 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Argument, Kernel, Output, Section, View
+from derive.ir.kernel import Kernel
 from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
 from derive.ir.written_out_rows import with_rows_written_out
@@ -29,12 +30,6 @@ from kernel.test_instance_lanes import looped
 from some_functions import only
 
 SIZE = 24
-
-
-def own_kernel(statements: tuple[Statement, ...]) -> Kernel:
-    x = Argument("x", (), "given", arrays=(View("x", 0, SIZE),))
-    y = Output("y", tuple(f"y{k}" for k in range(SIZE)), "result")
-    return Kernel("own", "", (x,), (y,), (Section("", "", "", statements),))
 
 
 def body(name: str, read: ElementIndex, write: ElementIndex, factor: int = 2, adds: bool = True) -> tuple[Any, ...]:
@@ -51,7 +46,7 @@ def values(statements: tuple[Statement, ...]) -> Any:
     cleared = ForEach(
         "i", constant(0), constant(SIZE), (StoreElement(Element("y", variable("i")), Number(Fraction(0))),)
     )
-    return interpret(own_kernel((cleared, *statements)), given)["y"]
+    return interpret(own_kernel(SIZE, SIZE, (cleared, *statements)), given)["y"]
 
 
 FIRST = loop(1, body("a", constant(2), constant(9)))

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 from _pytest.mark import ParameterSet
+from both_lowerings import check
 from random_graphs import lowered
-from test_instance_graphs import check
 
 import derive
 from derive.backends.model_files import emit

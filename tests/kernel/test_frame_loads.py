@@ -13,9 +13,9 @@ import derive
 from conftest import ROOT
 from derive.ir.expressions import Number
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.frame_loads import acceleration_residual, reactions
+from derive.lowering.flat.kkt_matrix import jacobian_entries
 
 Array = NDArray[np.float64]
 

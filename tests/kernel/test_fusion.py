@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from own_kernels import own_kernel
 
 from derive.ir.analysis import codes_in_order
 from derive.ir.batches import batch
@@ -17,7 +18,6 @@ from derive.ir.expressions import Element, Expr, Number, Operation, Operator, Sc
 from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, Node, Sines, every
 from derive.ir.statements import ForEach, Let, Require, Requirement, ReturnCode, Statement, StoreElement, Work
 from kernel.test_instance_lanes import looped
@@ -80,12 +80,6 @@ def random_statements(seed: int) -> tuple[Statement, ...]:
     return (*works, filled, *loops)
 
 
-def own_kernel(statements: tuple[Statement, ...]) -> Kernel:
-    x = Argument("x", (), "given", arrays=(View("x", 0, ROOM),))
-    y = Output("y", tuple(f"y{k}" for k in range(COUNT)), "result")
-    return Kernel("own", "", (x,), (y,), (Section("", "", "", statements),))
-
-
 def plain(statements: tuple[Statement, ...]) -> tuple[Node, ...]:
     return tuple(node for statement in statements for node in expand(statement))
 
@@ -100,7 +94,7 @@ def test_random_loops_keep_the_bits() -> None:
     moved = 0
     for seed in range(300):
         statements = random_statements(seed)
-        kernel, nodes = own_kernel(statements), plain(statements)
+        kernel, nodes = own_kernel(ROOM, COUNT, statements), plain(statements)
         together = fused(nodes)
         assert interpret(kernel, given, nodes=together) == interpret(kernel, given, nodes=nodes), seed
         moved += together != nodes
@@ -141,7 +135,7 @@ def test_instances_stay_behind_the_numbers_that_they_read() -> None:
     together = fused(plain(statements))
     assert together[-2:] == plain(statements)[-2:]
     given = {"x": [float(k) for k in range(ROOM)]}
-    assert interpret(own_kernel(statements), given, nodes=together)["y"] == [2.0] * COUNT
+    assert interpret(own_kernel(ROOM, COUNT, statements), given, nodes=together)["y"] == [2.0] * COUNT
 
 
 def touched(node: Node) -> set[str]:

@@ -9,8 +9,9 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from both_lowerings import System, results
 from random_graphs import Graph
-from test_instance_graphs import System, results, small
+from test_instance_graphs import small
 
 from derive.ir.interpreter import interpret
 

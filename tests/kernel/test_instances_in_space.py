@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
-from itertools import accumulate, pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from random_graphs import Graph, _state
-from test_instance_graphs import LATER, OF_LEAST_NORM, SOLVED, TOLERANCE, System, among, of_marker, results, terms
+from both_lowerings import OF_LEAST_NORM, System, both, check, results
 
 import derive
 from corpus.generator import corpus_scene
-from corpus.summed_terms import worst
-from derive.ir.kernel import Kernel
-from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.lower import lower_instances
 from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predicted
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.simulation.observables.default_plots import default_plots
@@ -190,69 +182,14 @@ def chain(kind: str, count: int) -> derive.SpatialScene:
     return parse(LINKS.format(kind=kind, count=count, joints=count - 1, turned=TURNED))
 
 
-@cache
-def both(scene: derive.SpatialScene, explicit: bool, proximal: bool = False) -> Graph:
-    """A scene lowered both ways, and a random state in which no constraint is met."""
-    mechanism = derive.derive(scene)
-    flat = lower_flat(mechanism.expanded(), explicit=explicit, proximal=proximal)
-    loops = lower_instances(mechanism, explicit=explicit, proximal=proximal)
-    return Graph(scene, "", flat, loops, _state(flat, scene, np.random.default_rng(1)))
-
-
-def check(of: Graph) -> None:
-    """Sums agree relative to their terms, and what is solved for leaves no more than rounding errors."""
-    names = [of_marker(of.instances, kernel.name)[0].name for kernel in of.flat.kernels]
-    assert [*dict.fromkeys(names)] == [kernel.name for kernel in of.instances.kernels]
-    for table in ("coordinates", "velocities", "multipliers", "outputs", "equations"):
-        flat, loops = getattr(of.flat, table), getattr(of.instances, table)
-        assert [(v.name, v.unit, v.doc) for v in flat] == [(v.name, v.unit, v.doc) for v in loops]
-    for kernel in of.flat.kernels:
-        if kernel.name not in ("setup", *SOLVED):
-            apart = _apart(of, kernel)
-            assert apart <= TOLERANCE, f"{kernel.name}: {apart:.2g} of the summed terms"
-    system = System(of)
-    flat, loops = (results(of, model, "solve") for model in (of.flat, of.instances))
-    motion, joints = system.residuals(loops["vdot"], loops["lam"])
-    assert motion <= TOLERANCE
-    assert joints <= TOLERANCE
-    assert system.norm(loops["vdot"] - flat["vdot"]) <= system.bound(system.forces(flat["lam"]))
-    assert np.array_equal(results(of, of.instances, "accel")["vdot"], loops["vdot"])
-    by_flat, by_loops = (results(of, model, "project_velocity")["dv"] for model in (of.flat, of.instances))
-    assert system.norm(by_loops - by_flat) <= TOLERANCE * system.condition * system.norm(by_flat)
-
-
-def _apart(of: Graph, kernel: Kernel) -> float:
-    """The largest difference of the results of a function relative to their terms; patterns may have other zeros."""
-    values = [_by_place(of, kernel, loops) for loops in (False, True)]
-    sizes, summed = [0, *accumulate(output.size for output in kernel.outputs)], terms(of, kernel.name)
-    largest = 0.0
-    for output, (first, stop) in zip(kernel.outputs, pairwise(sizes), strict=True):
-        a, b = (v[output.name] for v in values)
-        scale = dict(zip(a, summed[first:stop], strict=True))
-        places = [*a, *(place for place in b if place not in a)]
-        numbers = ([v.get(place, 0.0) for place in places] for v in (a, b, scale))
-        largest = max(largest, worst(*map(np.array, numbers)) if places else 0.0)
-    return largest
-
-
-def _by_place(of: Graph, kernel: Kernel, loops: bool) -> dict[str, dict[Any, float]]:
-    """The results of a function by their places: indices, or rows and columns."""
-    model = of.instances if loops else of.flat
-    own, number = of_marker(model, kernel.name)
-    result = {}
-    for output in own.outputs:
-        shape = among(model, kernel.name) if number and output.pattern else output.pattern
-        values = results(of, model, kernel.name)[output.name]
-        result[output.name] = dict(zip(shape.entries if shape else range(len(values)), values, strict=True))
-    return result
-
-
-@pytest.mark.parametrize("kind", ["spherical", *(pytest.param(k, marks=LATER) for k in ("revolute", "fixed"))])
+@pytest.mark.parametrize(
+    "kind", ["spherical", *(pytest.param(k, marks=pytest.mark.long) for k in ("revolute", "fixed"))]
+)
 def test_chains(kind: str) -> None:
     check(both(chain(kind, 3), kind == "spherical"))
 
 
-@pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=LATER)])
+@pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_drive_a_spring_a_force_and_an_output_of_motion(explicit: bool) -> None:
     """One body has minimal coordinates, and the joint that slides has axes that move with a body."""
     of = both(parse(MIXED), explicit)
@@ -308,7 +245,7 @@ def test_default_plots_name_the_columns_of_instances() -> None:
     assert any("ball[1]_omega2" in getattr(curve, "y", ()) for curve in curves)
 
 
-@pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=LATER)])
+@pytest.mark.parametrize("explicit", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_closed_loops(explicit: bool) -> None:
     """A crank and a rocker with a coupler between a ball and a cross: each joint is coupled with the next one."""
     check(both(parse(CLOSED), explicit))
@@ -330,7 +267,9 @@ def test_redundant_joints() -> None:
     assert np.allclose(once, again, rtol=OF_LEAST_NORM)
 
 
-@pytest.mark.parametrize("seed", [2007, 2010, *(pytest.param(seed, marks=LATER) for seed in (2000, 2004, 2024))])
+@pytest.mark.parametrize(
+    "seed", [2007, 2010, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2000, 2004, 2024))]
+)
 def test_scenes_of_the_corpus(seed: int, tmp_path: Path) -> None:
     """Random scenes in space; that of 2000 has outputs of powers."""
     scene = derive.read(corpus_scene(seed).write(tmp_path))

@@ -46,14 +46,6 @@ at = "upper.pin"
 against = "lower.right"
 value = { input = "second" }
 """
-DRIVEN = """
-[inputs.turn]
-value = "0"
-unit = "rad"
-[drives.motor]
-joint = "elbow"
-motion = { input = "turn" }
-"""
 CRANK = """
 name = "crank"
 ground.markers = { o = [0, 0] }

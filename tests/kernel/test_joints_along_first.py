@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from test_instance_graphs import LATER
-from test_instances_in_space import both, check
-from test_sums_over_modes import chain
+import pytest
+from both_lowerings import both, check
+from clouds import chain
 
 import derive
 from derive.algebra import sp
@@ -39,7 +39,7 @@ def test_joints_that_hold_a_point_have_them() -> None:
     assert not has_rows_along_first(replace(scene, bodies=(few, second)))
 
 
-@LATER
+@pytest.mark.long
 def test_trees_turned_joints_and_closed_loops() -> None:
     """Two joints at one marker, a body that is the second one of both of its joints, and one that closes a loop."""
     scene = chain(3, ("fixed", "spherical"))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from clouds import write_cloud
 
 import derive
 from conftest import ROOT
@@ -35,25 +36,10 @@ markers = {{ left = {{ nodes = [0, 1, 2] }}, right = {{ nodes = [5, 6, 7] }} }}
 """
 
 
-def cloud(folder: Path, file: str, seed: int) -> None:
-    """A file with a body of point masses and random modes, so that no integral vanishes."""
-    rng = np.random.default_rng(seed)
-    index = np.arange(POINTS, dtype=np.int32)
-    np.savez(
-        folder / f"{file}.npz",
-        positions=rng.uniform(-0.3, 0.3, (POINTS, 3)),
-        mass_row=index,
-        mass_col=index,
-        mass_value=rng.uniform(0.5, 1.5, POINTS) / POINTS,
-        modes=rng.uniform(-1, 1, (MODES, POINTS, 3)),
-        modal_stiffness=rng.uniform(50, 100, MODES),
-    )
-
-
 def model_of(folder: Path, *files: str, explicit: bool = True) -> Model:
     """The model of free bodies with these files."""
     for seed, file in enumerate(dict.fromkeys(files)):
-        cloud(folder, file, seed)
+        write_cloud(folder / f"{file}.npz", seed, POINTS, MODES)
     bodies = (BODY.format(name=f"body{k}", folder=folder, file=file) for k, file in enumerate(files))
     head = ['name = "clouds"', "[scene]", "gravity = [0, 0, -9]", "[ground.markers]", "o = [0, 0, 0]"]
     text = "\n".join([*head, *bodies])

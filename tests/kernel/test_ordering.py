@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
+from own_kernels import own_kernel
 
 from derive.ir.analysis import names_read
 from derive.ir.batches import batch
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, LoopKind, Node, every
 from derive.ir.ordering import LONG, with_few_waiting
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
@@ -20,13 +20,7 @@ from kernel.test_instance_lanes import looped
 
 ROOM = 6
 """The elements of the arrays."""
-KERNEL = Kernel(
-    "own",
-    "",
-    (Argument("x", (), "given", arrays=(View("x", 0, ROOM),)),),
-    (Output("y", tuple(f"y{k}" for k in range(ROOM)), "result"),),
-    (Section("", "", "", ()),),
-)
+KERNEL = own_kernel(ROOM, ROOM)
 
 
 def random_lines(seed: int) -> list[Node]:

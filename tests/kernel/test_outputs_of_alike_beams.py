@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_instance_graphs import LATER
-from test_instances_in_space import both, check
+from both_lowerings import both, check
 
 import derive
 from derive.lowering.instances.classes.body_classes import body_classes
@@ -48,7 +47,7 @@ joint = "hook[i]"
 """
 
 
-@pytest.mark.parametrize("kind", ["", pytest.param("bending_moment", marks=LATER)])
+@pytest.mark.parametrize("kind", ["", pytest.param("bending_moment", marks=pytest.mark.long)])
 def test_lengths_that_differ(kind: str) -> None:
     """The factors of the strain are numbers of each beam, which are not those of the first one of the class."""
     scene = parse(RODS.format(count=2, more="1/10") + (FORCES.format(count=2, kind=kind) if kind else ""))

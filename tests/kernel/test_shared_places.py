@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from own_kernels import own_kernel
 
 from derive.ir.batches import batch
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, Local, Node
 from derive.ir.nearby_reads import with_nearby_reads
 from derive.ir.shared_places import with_shared_places
@@ -20,13 +20,7 @@ from kernel.test_instance_lanes import looped
 
 SPACING, ROOM, STEPS = 9, 3, 4
 """The elements of a component, those of the output and of near arrays, and the iterations of loops."""
-KERNEL = Kernel(
-    "own",
-    "",
-    (Argument("x", (), "given", arrays=(View("x", 0, SPACING),)),),
-    (Output("y", tuple(f"y{k}" for k in range(ROOM)), "result"),),
-    (Section("", "", "", ()),),
-)
+KERNEL = own_kernel(SPACING, ROOM)
 GIVEN = {"x": np.random.default_rng(0).uniform(-1, 1, SPACING).tolist()}
 Change = Callable[[tuple[Node, ...]], tuple[Node, ...]]
 ARRAYS = (Local("a", 2 * SPACING, spacing=SPACING), Local("b", SPACING, spacing=SPACING), Local("r", ROOM))

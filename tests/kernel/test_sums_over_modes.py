@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from fractions import Fraction
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import pytest
+from both_lowerings import both, check
+from clouds import MODES, chain, in_blocks, state
 from numpy.typing import NDArray
-from test_instance_graphs import LATER
-from test_instances_in_space import both, check
 
 import derive
 from conftest import QUICK
@@ -24,14 +21,11 @@ from derive.ir.expressions import Element, Expr, ScalarRef, walk
 from derive.ir.factor_tables import ROW
 from derive.ir.indices import LANE
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Kernel
-from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Assign, For, Node, every, expressions_of
 from derive.ir.model import Model
 from derive.ir.statements import ForEach, Let, Work
 from derive.ir.sums_over_modes import with_sums_over_modes
-from derive.ir.symmetric_tables import MATRIX, MatrixKind, MatrixRow, SymmetricTable, matrices
-from derive.ir.tiles import in_tiles, numbers_of_instances, tiled
+from derive.ir.symmetric_tables import MATRIX
 from derive.ir.written_out_rows import with_rows_written_out
 from derive.lowering.instances.functions.body_motions import MOTIONS
 from derive.lowering.instances.functions.constant_modes import ConstantModes, constant_modes
@@ -40,56 +34,19 @@ from derive.lowering.mechanism_costs import estimate_mechanism_costs, is_predict
 from derive.lowering.model_functions import FORMS
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.runtime.loading import load_scene
-from derive.spec.toml.read import parse
 from some_functions import only
 
-MODES, NODES = 6, 9
 KINDS = ("fixed", "revolute", "spherical")
 NAMES = ("mass", "force", "accel", "energy", "constraint_jacobian", "project_velocity")
 NEEDED = ("mass_force", "momentum", "rates", "constraint_bias", "solve")
 """Functions besides these that the text of C, or a test, asks for."""
 
 
-def cloud(path: Path, seed: int) -> None:
-    """A file with a body of point masses whose modes have no structure, so that all integrals are dense."""
-    rng = np.random.default_rng(seed)
-    index = np.arange(NODES, dtype=np.int32)
-    np.savez(
-        path,
-        positions=rng.uniform(-0.3, 0.3, (NODES, 3)),
-        mass_row=index,
-        mass_col=index,
-        mass_value=rng.uniform(0.5, 1.5, NODES) / NODES,
-        modes=rng.uniform(-1, 1, (MODES, NODES, 3)),
-        modal_stiffness=rng.uniform(50, 100, MODES),
-    )
-
-
 @cache
-def chain(count: int, kinds: tuple[str, ...], alike: bool = False) -> derive.SpatialScene:
-    """A chain of flexible bodies that hangs from the ground, with joints of these kinds in turn; all alike or none."""
-    turned = "rotation = { x = [0, 0, 1], z = [0, 1, 0] }"
-    parts = [
-        'name = "clouds"',
-        '[scene]\ngravity = [0.3, 0, -9.81]\nlowering = "instances"',
-        f"[ground.markers]\no = {{ at = [0.1, -0.2, 0.3], {turned} }}",
-    ]
-    with TemporaryDirectory() as folder:
-        for k in range(count):
-            file = Path(folder) / f"cloud_{0 if alike else k}.npz"
-            cloud(file, 0 if alike else k)
-            parts.append(
-                f'[bodies.link{k}]\nnodes = "{file}"\nunits = "SI"\nmarkers = {{ left = {{ nodes = [0, 1, 2] }}, '
-                f"right = {{ nodes = [6, 7, 8], {turned} }} }}"
-            )
-            end, kind = f"link{k - 1}.right" if k else "ground.o", kinds[k % len(kinds)]
-            parts.append(f'[joints.joint{k}]\nkind = "{kind}"\nbetween = ["{end}", "link{k}.left"]')
-        return parse("\n".join(parts))
-
-
-@cache
-def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes | None]]:
-    """A chain in loops, and what `constant_modes` returned for its bodies."""
+def lowered(
+    count: int, alike: bool = False, names: tuple[str, ...] = (*NAMES, *NEEDED)
+) -> tuple[Model, list[ConstantModes | None]]:
+    """A chain in loops with the functions of these names, and what `constant_modes` returned for its bodies."""
     returned: list[ConstantModes | None] = []
 
     def noted(*of: Any) -> ConstantModes | None:
@@ -98,7 +55,7 @@ def lowered(count: int, alike: bool = False) -> tuple[Model, list[ConstantModes 
 
     mechanism = derive.derive(chain(count, ("fixed",), alike))
     assert isinstance(mechanism, SpatialMechanism)
-    with only(*NAMES, *NEEDED), pytest.MonkeyPatch.context() as patch:
+    with only(*names), pytest.MonkeyPatch.context() as patch:
         patch.setattr("derive.lowering.instances.functions.local_system.constant_modes", noted)
         return lower_instances(mechanism, explicit=True), returned
 
@@ -117,19 +74,6 @@ def of_kinds(kinds: tuple[str, ...]) -> Model:
 @cache
 def summed(count: int, alike: bool = False) -> Model:
     return with_sums_over_modes(looped(count, alike))
-
-
-def state(kernel: Kernel) -> dict[str, list[float] | float]:
-    rng = np.random.default_rng(3)
-    return {a.name: 0.3 if a.scalar else rng.uniform(-0.3, 0.3, a.size).tolist() for a in kernel.arguments}
-
-
-def in_blocks(kernel: Kernel) -> tuple[Kernel, list[Node]]:
-    """A kernel with the tiles of its numbers, and its statements as they are printed."""
-    tables = numbers_of_instances(kernel.constants)
-    every_section = (nodes for section in kernel.sections for _, nodes in section_in_lanes(section.body))
-    nodes = [in_tiles(node, tables) for part in every_section for node in part]
-    return replace(kernel, constants=(*kernel.constants, *map(tiled, tables.values()))), nodes
 
 
 def is_load(line: Node) -> bool:
@@ -151,7 +95,7 @@ def loops_over_rows(model: Model, name: str) -> Iterator[For]:
 
 
 @pytest.mark.parametrize(
-    ("count", "alike"), [(3, False), *(pytest.param(*of, marks=LATER) for of in ((6, False), (3, True)))]
+    ("count", "alike"), [(3, False), *(pytest.param(*of, marks=pytest.mark.long) for of in ((6, False), (3, True)))]
 )
 def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
     """Of blocks of bodies that overlap, of fewer bodies than lanes, and of bodies that are alike."""
@@ -168,63 +112,16 @@ def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
     assert loops == [(6, MODES + 1), (3, MODES), (3, MODES)]
 
 
-def fractions(*row: int) -> tuple[Fraction, ...]:
-    return tuple(map(Fraction, row))
-
-
-def test_half_of_a_symmetric_matrix_of_factors_is_read() -> None:
-    """Matrices whose entries differ across the diagonal for one instance stay rows of a table."""
-    rows = [fractions(*row) for row in ((1, 2, 3, 4, 5, 6), (7, 8, 5, 6, 9, 10)) for _ in range(3)]
-    ((kind, found),) = matrices(rows, 2, 2, True)
-    assert (kind, len(found)) == (MatrixKind(2, 2, True), 3)
-    table = SymmetricTable("c", kind)
-    assert table.place([rows[0::3]]) == 0
-    assert table.array.values == fractions(1, 2, 7, 8, 3, 4, 5, 6, 9, 10)
-    rows[4] = fractions(7, 8, 5, 7, 9, 10)
-    assert not [*matrices(rows, 2, 2, True)]
-
-
-def test_constant_terms_that_are_factors_of_a_row_are_read_once() -> None:
-    """J has the factors C4, which are the constant terms of S; without one of the rows, each table has its own."""
-    rows = [fractions(k, *row) for row in ((3, 5), (5, 9)) for k in (1, 2, 4)]
-    offsets = [fractions(20 + k, k, k) for k in (1, 2, 4)]
-    ((kind, found),) = matrices([*rows, *offsets], 2, 1, True)
-    assert kind == MatrixKind(2, 1, True, has_row_of_offsets=True)
-    assert found[1] == [MatrixRow(1), MatrixRow(4), MatrixRow(7)]
-    table = SymmetricTable("c", kind)
-    table.place([[rows[1], rows[4], offsets[1]]])
-    assert table.array.values == fractions(2, 2, 22, 3, 5, 9)
-    ((without, _),) = matrices([*rows, *offsets[:2]], 2, 1, True)
-    assert not without.has_row_of_offsets
-    alike = [fractions(2 if row[0] == 1 else int(row[0]), *map(int, row[1:])) for row in rows]
-    ((without, _),) = matrices([*alike, *offsets], 2, 1, True)  # two with the constant terms 2, 2
-    assert not without.has_row_of_offsets
-
-
-def test_half_of_an_antisymmetric_matrix_of_factors_is_read() -> None:
-    """Rows may come in any order and with any signs; one entry that is not opposite leaves too few matrices."""
-    of_three = [[fractions(0, k, 2 * k), fractions(-k, 0, 3 * k), fractions(-2 * k, -3 * k, 0)] for k in (1, 4, 9)]
-    rows = [row for matrix in reversed(of_three) for row in reversed(matrix)]
-    rows[4] = tuple(-value for value in rows[4])
-    ((kind, found),) = matrices(rows, 3, 1, False)
-    assert kind == MatrixKind(3, 1, False, is_antisymmetric=True)
-    assert found[1] == [MatrixRow(5), MatrixRow(4, True), MatrixRow(3)]
-    table = SymmetricTable("c", kind)
-    table.place(of_three)
-    assert table.array.values == fractions(-1, -2, -3, -4, -8, -12, -9, -18, -27)
-    rows[3] = fractions(-8, -11, 0)
-    assert not [*matrices(rows, 3, 1, False)]
-
-
 def test_the_rows_of_a_body_alone_lie_beside_each_other() -> None:
     """The fifth of five bodies is in no vector of bodies: vectors have four of its rows."""
-    changed = summed(5)
+    model = lowered(5, names=("accel",))[0]
+    changed = with_sums_over_modes(model)
     rows = {loop.count for loop in loops_over_rows(changed, "accel")}
     assert rows == {12, 20, 36, 44}  # those of vectors of bodies have 12
     columns = [array for array in changed.kernel("accel").constants if array.name.startswith("columns_of_factors")]
     assert columns
     kernel = changed.kernel("accel")
-    expected, found = (interpret(model.kernel("accel"), state(kernel)) for model in (looped(5), changed))
+    expected, found = (interpret(of.kernel("accel"), state(kernel)) for of in (model, changed))
     assert np.abs(np.subtract(found["vdot"], expected["vdot"])).max() < 2e-13 * np.abs(expected["vdot"]).max()
 
 
@@ -275,7 +172,7 @@ def test_rows_that_are_written_out_have_the_bits_of_loops() -> None:
         assert not any(isinstance(item, Work) for s in other.statements if isinstance(s, ForEach) for item in s.body)
 
 
-@LATER
+@pytest.mark.long
 @pytest.mark.parametrize("kinds", [("fixed",), ("cylindrical",), KINDS])
 def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
     """Loops and straight-line code agree in states in which no constraint is met and all sections turn."""
@@ -283,7 +180,8 @@ def test_chains_of_bodies_with_many_modes(kinds: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize(
-    "kinds", [("fixed",), *(pytest.param(of, marks=LATER) for of in (("spherical", "fixed"), ("prismatic",)))]
+    "kinds",
+    [("fixed",), *(pytest.param(of, marks=pytest.mark.long) for of in (("spherical", "fixed"), ("prismatic",)))],
 )
 def test_a_joint_to_the_ground_has_the_code_of_those_between_bodies(kinds: tuple[str, ...]) -> None:
     """Its accelerations are those of M, h, G and gamma, which compute it by itself.
@@ -335,7 +233,7 @@ def test_rows_of_like_bodies_are_looped_by_themselves() -> None:
     assert chosen(replace(three, joints=(*three.joints, replace(three.joints[0], name="other")))) is None  # a loop
 
 
-@LATER
+@pytest.mark.long
 def test_c_computes_them_and_batches_have_its_bits() -> None:
     model = lower_instances(derive.derive(chain(6, ("fixed",))), explicit=True)
     scene = load_scene((*CBackend().files(model, ""),), QUICK)
@@ -349,7 +247,7 @@ def test_c_computes_them_and_batches_have_its_bits() -> None:
         assert getattr(scene, f"{name}_batch")(0.0, q, v, k).tobytes() == np.array(single).tobytes(), name
 
 
-@LATER
+@pytest.mark.long
 def test_c_computes_the_forms_of_chains_for_implicit_integrators() -> None:
     """Residuals and iteration matrices of all forms, in loops, as the interpreter computes them."""
     model = lower_instances(derive.derive(chain(3, ("revolute",))))

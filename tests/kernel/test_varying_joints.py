@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from both_lowerings import check, results
 from random_graphs import Graph, lowered
-from test_instance_graphs import check, results
 
 import derive
 

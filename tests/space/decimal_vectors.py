@@ -96,11 +96,6 @@ def of_quaternion(e: Array) -> Array:
     return ((s * s - u @ u) * identity(3) + 2 * np.outer(u, u) + 2 * s * skew(u)) / norm
 
 
-def quaternion_product(a: Array, b: Array) -> Array:
-    """The product of quaternions, scalars first."""
-    return np.array([a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:]))], dtype=object)
-
-
 def solved(matrix: Array, right: Array) -> Array:
     """The solution of linear equations, by elimination with pivots."""
     n = len(matrix)

@@ -13,8 +13,9 @@ import derive
 from derive.ir.analysis import operations
 from derive.ir.interpreter import interpret
 from derive.ir.kernel import Kernel
-from derive.lowering.flat.constraints import by_factors, right_hand_side
+from derive.lowering.flat.constraints import right_hand_side
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.kkt_matrix import by_factors
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.trees.accelerations import articulated_accelerations, by_articulated_bodies
 from derive.lowering.flat.trees.tree_dynamics import tree_dynamics

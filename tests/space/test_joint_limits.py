@@ -31,9 +31,6 @@ output = 0.25
 ORDERS = {1: 'ground.o", "wheel.o', -1: 'wheel.o", "ground.o'}
 
 
-OTHERS = ((1, "true"), (-1, "false"))
-
-
 @pytest.mark.parametrize(
     ("sign", "kept"), [(-1, "true"), (1, "false"), pytest.param(1, "true", marks=pytest.mark.long)]
 )

@@ -15,7 +15,7 @@ import derive
 from derive.artifacts import MARK
 from derive.cli.main import main
 from derive.lowering.elimination_orders import EliminationRule
-from derive.lowering.flat.constraints import DependentConstraints
+from derive.lowering.flat.kkt_matrix import DependentConstraints
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 from derive.study.frame_cost import _lowered

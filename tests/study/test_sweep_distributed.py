@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from distributed import Client, KilledWorker, LocalCluster
 from sweep_scenes import FLAG, SLIDER, kill_each_third_once, slider
 
 from derive.cli.main import main
@@ -17,6 +17,9 @@ from derive.study.sweep.executors import KILLS
 from derive.study.sweep.run import sweep
 from derive.study.sweep.samples import grid
 from derive.study.sweep.worker import Chunk, Outcome, run_chunk
+
+if TYPE_CHECKING:
+    from distributed import LocalCluster
 
 GRID = grid({"EI": [8, 12, 20], "speed": [100, 150, 170]})
 OUTPUTS = ("peak", "final:slider_s")
@@ -31,6 +34,8 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def cluster(killed: Path) -> Iterator[LocalCluster]:
     """Two worker processes."""
+    from distributed import LocalCluster
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(FLAG, str(killed))
         with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
@@ -39,6 +44,8 @@ def cluster(killed: Path) -> Iterator[LocalCluster]:
 
 @pytest.mark.long
 def test_killed_workers_lose_nothing(cluster: LocalCluster, killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from distributed import Client
+
     expected = sweep(slider(), GRID, OUTPUTS, workers=1)
     monkeypatch.setattr(executors, "run_chunk", kill_each_third_once)
     with Client(cluster) as client:
@@ -51,6 +58,8 @@ class KilledWorkers(Executor):
     """An executor that fails as a Dask client does when the workers of a task end repeatedly, but without delay."""
 
     def submit(self, function: object, /, chunk: Chunk, *_: object, **__: object) -> Future[tuple[Outcome, ...]]:  # type: ignore[override]
+        from distributed import KilledWorker
+
         future: Future[tuple[Outcome, ...]] = Future()
         if any(sample.number == 7 for sample in chunk.samples):
             future.set_exception(KilledWorker("a task", None, 3))  # type: ignore[arg-type]

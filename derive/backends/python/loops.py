@@ -5,13 +5,13 @@ In a matrix the last two axes are j and i. Scalars get axes of length one by `_l
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import assert_never
 
 from derive.backends.expression_text import PYTHON, Named, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, WIDTH, BreakableText, join, statement
-from derive.ir.expressions import Element, Ends, Expr, MatrixEntry, Number, ScalarRef, walk
+from derive.ir.expansion import ZERO
+from derive.ir.expressions import Element, Ends, Expr, MatrixEntry, ScalarRef, walk
 from derive.ir.indices import LANES, ElementIndex, variable
 from derive.ir.kernel import Argument
 from derive.ir.packing import Packing
@@ -33,7 +33,6 @@ from derive.ir.statements import (
 )
 
 Lines = list[SourceLine]
-ZERO = Number(Fraction(0))
 
 
 def assignment(name: str, value: str | BreakableText) -> list[str]:

@@ -14,13 +14,12 @@ from scipy.sparse import csr_array
 from derive.errors import Problem, SpecError
 from derive.fem.calculix.read import notes_on_mesh
 from derive.fem.entries import indices_of, read_rows, symmetric_from
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import text_or_fault
 from derive.fem.keyword_mesh import read_mesh
 from derive.fem.model import Array, FiniteElementModel, Indices
 from derive.fem.node_names import node_list
 from derive.fem.with_nodes import index_of, mesh_of_nodes, nodes_of_elements
 from derive.progress_line import show_progress
-from derive.spec.files.file_content import why_unreadable
 
 HOW_TO_WRITE = (
     "add four lines at the end of the input, for a body without supports, and run Abaqus again: *STEP, then "
@@ -70,11 +69,10 @@ def read_abaqus(path: Path) -> FiniteElementModel:
 def _matrix(path: Path, numbers: Indices, problems: list[Problem]) -> csr_array | None:
     """The matrix of a file, with the three displacements of each node together; None after a fault."""
     show_progress(f"reading {path.name} ...")
-    try:
-        text = read_text(path).replace(",", " ")
-    except (OSError, ValueError) as error:
-        problems.append(Problem(path.name, f"the file cannot be read: {why_unreadable(error)}"))
+    text = text_or_fault(path, problems, path.name)
+    if text is None:
         return None
+    text = text.replace(",", " ")
     first = next((line.split() for line in text.splitlines() if line.strip()), [])
     of_labels = len(first) == 5
     rows = read_rows(path, 5 if of_labels else 3, problems, text)

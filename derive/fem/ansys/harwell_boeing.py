@@ -10,9 +10,8 @@ from scipy.sparse import csc_array, csr_array
 
 from derive.errors import Problem
 from derive.fem.entries import symmetric_from
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import text_or_fault
 from derive.fem.model import Array
-from derive.spec.files.file_content import why_unreadable
 
 _FORMAT = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 """How many numbers a line holds, and how wide each is, in a format of Fortran such as (10I8) or (1P,4D20.12)."""
@@ -20,11 +19,10 @@ _FORMAT = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 
 def read_harwell_boeing(path: Path, problems: list[Problem]) -> csr_array | None:
     """The real matrix of a file, with both of its halves; None after a fault."""
-    try:
-        lines = read_text(path).splitlines()
-    except (OSError, ValueError) as error:
-        problems.append(Problem(path.name, f"the file cannot be read: {why_unreadable(error)}"))
+    text = text_or_fault(path, problems, path.name)
+    if text is None:
         return None
+    lines = text.splitlines()
     try:
         counts = [int(lines[1][k : k + 14] or 0) for k in range(0, 70, 14)]
         kind, sizes = lines[2][:3].upper(), [int(lines[2][k : k + 14]) for k in (14, 28, 42)]

@@ -14,12 +14,11 @@ from derive.errors import Problem, SpecError
 from derive.fem.ansys.archive import read_archive
 from derive.fem.ansys.harwell_boeing import read_harwell_boeing
 from derive.fem.calculix.read import notes_on_mesh
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import read_text, required_text
 from derive.fem.model import FiniteElementModel, Indices
 from derive.fem.node_names import node_list
 from derive.fem.with_nodes import MatricesOfNodes, in_order_of_nodes, mesh_of_nodes
 from derive.progress_line import show_progress
-from derive.spec.files.file_content import why_unreadable
 
 DIRECTIONS = {"UX": 0, "UY": 1, "UZ": 2}
 
@@ -27,11 +26,7 @@ DIRECTIONS = {"UX": 0, "UY": 1, "UZ": 2}
 def read_ansys(path: Path) -> FiniteElementModel:
     """The part of an archive, and of the matrices beside it. Raises SpecError with all faults."""
     problems: list[Problem] = []
-    try:
-        mesh = read_archive(read_text(path), problems)
-    except (OSError, ValueError) as error:
-        problems.append(Problem("", f"the file cannot be read: {why_unreadable(error)}"))
-        raise SpecError(tuple(problems), str(path)) from None
+    mesh = read_archive(required_text(path), problems)
     stem = path.stem
     files = {name: path.with_name(f"{stem}_{name}.matrix") for name in ("stiff", "mass")}
     mapping = path.with_name(f"{stem}_stiff.mapping")

@@ -14,11 +14,10 @@ from scipy.sparse import csr_array
 
 from derive.errors import Problem
 from derive.fem.entries import from_triangle, indices_of, read_rows
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import text_or_fault
 from derive.fem.model import Indices
 from derive.fem.with_nodes import MatricesOfNodes
 from derive.progress_line import show_progress
-from derive.spec.files.file_content import why_unreadable
 
 SUFFIXES = (".sti", ".mas", ".dof")
 
@@ -47,10 +46,8 @@ def read_matrices(job: Path, problems: list[Problem]) -> MatricesOfNodes | None:
 
 
 def _degrees_of_freedom(path: Path, problems: list[Problem]) -> tuple[Indices, Indices] | None:
-    try:
-        text = read_text(path)
-    except (OSError, ValueError) as error:
-        problems.append(Problem(path.name, f"the file cannot be read: {why_unreadable(error)}"))
+    text = text_or_fault(path, problems, path.name)
+    if text is None:
         return None
     rows = read_rows(path, 2, problems, text.replace(".", " "))
     if rows is None:

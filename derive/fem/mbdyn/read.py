@@ -12,11 +12,10 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from derive.errors import Problem, SpecError
-from derive.fem.keyword_file import read_text
+from derive.fem.keyword_file import required_text
 from derive.fem.model import Array, FiniteElementModel
 from derive.reduction.arithmetic import symmetric_part
 from derive.short_text import counted
-from derive.spec.files.file_content import why_unreadable
 
 HEADER, NODES, X, Y, Z, SHAPES, MASS, STIFFNESS, LUMPED = 1, 2, 5, 6, 7, 8, 9, 10, 11
 """The record groups that are read."""
@@ -27,11 +26,7 @@ NOT_READ = {3: "initial modal displacements", 4: "initial modal velocities", 12:
 def read_mbdyn(path: Path) -> FiniteElementModel:
     """The part of a file. Raises SpecError with all faults."""
     problems: list[Problem] = []
-    try:
-        groups = _groups(read_text(path))
-    except (OSError, ValueError) as error:
-        problem = Problem("", f"the file cannot be read: {why_unreadable(error)}")
-        raise SpecError((problem,), str(path)) from None
+    groups = _groups(required_text(path))
     header = [float(word) for word in groups.get(HEADER, []) if word.replace(".", "").isdigit()]
     if len(header) < 3:
         problems.append(Problem("RECORD GROUP 1", "the numbers of nodes and of modes are missing"))
@@ -78,9 +73,9 @@ def _groups(text: str) -> dict[int, list[str]]:
     for line in text.splitlines():
         heading = line.upper().replace(",", " ").split()
         if line.startswith("**"):
-            if "RECORD" in heading and "GROUP" in heading:
-                number = heading[heading.index("GROUP") + 1]
-                words = groups.setdefault(int(number), [])
+            number = heading[heading.index("GROUP") + 1 :][:1] if {"RECORD", "GROUP"} <= {*heading} else []
+            if number and number[0].isdecimal():
+                words = groups.setdefault(int(number[0]), [])
             continue
         words += line.split()
     return groups

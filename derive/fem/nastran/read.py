@@ -20,7 +20,7 @@ from derive.fem.nastran.mesh import read_bulk_mesh
 from derive.fem.node_names import node_list
 from derive.fem.with_nodes import index_of, mesh_of_nodes
 from derive.progress_line import show_progress
-from derive.spec.files.file_content import why_unreadable
+from derive.spec.files.file_content import unreadable
 
 NAMES = {"stiffness": ("KAAX", "KAA", "K2GG"), "mass": ("MAAX", "MAA", "M2GG")}
 """The names of the matrices; the first that is there counts."""
@@ -81,7 +81,7 @@ def _text(path: Path, problems: list[Problem], hint: str = "") -> str:
     try:
         return read_text(path)
     except (OSError, ValueError) as error:
-        text = f"the file cannot be read: {why_unreadable(error)}"
+        text = unreadable(error)
         problems.append(Problem(path.name, f"{text}; {hint}" if hint else text))
         return ""
 

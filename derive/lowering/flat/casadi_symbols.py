@@ -13,7 +13,7 @@ from functools import partial, reduce
 
 import casadi as ca
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Expr, Leaf, Number, Operation, Operator, ScalarRef, TableValue
 from derive.lowering.flat.shared_sums import SharedSums
 from derive.lowering.flat.term_order import FactorPlace, TermOrder
@@ -136,7 +136,7 @@ class Symbols:
         if expr.is_Symbol:
             return self.values[expr]
         if expr.is_Rational:
-            return self.number(Fraction(int(expr.p), int(expr.q)))
+            return self.number(fraction(expr))
         if expr.is_Add:
             return self._sum(expr)
         if expr.is_Mul or expr.is_Pow:
@@ -161,7 +161,7 @@ class Symbols:
         x, x0, x1, order = expr.args
         difference = x1 - x0
         exact = difference.is_Rational
-        width = self._exact(Fraction(int(difference.p), int(difference.q))) if exact else self(difference)
+        width = self._exact(fraction(difference)) if exact else self(difference)
         s = ca.fmin(ca.fmax((self(x) - self(x0)) / width, 0), 1)
         return _smooth_polynomial(s, width, int(order))
 
@@ -223,7 +223,7 @@ def _argument(expr: sp.Expr) -> Expr:
     if expr.is_Symbol:
         return ScalarRef(expr.name)
     if expr.is_Rational:
-        return Number(Fraction(int(expr.p), int(expr.q)))
+        return Number(fraction(expr))
     if expr.is_Add or expr.is_Mul:
         kind = Operator.ADD if expr.is_Add else Operator.MUL
         return reduce(

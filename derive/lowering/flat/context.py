@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from itertools import chain
 
 import casadi as ca
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Number, ScalarRef
 from derive.ir.kernel import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
@@ -155,11 +154,7 @@ class Context:
         symbols = Symbols(frozenset(row.v for row in eq.rows), rotation_symbols(eq.definitions), eq.name, self.sums)
         for c in self.coefficients:
             value = c.value
-            leaf = (
-                Number(representable(Fraction(int(value.p), int(value.q))))
-                if value.is_Rational
-                else ScalarRef(str(c.symbol))
-            )
+            leaf = Number(representable(fraction(value))) if value.is_Rational else ScalarRef(str(c.symbol))
             symbols.input(c.symbol, leaf)
         return symbols
 

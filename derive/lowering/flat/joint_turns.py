@@ -15,7 +15,8 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import RequiredValue
 from derive.lowering.ldlt import VANISHING
-from derive.lowering.relative_rotations import InertialRotations, RelativeElimination, RelativeTurn, Triple, Vector
+from derive.lowering.relative_rotations import InertialRotations, RelativeElimination, RelativeTurn, Triple
+from derive.lowering.vectors import Vector
 from derive.mechanics.symbols import identity
 from derive.mechanics.terms import ConstrainedFrame, Constraint
 

@@ -11,6 +11,7 @@ from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.kkt_matrix import kkt
 from derive.lowering.flat.motion_quantities import (
     QUANTITIES,
     requested_derivatives,
@@ -21,13 +22,14 @@ from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, wi
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.model_tables import (
+    coordinate_variables,
     eliminated_parts,
     marker_variables,
     multiplier_variables,
     named_splines,
     parameter_variables,
     port_variables,
-    symbol_variable,
+    velocity_variables,
 )
 from derive.lowering.requested_functions import JACOBIANS, requested_functions
 from derive.lowering.terms import model_terms
@@ -99,13 +101,12 @@ def lower(
     kernels = tuple(_kernels(context, every, implementations))
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
-    coordinates = equations.coordinates
     model = Model(
         name=equations.name,
         doc=equations.doc,
         frame_doc=equations.frame_doc,
-        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in coordinates),
-        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in equations.rows),
+        coordinates=coordinate_variables(equations.coordinates),
+        velocities=velocity_variables(equations.rows),
         equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in equations.rows),
         parameters=parameter_variables(equations.parameters),
         constants=constants,
@@ -121,7 +122,7 @@ def lower(
         proximal=proximal,
         requested=tuple(requested),
         in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
-        kkt=constraints.kkt(context) if scene else None,
+        kkt=kkt(context) if scene else None,
         eliminated=eliminated_parts(equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )

@@ -8,12 +8,11 @@ share, take fewer operations. Dense S are sums of a table instead, see `derive.i
 from __future__ import annotations
 
 from collections import Counter
-from fractions import Fraction
 from functools import reduce
 
 import casadi as ca
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.linear_forms import FEWEST_FACTORS
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied
 from derive.lowering.flat.context import Context
@@ -54,5 +53,5 @@ def _value(symbols: Symbols, form: sp.Expr, varying: Counter[sp.Expr]) -> ca.SX:
 def _term(symbols: Symbols, term: sp.Expr) -> ca.SX:
     """A number times the product of amplitudes, which is computed once for all terms that have it."""
     number, product = term.as_coeff_Mul()
-    value = symbols.number(Fraction(int(number.p), int(number.q)))
+    value = symbols.number(fraction(number))
     return value if product == 1 else multiplied(value, symbols(product))

@@ -19,9 +19,9 @@ from derive.algebra import sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import by_factors
 from derive.lowering.flat.context import Context, array_input, stores
 from derive.lowering.flat.frame_loads import acceleration_residual, reactions
+from derive.lowering.flat.kkt_matrix import by_factors
 from derive.lowering.flat.schedule import Step
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations

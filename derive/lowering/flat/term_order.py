@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.lowering.flat.shared_sums import SharedSums
 
 
@@ -102,7 +102,7 @@ class TermOrder:
             root = not exponent.is_Integer
             count = abs(int(2 * exponent if root else exponent))
             factors.append((base, above if exponent > 0 else FactorPlace.BELOW, root, count))
-        magnitude = abs(Fraction(int(weight.p), int(weight.q)))
+        magnitude = abs(fraction(weight))
         once = (base for base, _, root, count in factors if count == 1 and not root)
         doubled = self.shared.doubled_product(once) if magnitude == 2 else None
         return OrderedProduct(weight < 0, magnitude if doubled is None else Fraction(1), factors, doubled)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from itertools import chain
 
@@ -23,19 +23,24 @@ from derive.lowering.instances.functions import (
 from derive.lowering.instances.functions.markers import Markers
 from derive.lowering.instances.functions.sensitivities import parameter_jacobian
 from derive.lowering.instances.loop_code.context import InstanceContext, idle_rows
+from derive.lowering.instances.places import Places
 from derive.lowering.instances.zeros_of_kinds import vanished_of_kinds, zeros_of_kinds
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.model_tables import (
+    coordinate_variables,
     eliminated_parts,
     multiplier_variables,
     named_splines,
     parameter_variables,
     port_variables,
     symbol_variable,
+    velocity_variables,
 )
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.space.mechanism import AnyMechanism, SpatialMechanism
 from derive.mechanics.symbols import Family, identity
+from derive.mechanics.terms import Constraint
+from derive.spec.model.time_function import Spline
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: body_functions.mass,
@@ -80,40 +85,57 @@ def lower_instances(
     made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
     functions = functions_of(named, sensitivities, explicit, balanced)
     kernels = tuple(made[function.kind](context, function) for function in functions)
-    setup, constants = _setup(context, kernels)
+    setup = _setup(context, kernels)
     for of in context.codes:
         of.add_numbers()
-    scene, conditions = mechanism.scene, context.conditions
-    return Model(
-        name=scene.name,
-        doc=mechanism.doc(conditions),
-        frame_doc=mechanism.frame_doc(by_table=True),
-        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
-        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
-        equations=rows_for_people(mechanism),
-        parameters=parameter_variables(mechanism.parameters),
-        constants=constants,
-        kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=(),
+    return replace(
+        looped_model(mechanism, context.conditions, equations.splines, setup, kernels, context.places),
         zeros=zeros_of_kinds(context.classes),
         vanished=vanished_of_kinds(context.classes),
-        lowering="instances",
         proximal=context.proximal,
         choice=choice,
-        multipliers=multiplier_variables(conditions),
-        splines=named_splines(scene.name, equations.splines),
-        bodies=tuple(instance.name for instance in mechanism.instances),
         inputs=port_variables(equations.inputs),
         outputs=port_variables(context.output_components),
         eliminated=eliminated_parts(
             (*mechanism.eliminated, *(o for c in context.classes for o in c.context.equations.eliminated))
         ),
         marker_classes=markers.classes,
+    )
+
+
+def looped_model(
+    mechanism: AnyMechanism,
+    conditions: tuple[Constraint, ...],
+    splines: Iterable[Spline],
+    setup: tuple[Kernel, tuple[Variable, ...]],
+    kernels: Iterable[Kernel],
+    places: Places,
+) -> Model:
+    """The model of a mechanism in loops, with what all of them have; setup: its kernel, and the constants."""
+    first, constants = setup
+    name = mechanism.scene.name
+    return Model(
+        name=name,
+        doc=mechanism.doc(conditions),
+        frame_doc=mechanism.frame_doc(by_table=True),
+        coordinates=coordinate_variables(mechanism.coordinates),
+        velocities=velocity_variables(mechanism.rows),
+        equations=_rows_for_people(mechanism),
+        parameters=parameter_variables(mechanism.parameters),
+        constants=constants,
+        kernels=(first, *(_with_constants(kernel, constants, places.arrays) for kernel in kernels)),
+        markers=(),
+        zeros=(),
+        vanished=(),
+        lowering="instances",
+        multipliers=multiplier_variables(conditions),
+        splines=named_splines(name, splines),
+        bodies=tuple(instance.name for instance in mechanism.instances),
         in_space=isinstance(mechanism, SpatialMechanism),
     )
 
 
-def rows_for_people(mechanism: AnyMechanism) -> tuple[Variable, ...]:
+def _rows_for_people(mechanism: AnyMechanism) -> tuple[Variable, ...]:
     """The equations of motion, with names for people: those of coordinates, or of the virtual rotations of bodies."""
     shown = {str(c.q): symbol_variable(c.q, "", "").shown for c in mechanism.coordinates}
     for of in (replace(identity(row.v), family=Family.VIRTUAL_ROTATION) for row in mechanism.rows):
@@ -165,7 +187,7 @@ def _names(expr: Expr) -> set[str]:
     return {part.name for part in walk(expr) if isinstance(part, ScalarRef)}
 
 
-def with_constants(kernel: Kernel, constants: tuple[Variable, ...], arrays: Mapping[str, ConstantArray]) -> Kernel:
+def _with_constants(kernel: Kernel, constants: tuple[Variable, ...], arrays: Mapping[str, ConstantArray]) -> Kernel:
     """A kernel with the constant arrays that it reads, and with the names of the constants in its argument k."""
     used, names = kernel.used, tuple(c.name for c in constants)
     arguments = tuple(replace(a, elements=names) if a.name == "k" else a for a in kernel.arguments)

@@ -138,12 +138,12 @@ class LoopContext:
     def _c8_diagonal(self) -> sp.Expr:
         return quantity(Family.C8, shapes=(I,)) if self.c8 is TableKind.DIAGONAL else sp.S.One
 
-    def force_wants(self, output: str = "h") -> tuple[list[Scalar], list[IndexedStore]]:
+    def force_wants(self) -> tuple[list[Scalar], list[IndexedStore]]:
         """The scalars and the loop over the shapes that store h, row by row."""
         scalars: list[Scalar] = [
-            (Store(output, r, NOTHING), self.at_rest(self.left[name])) for r, name in enumerate(self.rows)
+            (Store("h", r, NOTHING), self.at_rest(self.left[name])) for r, name in enumerate(self.rows)
         ]
-        rows: list[IndexedStore] = [(StoreStrided(output, RIGID, 1, NOTHING), self.at_rest(self.left[SHAPE]))]
+        rows: list[IndexedStore] = [(StoreStrided("h", RIGID, 1, NOTHING), self.at_rest(self.left[SHAPE]))]
         return scalars, rows
 
     def shapes_of_mass(self) -> tuple[Section, ...]:

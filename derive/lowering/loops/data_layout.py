@@ -8,11 +8,10 @@ four, and scalars come last.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import numpy as np
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Element, Expr, Number, ScalarRef
 from derive.ir.indices import padded, variable
 from derive.ir.kernel import Argument, Kernel, Output, Section, View
@@ -99,7 +98,7 @@ def layout(eq: IndexedEquations) -> DataLayout:
     scalars: dict[sp.Symbol, Number | ScalarRef] = {}
     for c in _scalars(eq):
         number = c.value.is_Rational
-        scalars[c.symbol] = Number(Fraction(int(c.value.p), int(c.value.q))) if number else ScalarRef(str(c.symbol))
+        scalars[c.symbol] = Number(fraction(c.value)) if number else ScalarRef(str(c.symbol))
     for t in kept:
         if not t.counted:
             scalars |= {symbol: ScalarRef(symbol.name) for symbol in t.generic_entries}

@@ -20,9 +20,10 @@ from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement
 from derive.lowering.instances.loop_code.kernels import ZERO, Part
 from derive.lowering.instances.places import Place
+from derive.lowering.trees.joint_axes import joint_axes
 from derive.lowering.trees.link_loop import LinkLoop, opposite
-from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
-from derive.lowering.trees.vectors import (
+from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, axis, matrix
+from derive.lowering.vectors import (
     Matrix,
     Vector,
     after_cross,
@@ -122,11 +123,6 @@ def carried(motion: TreeMotion, loop: LinkLoop, here: Place) -> tuple[Matrix, Ma
     return m, h, j, plus(behind[P : P + 3], needed[:3]), plus(behind[P + 3 :], needed[3:])
 
 
-def axis(loop: LinkLoop, here: Place) -> Vector:
-    """The axis of each link."""
-    return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
-
-
 def _forward(motion: TreeMotion, gravity: Sequence[Expr], target: str, on_free: str) -> list[Statement]:
     """The accelerations of all links, with a ground that accelerates upward, and those of the coordinates."""
     upward = [*map(opposite, gravity)]
@@ -141,16 +137,13 @@ def _forward(motion: TreeMotion, gravity: Sequence[Expr], target: str, on_free: 
 def _of_joints(motion: TreeMotion, target: str) -> ForEach:
     loop = motion.loop("forward", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
-    e, r = axis(loop, here), loop.vector(LEVER, here)
-    turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
-    a, alpha = loop.vector(FOUND, before), loop.vector(FOUND, before, first=3)
-    c, gamma = loop.vector(BIAS, here), loop.vector(BIAS, here, first=3)
-    follows = loop.number(lambda of: of.follows)
-    a, alpha = plus(a, cross(alpha, r), c), plus(scaled(follows, alpha), gamma)
+    joint = joint_axes(loop, here)
+    a, alpha = joint.carried(loop.vector(FOUND, before), loop.vector(FOUND, before, first=3))
+    a, alpha = plus(a, loop.vector(BIAS, here)), plus(alpha, loop.vector(BIAS, here, first=3))
     *share, inverse, known = loop.vector(SHARE, here, 8)
     vdot = known - inverse * dot(share, [*a, *alpha])
     loop.require(Requirement.FINITE, vdot, ReturnCode.NOT_FINITE, "a result is not finite")
-    loop.store_vector(FOUND, here, [*plus(a, scaled(advances * vdot, e)), *plus(alpha, scaled(turns * vdot, e))])
+    loop.store_vector(FOUND, here, joint.moved(a, alpha, vdot))
     loop.store(target, motion.row(loop), vdot)
     return loop.made()
 

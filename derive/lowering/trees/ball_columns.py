@@ -16,7 +16,7 @@ from derive.ir.statements import ForEach
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.links import Tree
 from derive.lowering.trees.motion import FRAME, ORIGIN, TreeMotion, matrix
-from derive.lowering.trees.vectors import Vector, applied, cross, dot, plus, scaled, transposed
+from derive.lowering.vectors import Vector, applied, cross, dot, plus, scaled, transposed
 
 TWIST, MOMENTUM = "twist", "momentum_of"
 """The arrays of unit motions of rows, and of the momenta by them."""

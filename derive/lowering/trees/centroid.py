@@ -21,7 +21,7 @@ from derive.lowering.trees.exact_numbers import Exact
 from derive.lowering.trees.invariants import of_links
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.motion import FRAME, INERTIA, MOMENT, ORIGIN, TreeMotion, matrix
-from derive.lowering.trees.vectors import Vector, applied, cross, minus, plus, scaled, symmetric, transposed
+from derive.lowering.vectors import Vector, applied, cross, minus, plus, scaled, symmetric, transposed
 
 SUMS = "sums"
 """The local array of the linear momentum, the angular momentum about the inertial origin, and the first moment."""

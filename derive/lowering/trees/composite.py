@@ -15,11 +15,10 @@ from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Entry, ForEach, InstanceItem, Statement, StoreElement
 from derive.lowering.instances.loop_code.kernels import Part
-from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.ball_columns import MOMENTUM, TWIST, by_pairs, unit_motion
 from derive.lowering.trees.link_loop import LINK, LinkLoop
-from derive.lowering.trees.motion import FRAME, INERTIA, LEVER, MOMENT, ORIGIN, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, dot, packed, plus, scaled, symmetric, transposed
+from derive.lowering.trees.motion import FRAME, INERTIA, LEVER, MOMENT, ORIGIN, TreeMotion, axis, matrix
+from derive.lowering.vectors import applied, cross, dot, packed, plus, scaled, symmetric, transposed
 
 HEAP = "composite"
 """The array of mass, first moment and inertia behind links."""
@@ -92,7 +91,7 @@ def _heaps(motion: TreeMotion) -> ForEach:
     s, tensor = scaled(follows, s), scaled(follows, tensor)
     moved = plus(s, scaled(mass, r))
     g = plus(s, moved)
-    trace = r[0] * g[0] + r[1] * g[1] + r[2] * g[2]
+    trace = dot(r, g)
     change = [[(trace if i == j else 0 * mass) - (r[i] * g[j] + r[j] * g[i]) / 2 for j in range(3)] for i in range(3)]
     loop.store_vector(HEAP, before, [mass, *moved, *plus(tensor, packed(change))], operator=Operator.ADD)
     return loop.made(backward=True)

@@ -23,7 +23,7 @@ from derive.lowering.trees.link_frames import CARRIED, frame_motion
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.motion import FRAME, ORIGIN, TreeMotion, matrix
 from derive.lowering.trees.newton_euler import carried_accelerations
-from derive.lowering.trees.vectors import applied, cross, plus, scaled, transposed
+from derive.lowering.vectors import applied, cross, plus, scaled, transposed
 from derive.mechanics.terms import Constraint
 
 EXERTED = "exerted"

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import TypeAlias
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 
 Exact: TypeAlias = "Fraction | sp.Expr"
 """An exact number, or an expression of parameters."""
@@ -19,7 +19,7 @@ ZERO = Fraction(0)
 def exact(value: object, numbers: Mapping[sp.Symbol, sp.Expr] | None = None) -> Exact:
     """An exact number, or an expression of parameters; numbers: the values of constants."""
     expr = sp.sympify(value).xreplace(numbers or {})
-    return Fraction(int(expr.p), int(expr.q)) if expr.is_Rational else expr
+    return fraction(expr) if expr.is_Rational else expr
 
 
 def product(a: Matrix, b: Matrix) -> Matrix:

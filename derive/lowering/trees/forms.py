@@ -9,13 +9,13 @@ from derive.ir.kernel import Argument
 from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.instances.loop_code.kernels import ZERO, Part, whole
 from derive.lowering.trees import invariants
-from derive.lowering.trees.articulated import axis
 from derive.lowering.trees.condition_loops import ConditionLoops
+from derive.lowering.trees.joint_axes import joint_axes
 from derive.lowering.trees.link_frames import CARRIED
-from derive.lowering.trees.motion import FRAME, LEVER, NEEDED, TreeMotion, matrix
+from derive.lowering.trees.motion import FRAME, NEEDED, TreeMotion, matrix
 from derive.lowering.trees.newton_euler import carried_accelerations, free_accelerations, newton_euler
 from derive.lowering.trees.tree_context import TreeContext
-from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
+from derive.lowering.vectors import applied, transposed
 
 HELD, CORRECTED = "held", "corrected"
 """The arrays of what multipliers exert on links, and of v - G^T mu."""
@@ -109,11 +109,10 @@ class TreeForm:
         loop = motion.loop("corrected", motion.joints)
         here, before = loop.of_links(), loop.of_parents()
         f, n = loop.vector(HELD, here), loop.vector(HELD, here, first=3)
-        e, r, follows = axis(loop, here), loop.vector(LEVER, here), loop.number(lambda of: of.follows)
-        turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
-        value = motion.velocity(loop) + (advances * dot(e, f) + turns * dot(e, n))
+        joint = joint_axes(loop, here)
+        value = motion.velocity(loop) + joint.along(f, n)
         loop.store(CORRECTED, motion.row(loop), value)
-        loop.store_vector(HELD, before, [*f, *plus(scaled(follows, n), cross(r, f))], operator=Operator.ADD)
+        loop.store_vector(HELD, before, joint.passed(f, n), operator=Operator.ADD)
         return loop.made(backward=True)
 
     @staticmethod

@@ -14,7 +14,7 @@ from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.links import BodyPlace
 from derive.lowering.trees.motion import FRAME, INERTIA, MOMENT, ORIGIN, SPEED, SPIN, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, dot, plus, product, scaled, symmetric
+from derive.lowering.vectors import applied, cross, dot, plus, product, scaled, symmetric
 
 POSE = 12
 """The numbers of the pose of a body: its position, and its rotation tensor by rows."""

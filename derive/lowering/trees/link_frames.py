@@ -9,7 +9,7 @@ import casadi as ca
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.links import BodyPlace
 from derive.lowering.trees.motion import FRAME, ORIGIN, SPEED, SPIN, matrix
-from derive.lowering.trees.vectors import applied, cross, plus, product
+from derive.lowering.vectors import applied, cross, plus, product
 
 CARRIED = "carried"
 """The array of accelerations of links without those of coordinates."""

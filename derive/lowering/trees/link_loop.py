@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import casadi as ca
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import LANES, ElementIndex, IndexTerm, constant
 from derive.ir.kernel import ConstantArray
@@ -127,7 +127,7 @@ class LinkLoop:
         if isinstance(number, int | Fraction):
             return self.symbols.number(Fraction(number))
         if number.is_Rational:
-            return self.symbols.number(Fraction(int(number.p), int(number.q)))
+            return self.symbols.number(fraction(number))
         return self.scalar(self.arrays.parametric.setdefault(number, f"of_parameters_{len(self.arrays.parametric)}"))
 
     def leaf(self, leaf: Expr) -> ca.SX:

@@ -16,16 +16,12 @@ from derive.lowering.flat.lower import FORMED, OF_BODIES, OF_MECHANISMS
 from derive.lowering.flat.motion_quantities import with_mass_reciprocal
 from derive.lowering.flat.sensitivities import with_derivatives
 from derive.lowering.flat.setup import setup_kernel
-from derive.lowering.instances.lower import rows_for_people, with_constants
+from derive.lowering.instances.lower import looped_model
 from derive.lowering.model_functions import FunctionKind, functions_of
 from derive.lowering.model_tables import (
     eliminated_parts,
     marker_variables,
-    multiplier_variables,
-    named_splines,
-    parameter_variables,
     port_variables,
-    symbol_variable,
 )
 from derive.lowering.requested_functions import requested_functions
 from derive.lowering.trees import joint_outputs
@@ -129,31 +125,14 @@ def lower_trees(
             )
         if function.kind in FORMED and not context.multipliers:
             forms[function.kind] = kernels[-1]
-    setup, constants = setup_kernel(_with_parameters(context, others or context.known.context), kernels)
-    scene = mechanism.scene
-    inputs = context.known.context.equations.inputs
-    return Model(
-        name=scene.name,
-        doc=mechanism.doc(context.conditions.every),
-        frame_doc=mechanism.frame_doc(by_table=True),
-        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
-        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
-        equations=rows_for_people(mechanism),
-        parameters=parameter_variables(mechanism.parameters),
-        constants=constants,
-        kernels=(setup, *(with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
+    setup = setup_kernel(_with_parameters(context, others or context.known.context), kernels)
+    return replace(
+        looped_model(mechanism, context.conditions.every, equations.splines, setup, kernels, context.places),
         markers=marker_variables(equations.markers) if others else (),
         marker_classes=markers_of(context).classes if equations.markers and not others else (),
-        zeros=(),
-        vanished=(),
-        lowering="instances",
         choice=choice,
-        multipliers=multiplier_variables(context.conditions.every),
-        splines=named_splines(scene.name, equations.splines),
-        bodies=tuple(instance.name for instance in mechanism.instances),
-        inputs=port_variables(inputs),
+        inputs=port_variables(context.known.context.equations.inputs),
         outputs=port_variables(equations.outputs),
         eliminated=eliminated_parts(mechanism.eliminated),
         requested=tuple(requested),
-        in_space=True,
     )

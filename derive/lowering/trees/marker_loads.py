@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Element, Number, Operator, ScalarRef
 from derive.ir.indices import constant
 from derive.ir.statements import Statement, StoreElement, Work
 from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.links import BodyPlace, Tree, marker_place
 from derive.lowering.trees.motion import FRAME, NEEDED, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, plus, scaled
+from derive.lowering.vectors import applied, cross, plus, scaled
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Intermediate
@@ -93,11 +93,7 @@ def acting(motion: TreeMotion, of: MarkerLoads) -> list[Statement]:
     result: list[Statement] = [Work(VALUES, 3 * len(of.names))]
     for n, (name, values) in enumerate(zip(of.names, of.components, strict=True)):
         for k, value in enumerate(values):
-            leaf = (
-                Number(Fraction(int(value.p), int(value.q)))
-                if value.is_Rational
-                else ScalarRef(str(_symbol(name, k + 1)))
-            )
+            leaf = Number(fraction(value)) if value.is_Rational else ScalarRef(str(_symbol(name, k + 1)))
             result.append(StoreElement(Element(VALUES, constant(3 * n + k)), leaf))
     return [*result, _loop(motion, of.loads).made()]
 

@@ -24,7 +24,7 @@ from derive.lowering.trees.link_loop import LinkLoop
 from derive.lowering.trees.links import BodyPlace, Tree, marker_place
 from derive.lowering.trees.motion import NEEDED, TreeMotion
 from derive.lowering.trees.row_loads import acts_between_frames
-from derive.lowering.trees.vectors import cross, plus
+from derive.lowering.vectors import cross, plus
 from derive.mechanics.multibody.space.actions import loads_of
 from derive.mechanics.multibody.space.forces import ActionLoads
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint

@@ -20,12 +20,12 @@ from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.instances.loop_code.kernels import ZERO, Part, Result, kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction
-from derive.lowering.trees.articulated import axis
+from derive.lowering.trees.joint_axes import joint_axes
 from derive.lowering.trees.link_loop import LINK, LinkLoop
 from derive.lowering.trees.links import BodyPlace, marker_in_body
-from derive.lowering.trees.motion import FRAME, LEVER, ORIGIN, SPEED, SPIN, STILL, TreeMotion, matrix
+from derive.lowering.trees.motion import FRAME, ORIGIN, SPEED, SPIN, STILL, TreeMotion, matrix
 from derive.lowering.trees.tree_context import TreeContext
-from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
+from derive.lowering.vectors import applied, cross, dot, plus, transposed
 from derive.mechanics.axes import AXES
 from derive.mechanics.terms import MarkerEquations
 from derive.spec.model.instances import identifier, joined
@@ -151,13 +151,11 @@ def _jacobian(motion: TreeMotion, of: TreeMarkers) -> Iterator[Statement]:
     if motion.joints:
         loop = motion.loop("marker_jacobian", motion.joints)
         here, before = loop.of_links(), loop.of_parents()
-        e, r, follows = axis(loop, here), loop.vector(LEVER, here), loop.number(lambda of: of.follows)
-        turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
+        joint = joint_axes(loop, here)
         for k in range(3):
             f, n = loop.vector(UNITS, here, first=6 * k), loop.vector(UNITS, here, first=6 * k + 3)
-            _store(motion, loop, 0, k, advances * dot(e, f) + turns * dot(e, n))
-            passed = [*f, *plus(scaled(follows, n), cross(r, f))]
-            loop.store_vector(UNITS, before, passed, first=6 * k, operator=Operator.ADD)
+            _store(motion, loop, 0, k, joint.along(f, n))
+            loop.store_vector(UNITS, before, joint.passed(f, n), first=6 * k, operator=Operator.ADD)
         yield loop.made(backward=True)
     if motion.free:
         loop = motion.loop("free_marker_jacobian", motion.free)

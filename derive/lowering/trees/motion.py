@@ -20,13 +20,15 @@ from derive.ir.indices import ElementIndex, constant
 from derive.ir.statements import ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.attitude import ZERO_QUATERNION
 from derive.lowering.instances.loop_code.kernels import Part
+from derive.lowering.instances.places import Place
 from derive.lowering.trees.link_loop import LinkArrays, LinkLoop
 from derive.lowering.trees.links import TURNED, UNIT, LinkInertia, Tree
-from derive.lowering.trees.vectors import (
+from derive.lowering.vectors import (
     Matrix,
     Vector,
     applied,
     cross,
+    dot,
     packed,
     plus,
     product,
@@ -165,8 +167,8 @@ class TreeMotion:
         """Yield the loops of the frames of balls, of those of other links, and of what these and balls hang on."""
         loop = self.loop("ball_frames", self.balls)
         columns = transposed(self._of_quaternion(loop, 0))
-        for axis, turn in TURNED.items():
-            here = loop.place(f"slot_{axis}", [self.arrays.slot(n + axis) for n in loop.links], self.arrays.spacing)
+        for number, turn in TURNED.items():
+            here = loop.place(f"slot_{number}", [self.arrays.slot(n + number) for n in loop.links], self.arrays.spacing)
             turned = [columns[[row[k] for row in turn].index(1)] for k in range(3)]
             loop.store_vector(FRAME, here, [x for row in transposed(turned) for x in row])
         yield loop.made(independent=True)
@@ -179,8 +181,7 @@ class TreeMotion:
         if moving or placed:
             loop = self.loop("carried_frames", self.joints)
             here = loop.of_links()
-            e = [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
-            self._carried(loop, e, loop.vector(LEVER, here), moving, placed)
+            self._carried(loop, axis(loop, here), loop.vector(LEVER, here), moving, placed)
             yield loop.made()
 
     def _of_quaternion(self, loop: LinkLoop, first: int) -> Matrix:
@@ -233,7 +234,7 @@ class TreeMotion:
         moment = applied(Q, loop.numbers(lambda of: of.inertia.moment))
         own = loop.matrix(lambda of: of.inertia.tensor)
         half = product(Q, own)
-        tensor = packed([[sum_of(a, b) for b in Q] for a in half])
+        tensor = packed([[dot(a, b) for b in Q] for a in half])
         loop.store_vector(MOMENT, here, moment)
         loop.store_vector(INERTIA, here, tensor)
         if moving:
@@ -245,7 +246,7 @@ class TreeMotion:
     def _bias(self, loop: LinkLoop) -> None:
         here, before = loop.of_links(), loop.of_parents()
         w, lever = loop.vector(SPIN, before), loop.vector(LEVER, here)
-        e, v = [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)], self.velocity(loop)
+        e, v = axis(loop, here), self.velocity(loop)
         across = cross(w, e)
         c = cross(w, cross(w, lever))
         advances = loop.number(lambda of: of.advances)
@@ -255,14 +256,14 @@ class TreeMotion:
         loop.store_vector(BIAS, here, [*c, *scaled(relative * v, across)])
 
 
+def axis(loop: LinkLoop, here: Place) -> Vector:
+    """The axis of each link."""
+    return [loop.element(FRAME, here.at(3 * i + 2)) for i in range(3)]
+
+
 def matrix(entries: Sequence[ca.SX]) -> Matrix:
     """The matrix with these entries by rows."""
     return [list(entries[3 * i : 3 * i + 3]) for i in range(3)]
-
-
-def sum_of(a: Sequence[ca.SX], b: Sequence[ca.SX]) -> ca.SX:
-    """The scalar product of two rows."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def of_quaternion(p: Vector) -> Matrix:

@@ -9,10 +9,10 @@ import casadi as ca
 from derive.ir.expressions import Expr, Operator
 from derive.ir.statements import ForEach, Statement
 from derive.lowering.instances.loop_code.kernels import ZERO, Part
-from derive.lowering.trees.articulated import axis
+from derive.lowering.trees.joint_axes import joint_axes
 from derive.lowering.trees.link_loop import LinkLoop, opposite
-from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, symmetric, transposed
+from derive.lowering.trees.motion import BIAS, FRAME, INERTIA, LEVER, MOMENT, NEEDED, TreeMotion, axis, matrix
+from derive.lowering.vectors import applied, cross, plus, scaled, symmetric, transposed
 
 FOUND, FORCE = "acceleration", "force"
 """The arrays of the accelerations of links, and of the forces and torques that they need with all behind them."""
@@ -96,15 +96,12 @@ def _summed(motion: TreeMotion, target: Given, applied_forces: str) -> ForEach:
     loop = motion.loop("summed", motion.joints)
     here, before = loop.of_links(), loop.of_parents()
     f, n = loop.vector(FORCE, here), loop.vector(FORCE, here, first=3)
-    e, r = axis(loop, here), loop.vector(LEVER, here)
-    turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
-    value = advances * dot(e, f) + turns * dot(e, n)
-    row = motion.row(loop)
+    joint = joint_axes(loop, here)
+    value, row = joint.along(f, n), motion.row(loop)
     if applied_forces:
         value = value - loop.element(applied_forces, row)
     loop.store(target[0], row.plus(target[1]), value)
-    follows = loop.number(lambda of: of.follows)
-    loop.store_vector(FORCE, before, [*f, *plus(scaled(follows, n), cross(r, f))], operator=Operator.ADD)
+    loop.store_vector(FORCE, before, joint.passed(f, n), operator=Operator.ADD)
     return loop.made(backward=True)
 
 

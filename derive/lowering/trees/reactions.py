@@ -28,10 +28,11 @@ from derive.ir.statements import (
 )
 from derive.lowering.instances.loop_code.kernels import ZERO
 from derive.lowering.ldlt import VANISHING
-from derive.lowering.trees.articulated import SHARE, axis, carried, solved
+from derive.lowering.trees.articulated import SHARE, carried, solved
+from derive.lowering.trees.joint_axes import joint_axes
 from derive.lowering.trees.link_loop import LinkLoop
-from derive.lowering.trees.motion import FRAME, LEVER, TreeMotion, matrix
-from derive.lowering.trees.vectors import applied, cross, dot, plus, scaled, transposed
+from derive.lowering.trees.motion import FRAME, TreeMotion, matrix
+from derive.lowering.vectors import applied, dot, plus, scaled, transposed
 
 COLUMN, OTHER, ROW = "column", "other", "row"
 """The variables of loops over constraints, and over rows."""
@@ -99,14 +100,13 @@ class Reactions:
         loop = self.motion.loop("column_backward", self.motion.joints)
         here, before = loop.of_links(), loop.of_parents()
         f, n = loop.vector(PUSH, here), loop.vector(PUSH, here, first=3)
-        e, r, follows = axis(loop, here), loop.vector(LEVER, here), loop.number(lambda of: of.follows)
-        turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
+        joint = joint_axes(loop, here)
         *share, inverse = loop.vector(SHARE, here, 7)
-        force = loop.element(G, self._of_column(loop)) - (advances * dot(e, f) + turns * dot(e, n))
+        force = loop.element(G, self._of_column(loop)) - joint.along(f, n)
         known = force * inverse
         loop.store(KNOWN, here.at(0), known)
-        f, n = plus(f, scaled(known, share[:3])), scaled(follows, plus(n, scaled(known, share[3:])))
-        loop.store_vector(PUSH, before, [*f, *plus(n, cross(r, f))], operator=Operator.ADD)
+        passed = joint.passed(plus(f, scaled(known, share[:3])), plus(n, scaled(known, share[3:])))
+        loop.store_vector(PUSH, before, passed, operator=Operator.ADD)
         return loop.made(backward=True)
 
     def _of_free(self) -> ForEach:
@@ -127,13 +127,11 @@ class Reactions:
     def _forward(self) -> ForEach:
         loop = self.motion.loop("column_forward", self.motion.joints)
         here, before = loop.of_links(), loop.of_parents()
-        e, r, follows = axis(loop, here), loop.vector(LEVER, here), loop.number(lambda of: of.follows)
-        turns, advances = loop.number(lambda of: of.turns), loop.number(lambda of: of.advances)
-        a, alpha = loop.vector(ANSWER, before), loop.vector(ANSWER, before, first=3)
-        a, alpha = plus(a, cross(alpha, r)), scaled(follows, alpha)
+        joint = joint_axes(loop, here)
+        a, alpha = joint.carried(loop.vector(ANSWER, before), loop.vector(ANSWER, before, first=3))
         *share, inverse = loop.vector(SHARE, here, 7)
         rate = loop.element(KNOWN, here.at(0)) - inverse * dot(share, [*a, *alpha])
-        loop.store_vector(ANSWER, here, [*plus(a, scaled(advances * rate, e)), *plus(alpha, scaled(turns * rate, e))])
+        loop.store_vector(ANSWER, here, joint.moved(a, alpha, rate))
         loop.store(ANSWERS, self._of_column(loop), rate)
         return loop.made()
 

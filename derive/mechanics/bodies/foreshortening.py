@@ -17,7 +17,7 @@ from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, Real, polynomial, rational
 from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField
 from derive.mechanics.bodies.displacement_fields import shortening
@@ -116,7 +116,7 @@ def combinations_of(every: Mapping[tuple[int, int], BeamFunction]) -> tuple[Comb
 
 def _legendre(degree: int) -> BeamFunction:
     coefficients = reversed(sp.legendre_poly(degree, polys=True).all_coeffs())
-    return polynomial(Fraction(int(c.p), int(c.q)) for c in coefficients)
+    return polynomial(fraction(c) for c in coefficients)
 
 
 def pairs(n: int) -> Iterator[tuple[int, int]]:

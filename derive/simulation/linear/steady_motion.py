@@ -12,6 +12,7 @@ accelerations a(q) of that field, which Newton's method finds from the initial s
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -228,13 +229,17 @@ def _rotation(native: NativeScene, angle: float) -> Matrix:
 
 def _compare(native: NativeScene, a: Vector, expected: Vector, scale: float, what: str) -> None:
     """Raise NoSteadyMotion if accelerations differ by more than a part of the scale; what: the text on the motion."""
-    off = np.abs(a - expected)
-    if off.max(initial=0.0) > SAME * scale:
-        name = native.coordinates[int(np.argmax(off))]
+    if name := differing(native.coordinates, a, expected, scale):
         raise NoSteadyMotion(
             f"the motion {what}: the acceleration of {name} is not the same in axes that move with the scene, because "
             "a force, gravity, a spring or a drive depends on time or on a direction in space"
         )
+
+
+def differing(names: Sequence[str], a: Vector, expected: Vector, scale: float) -> str:
+    """The name of the acceleration that differs most, by more than a part of the scale; "" if none does."""
+    off = np.abs(a - expected)
+    return names[int(np.argmax(off))] if off.max(initial=0.0) > SAME * scale else ""
 
 
 def accelerations_in(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> Vector:

@@ -30,11 +30,11 @@ from derive.simulation.linear.steady_motion import (
     BALANCED,
     CONVERGED,
     PAUSE,
-    SAME,
     TURN,
     NoSteadyMotion,
     SteadyMotion,
     accelerations_in,
+    differing,
     least_solution,
 )
 
@@ -170,9 +170,7 @@ def _check_steady(native: NativeScene, k: Vector, q: Vector, field: RotatingFiel
 
 def _compare(native: NativeScene, a: Vector, expected: Vector, scale: float, what: str) -> None:
     """Raise NoSteadyMotion if accelerations differ by more than a part of the scale; what: the text on the motion."""
-    off = np.abs(a - expected)
-    if off.max(initial=0.0) > SAME * scale:
-        name = native.velocities[int(np.argmax(off))]
+    if name := differing(native.velocities, a, expected, scale):
         raise NoSteadyMotion(
             f"the rotation {what}: the time derivative of {name} is not the same in axes that rotate with the scene, "
             "because a force, gravity, a spring, a joint, a drive, or a body that spins about an axis of which it is "

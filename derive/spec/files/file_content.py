@@ -6,7 +6,7 @@ import os
 import stat
 from pathlib import Path
 
-from derive.errors import printable, quoted
+from derive.errors import Problem, SpecError, printable, quoted
 from derive.spec.parsing.values import WrongValueError
 
 
@@ -17,7 +17,7 @@ def file_content(name: str | os.PathLike[str], folder: Path, most: int, advice: 
         content = regular_file_start(folder / text, most + 1)
     except (OSError, ValueError) as error:
         beside = "" if Path(text).is_absolute() else "; its path begins at the folder of the specification"
-        raise WrongValueError(f"the file {quoted(text)} cannot be read: {why_unreadable(error)}{beside}") from None
+        raise WrongValueError(f"{unreadable(error, text)}{beside}") from None
     if len(content) > most:
         raise WrongValueError(f"the file {quoted(text)} has more than {most // 1_000_000} MB{advice}")
     return content
@@ -39,7 +39,21 @@ def regular_file_start(path: Path, count: int) -> bytes:
         os.close(descriptor)
 
 
-def why_unreadable(error: OSError | ValueError) -> str:
-    """The reason of an error of `regular_file_start`, as the end of a sentence."""
-    why = printable(getattr(error, "strerror", None) or str(error))
-    return f"{why[:1].lower()}{why[1:]}"
+def unreadable(error: OSError | ValueError, name: str = "") -> str:
+    """A message on an error of `regular_file_start`, with the name of the file if its reader does not see that."""
+    why, file = (
+        printable(getattr(error, "strerror", None) or str(error)),
+        f"the file {quoted(name)}" if name else "the file",
+    )
+    return f"{file} cannot be read: {why[:1].lower()}{why[1:]}"
+
+
+def specification_bytes(source: str, most: int, too_large: str) -> bytes:
+    """The bytes of a file that a command reads, at most `most`. Raises SpecError, with `too_large` if it has more."""
+    try:
+        content = regular_file_start(Path(source), most + 1)
+    except (OSError, ValueError) as error:
+        raise SpecError((Problem("", unreadable(error)),), source) from None
+    if len(content) > most:
+        raise SpecError((Problem("", too_large),), source)
+    return content

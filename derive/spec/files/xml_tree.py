@@ -8,11 +8,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from xml.parsers import expat
 
 from derive.errors import Problem, SpecError, TisserandError, printable
-from derive.spec.files.file_content import regular_file_start, why_unreadable
+from derive.spec.files.file_content import specification_bytes
 
 MAX_BYTES = 20_000_000
 MAX_DEPTH = 100
@@ -56,15 +55,8 @@ class _RefusedError(TisserandError):
 def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     """The root element of a file. Raises SpecError: no file, no XML, too large, too deep, or with a DTD."""
     source = os.fsdecode(path)
-    try:
-        content = regular_file_start(Path(source), MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
-    if len(content) > MAX_BYTES:
-        raise SpecError(
-            (Problem("", f"the file has more than {MAX_BYTES // 1_000_000} MB, the most that is read"),), source
-        )
-    return parse_xml(content, source)
+    too_large = f"the file has more than {MAX_BYTES // 1_000_000} MB, the most that is read"
+    return parse_xml(specification_bytes(source, MAX_BYTES, too_large), source)
 
 
 def parse_xml(content: bytes, source: str | None = None, keep_text: bool = False) -> XmlElement:

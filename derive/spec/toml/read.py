@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.errors import Problem, SpecError, printable, problem_text
-from derive.spec.files.file_content import regular_file_start, why_unreadable
+from derive.spec.files.file_content import specification_bytes
 from derive.spec.model.instances import COUNT, COUNTED
 from derive.spec.model.specification import Specification
 from derive.spec.parsing.faults import Fault, line_of, path_text
@@ -114,12 +114,8 @@ def warnings(path: str | os.PathLike[str], changed: Collection[str] = ()) -> tup
 
 def _text(source: str) -> str:
     """The text of a file. Raises SpecError."""
-    try:
-        content = regular_file_start(Path(source), MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
-    if len(content) > MAX_BYTES:
-        raise SpecError((Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source)
+    too_large = f"the file is larger than {MAX_BYTES} bytes; is it a specification?"
+    content = specification_bytes(source, MAX_BYTES, too_large)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

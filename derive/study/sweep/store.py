@@ -14,14 +14,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from derive.artifacts import MARK
+from derive.artifacts import MARK, lock
 from derive.errors import TisserandError
 from derive.study.sweep.worker import Outcome
-
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]
 
 
 class StaleStore(TisserandError):
@@ -81,11 +76,10 @@ class SampleStore:
 
     def _lock(self) -> None:
         """Keep other sweeps from the file until it is closed, or this process ends; not on Windows."""
-        if fcntl is not None:
-            try:
-                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise StaleStore(f"{self.path}: another sweep writes there; wait, or choose another --out") from None
+        try:
+            lock(self._file, wait=False)
+        except OSError:
+            raise StaleStore(f"{self.path}: another sweep writes there; wait, or choose another --out") from None
 
     def append(self, outcomes: Sequence[Outcome]) -> None:
         """Add finished samples."""

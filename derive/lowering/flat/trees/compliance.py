@@ -11,8 +11,8 @@ import casadi as ca
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
 from derive.lowering.flat.trees.other_bodies import Column
-from derive.lowering.flat.trees.spatial_vectors import ZERO
 from derive.lowering.ldlt import Entries, Factorisation, factorise
+from derive.lowering.vectors import ZERO
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,10 @@ from derive.lowering.flat.trees.compliance import Compliance
 from derive.lowering.flat.trees.joint_rows import JointRow
 from derive.lowering.flat.trees.links import TreeFrames
 from derive.lowering.flat.trees.other_bodies import TreeLeaf
-from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, Vector, dot
+from derive.lowering.flat.trees.spatial_vectors import SpatialInertia, dot
 from derive.lowering.flat.trees.steps import NO_WRENCH, Shift, Wrench
 from derive.lowering.ldlt import backward, forward
+from derive.lowering.vectors import Vector
 
 
 @dataclass(frozen=True)

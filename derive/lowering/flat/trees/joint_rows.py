@@ -16,9 +16,10 @@ from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, subtracted
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.trees.other_bodies import Triple, rigid_rows, tensor
-from derive.lowering.flat.trees.spatial_vectors import ZERO, Matrix, Vector, dot, multiply, null, times, transposed
+from derive.lowering.flat.trees.spatial_vectors import dot, multiply, null, times, transposed
 from derive.lowering.flat.trees.steps import ONE, Wrench
 from derive.lowering.flat.trees.tree_dynamics import TreeDynamics
+from derive.lowering.vectors import ZERO, Matrix, Vector
 from derive.mechanics.multibody.space.rows import row_variables
 from derive.mechanics.terms import ConstrainedFrame, Constraint, FramePair, load_symbols
 

@@ -18,13 +18,10 @@ from derive.algebra import sp
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied
 from derive.lowering.flat.trees.spatial_vectors import (
     NEXT,
-    ZERO,
     FullRotation,
-    Matrix,
     Permutation,
     PlanarTurn,
     SpatialInertia,
-    Vector,
     multiply,
     null,
     plus,
@@ -32,6 +29,7 @@ from derive.lowering.flat.trees.spatial_vectors import (
     transposed,
 )
 from derive.lowering.flat.trees.steps import Shift, SingleFreedom, Turn, TurnedFrame
+from derive.lowering.vectors import ZERO, Matrix, Vector
 from derive.mechanics.multibody.space.joint_coordinate import AXES_OF, JointCoordinate
 from derive.mechanics.multibody.space.tree.carried_motion import Hinge
 from derive.mechanics.multibody.space.tree.recursions import TreeBody

@@ -14,9 +14,7 @@ import casadi as ca
 
 from derive.lowering.flat.casadi_symbols import Symbols, added, multiplied
 from derive.lowering.flat.trees.spatial_vectors import (
-    Matrix,
     Rotation,
-    Vector,
     cross,
     multiply,
     null,
@@ -27,6 +25,7 @@ from derive.lowering.flat.trees.spatial_vectors import (
     times,
     transposed,
 )
+from derive.lowering.vectors import Matrix, Vector
 from derive.mechanics.multibody.space.tree.recursions import TreeBody
 
 

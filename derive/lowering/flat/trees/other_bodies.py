@@ -15,8 +15,9 @@ import casadi as ca
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols, multiplied, subtracted
 from derive.lowering.flat.context import Context
-from derive.lowering.flat.trees.spatial_vectors import ZERO, Matrix, times, transposed
+from derive.lowering.flat.trees.spatial_vectors import times, transposed
 from derive.lowering.ldlt import Factorisation, factorise
+from derive.lowering.vectors import ZERO, Matrix
 from derive.mechanics.terms import Constraint, OwnAxes
 
 Column = Mapping[int, ca.SX]

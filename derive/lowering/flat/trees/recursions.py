@@ -13,8 +13,9 @@ import casadi as ca
 
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
 from derive.lowering.flat.trees.links import TreeFrame
-from derive.lowering.flat.trees.spatial_vectors import NEXT, ZERO, SpatialInertia, Vector, cross, null, plus, times
+from derive.lowering.flat.trees.spatial_vectors import NEXT, SpatialInertia, cross, null, plus, times
 from derive.lowering.flat.trees.steps import NO_WRENCH, ReleasedFreedom, SingleFreedom, TurnedFrame, Wrench, eliminate
+from derive.lowering.vectors import ZERO, Vector
 
 Wrenches = Sequence[Wrench]
 

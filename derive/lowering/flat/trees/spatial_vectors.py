@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 import casadi as ca
 
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
+from derive.lowering.vectors import ZERO, Matrix, Vector
 
-Vector: TypeAlias = list[ca.SX]
-Matrix: TypeAlias = list[list[ca.SX]]
-
-ZERO = ca.SX(0)
 NEXT = ((1, 2), (2, 0), (0, 1))
 """The axes that follow each axis, in cyclic order."""
 

@@ -13,19 +13,8 @@ from functools import cached_property
 import casadi as ca
 
 from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
-from derive.lowering.flat.trees.spatial_vectors import (
-    NEXT,
-    ZERO,
-    Matrix,
-    Rotation,
-    SpatialInertia,
-    Vector,
-    cross,
-    dot,
-    null,
-    plus,
-    times,
-)
+from derive.lowering.flat.trees.spatial_vectors import NEXT, Rotation, SpatialInertia, cross, dot, null, plus, times
+from derive.lowering.vectors import ZERO, Matrix, Vector
 
 ONE = ca.SX(1)
 

@@ -16,9 +16,10 @@ from derive.lowering.flat.schedule import RequiredValue
 from derive.lowering.flat.trees.composite_bodies import mass_entries
 from derive.lowering.flat.trees.links import TreeFrame, TreeFrames
 from derive.lowering.flat.trees.recursions import ArticulatedBodies, forces, motions, needed
-from derive.lowering.flat.trees.spatial_vectors import Vector, dot, plus, times
+from derive.lowering.flat.trees.spatial_vectors import dot, plus, times
 from derive.lowering.flat.trees.steps import SingleFreedom, Turn, TurnedFrame, Wrench
 from derive.lowering.ldlt import VANISHING
+from derive.lowering.vectors import Vector
 from derive.mechanics.axes import AXES
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.space.tree.recursions import INERTIAL

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 import casadi as ca
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Expr, Number, ScalarRef
 from derive.ir.statements import Let, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -243,7 +242,7 @@ def known_symbol(part: str, constraint: Constraint) -> sp.Symbol:
 
 def _value(d: Intermediate) -> Expr:
     number = d.expr
-    return Number(Fraction(int(number.p), int(number.q))) if number.is_Rational else ScalarRef(str(d.symbol))
+    return Number(fraction(number)) if number.is_Rational else ScalarRef(str(d.symbol))
 
 
 def _named(conditions: Iterable[Constraint]) -> list[Intermediate]:

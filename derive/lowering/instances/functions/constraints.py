@@ -10,8 +10,8 @@ from derive.ir.kernel import Kernel
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries, jacobian_pattern
 from derive.lowering.flat.context import stores
+from derive.lowering.flat.kkt_matrix import jacobian_entries, jacobian_pattern
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.loop_code.class_code import ClassCode, LoopTarget
 from derive.lowering.instances.loop_code.context import (

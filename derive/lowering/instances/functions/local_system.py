@@ -14,10 +14,9 @@ import casadi as ca
 
 from derive.algebra import sp
 from derive.ir.expressions import ScalarRef
-from derive.ir.indices import LANES
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.kkt_matrix import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
 from derive.lowering.instances.functions.compliance_loops import ComplianceLoops
 from derive.lowering.instances.functions.constant_modes import constant_modes, elimination_order
@@ -62,8 +61,7 @@ def local_system(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) 
     """The system of a class; `symbols` get the names of what it computes first.
 
     in_lanes: whether bodies are computed in vectors. A loop over the constants of modes then reads each of them once
-    for all its products. If one vector holds all bodies, a call executes their text once, and loops over rows of joints
-    spare most of it; several vectors share it.
+    for all its products, and loops over the rows of joints spare most of the text.
     """
     mass = of.system.equations.mass
     if all(mass[i, j] == 0 for i in range(mass.rows) for j in range(i)):
@@ -172,8 +170,7 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right, in_lanes: bool) -
         rest = [symbols(b) - m for b, m in zip(right.bias, modes.motions(), strict=True)]
         unknowns = solve(factors, modes.loads(forces, symbols.values_of(context.forces)))
         markers = modes.markers
-        in_rows = markers and of.count > 1
-        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if in_rows else None
+        loops = ComplianceLoops(of, modes, [symbols(b) for b in right.bias]) if markers else None
         return LocalSystem(modes.compliance, modes.floor, rest, unknowns, checks, (), markers, loops)
     entries = jacobian_entries(context, symbols)
     G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]

@@ -11,8 +11,8 @@ from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
 from derive.ir.statements import Statement, StoreElement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.context import Context, array_input, stores
+from derive.lowering.flat.kkt_matrix import jacobian_entries
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.classes.body_classes import NO_JOINT
 from derive.lowering.instances.classes.gears import constraining

@@ -9,12 +9,12 @@ from types import MappingProxyType
 
 import casadi as ca
 
+from derive.algebra import fraction
 from derive.ir.analysis import expressions, reads
-from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
+from derive.ir.expressions import Element, Expr, Number, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.kernel import ConstantArray
-from derive.ir.operator_functions import ARITHMETIC, LIBRARY
-from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement, Work
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Store, StoreElement, Work
 from derive.lowering.attitude import attitude_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
@@ -23,6 +23,7 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.classes.body_classes import BodyClass, Member
 from derive.lowering.instances.classes.class_equations import ClassEquations
 from derive.lowering.instances.classes.groups import Group, GroupElement
+from derive.lowering.instances.loop_code.numbers_of_instances import evaluated, meets, with_numbers
 from derive.lowering.instances.places import Place, Places
 from derive.mechanics.equations import Equations
 
@@ -96,7 +97,7 @@ class LoopCode:
 
     def target(self, array: str, place: Place, operator: Operator | None = None) -> LoopTarget:
         """The target of outputs whose elements are equally spaced from a place on."""
-        return LoopTarget(array, place.at, operator, _entries(place))
+        return LoopTarget(array, place.at, operator, place.entries)
 
     def loop(
         self,
@@ -131,7 +132,7 @@ class LoopCode:
         for array, place, given in inputs:
             names = [(k, name) for k, name in enumerate(given.elements) if name in used]
             loads += [Let(name, Element(array, place.at(k))) for k, name in names]
-            entries += _entries(place) if names else ()
+            entries += place.entries if names else ()
         loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
 
         def at(table: str, offset: int, *terms: IndexTerm) -> Element:
@@ -193,7 +194,7 @@ class LoopCode:
         columns: list[Fraction] = []
         nothing: dict[str, Fraction] = {}
         for expr in self._columns:
-            columns += [_evaluated(expr, values, hoisted) for values in self._values or [nothing] * self.count]
+            columns += [evaluated(expr, values, hoisted) for values in self._values or [nothing] * self.count]
         self.places.numbers(ConstantArray(self._array, tuple(columns), False, self.count))
 
     def of_members(self, requirement: Require) -> Iterator[Require]:
@@ -204,11 +205,11 @@ class LoopCode:
         hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
         for name, values in zip(self._members, self._values, strict=False):
             numbers = {symbol: values[symbol] for symbol in self.differing}
-            expr = _with_numbers(requirement.expr, numbers, hoisted)
+            expr = with_numbers(requirement.expr, numbers, hoisted)
             text = f"{name}: {requirement.text}"
             if any(isinstance(part, ScalarRef) for part in walk(expr)):
                 yield replace(requirement, expr=expr, text=text)
-            elif not _meets(requirement.kind, expr):
+            elif not meets(requirement.kind, expr):
                 raise never_met(text)
 
 
@@ -233,10 +234,6 @@ class ClassCode(LoopCode):
         self.row = self.coordinate if rows == coordinates else self.place("row", rows)
 
 
-def _entries(place: Place) -> tuple[Entry, ...]:
-    return () if place.entry is None else (place.entry,)
-
-
 def _name(member: Member | GroupElement) -> str:
     bodies = (member,) if isinstance(member, Member) else member.bodies
     return ", ".join(body.instance.name for body in bodies)
@@ -244,60 +241,16 @@ def _name(member: Member | GroupElement) -> str:
 
 def _values(member: Member | GroupElement) -> list[Fraction]:
     """The constants of a member as numbers; those that setup computes do not differ."""
-    return [Fraction(int(c.value.p), int(c.value.q)) if c.value.is_Rational else Fraction(0) for c in member.constants]
+    return [fraction(c.value) if c.value.is_Rational else Fraction(0) for c in member.constants]
 
 
 def _with_differences(of: BodyClass | Group, equations: ClassEquations) -> Equations:
     """The equations with symbols as the values of the constants in which the members differ."""
-    every = [[c.value for c in member.constants] for member in of.members]
-    same = [all(values[k] == every[0][k] for values in every) for k in range(equations.constants)]
-    own, others = (equations.equations.coefficients[part] for part in _parts(equations.constants))
+    every, count = [[c.value for c in member.constants] for member in of.members], equations.constants
+    same = [all(values[k] == every[0][k] for values in every) for k in range(count)]
+    own, others = equations.equations.coefficients[:count], equations.equations.coefficients[count:]
     changed = (c if equal else replace(c, value=c.symbol) for c, equal in zip(own, same, strict=True))
     return replace(equations.equations, coefficients=(*changed, *others))
-
-
-def _parts(count: int) -> tuple[slice, slice]:
-    return slice(count), slice(count, None)
-
-
-def _evaluated(expression: Expr, values: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Fraction:
-    """An expression of the constants of one instance, exactly where its expression is rational."""
-
-    def of(expr: Expr) -> Fraction:
-        match expr:
-            case Number():
-                return expr.value
-            case ScalarRef():
-                return values[expr.name] if expr.name in values else of(hoisted[expr.name])
-            case Operation():
-                call = {**ARITHMETIC, **LIBRARY}[expr.kind]
-                return Fraction(call(*map(of, expr.args)))
-        raise AssertionError("constants have no arrays")
-
-    return of(expression)
-
-
-def _with_numbers(expression: Expr, numbers: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Expr:
-    """An expression of constants with numbers for some of them, also in the expressions that constants stand for."""
-
-    def leaf(part: Leaf) -> Expr:
-        if not isinstance(part, ScalarRef):
-            return part
-        if part.name in numbers:
-            return Number(numbers[part.name])
-        inner = mapped(hoisted[part.name], leaf) if part.name in hoisted else part
-        return part if inner == hoisted.get(part.name) else inner
-
-    return mapped(expression, leaf)
-
-
-def _meets(kind: Requirement, expression: Expr) -> bool:
-    """Whether an expression of numbers meets a requirement."""
-    try:
-        value = _evaluated(expression, {}, {})
-    except ArithmeticError:
-        return False
-    return kind is not Requirement.POSITIVE or value > 0
 
 
 def kept_values(

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
-from derive.algebra import sp
+from derive.algebra import fraction, sp
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -237,14 +236,14 @@ def loops_of(
     return loops
 
 
-def force_loops(context: InstanceContext, array: str, sign: int = 1) -> list[ForEach]:
-    """The loops that add what forces between bodies contribute to the rows of these, with a sign."""
+def force_loops(context: InstanceContext, array: str) -> list[ForEach]:
+    """The loops that add what forces between bodies contribute to the rows of these."""
     result = []
     for group in context.forces:
         of, ctx = group.code, group.code.context
         symbols = ctx.symbols(*given_inputs(of, "t", "q", "v"))
         inputs = group.state("q", "v")
-        items = stores(array, [sign * symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
+        items = stores(array, [symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
         target = spread(of, array, group.rows, Operator.ADD)
         result.append(of.loop(symbols, [Step(of.name, "(10)", "", items)], inputs, {array: target}))
     return result
@@ -274,6 +273,6 @@ def known_value(part: str, constraint: Constraint, sign: int = 1) -> Expr | None
     if value == 0:
         return None
     if value.is_Rational:
-        return Number(sign * Fraction(int(value.p), int(value.q)))
+        return Number(sign * fraction(value))
     name = ScalarRef(str(known_symbol(part, constraint)))
     return name if sign > 0 else Operation(Operator.NEG, (name,))

@@ -28,8 +28,7 @@ from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.expansion import rigid_rows
 from derive.mechanics.multibody.bodies.beam import masses_of_piece, piece_name
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
-from derive.mechanics.symbols import element
-from derive.mechanics.terms import ModelConstant
+from derive.mechanics.multibody.section_values import SectionValues
 from derive.spec.model.beam_pieces import CUT, place_in_piece
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
@@ -37,28 +36,22 @@ from derive.spec.model.planar_bodies import BeamBody
 from derive.spec.model.scene import Scene
 
 if TYPE_CHECKING:
-    from derive.mechanics.multibody.instances import InstanceEquations
+    pass
 
 
-class BeamSection:
+class BeamSection(SectionValues):
     """A section of a beam, or of a piece of a rod, with the constants of the output that asks for it."""
 
     def __init__(self, name: str, scene: SceneMechanics, component: str, at: Fraction, position: sp.Matrix) -> None:
         """component: the beam or the piece; at: the xi of the section on it; position: its inertial position."""
-        self.name, self.scene, self.component, self.at, self.position = name, scene, component, at, position
-        self._constants: dict[sp.Symbol, ModelConstant] = {}
+        super().__init__(name, "output", scene.instances[component])
+        self.scene, self.component, self.at, self.position = scene, component, at, position
         self.rod, self.piece, self.places = piece_of_component(scene.scene, component)
         beam = self.rod.beam
-        self.instance: InstanceEquations = scene.instances[component]
         self.shapes = displacement_fields(beam)
         self.mass = quantity.value(beam.mass) / self.rod.pieces
         self.length = quantity.value(beam.length) / self.rod.pieces
         self.bending_stiffness = self.constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
-
-    @property
-    def constants(self) -> tuple[ModelConstant, ...]:
-        """The constants that have been used so far."""
-        return tuple(self._constants.values())
 
     @property
     def curvature(self) -> sp.Expr:
@@ -199,27 +192,10 @@ class BeamSection:
         own_masses = (m for m in masses_of_piece(self.rod, self.piece) if self._is_right(m.at))
         masses = located_masses(own_masses, shapes, self.length)
         part = part_body(shapes, beam.frame, beam.order, self.mass, self.length, start, gravity, masses)
-        motion = part.motion
-        known: dict[sp.Basic, sp.Expr] = {}
-        for own, of_instance in zip(motion.coordinates, instance.coordinates, strict=True):
-            known[own.q] = of_instance.q
-        for own_row, row in zip(motion.rows, instance.rows, strict=True):
-            known |= {own_row.v: row.v, own_row.a: row.a}
-        for c in part.constants:
-            if c not in gravity:
-                known[c.symbol] = sp.S.Zero if c.zero else self.constant(c.symbol.name, c.value, c.doc, c.unit)
+        known = self.known(part, gravity)
         force1, force2, torque = (row.xreplace(known) for row in rigid_rows(part))
         origin, about = sp.Matrix(instance.origin), self.position
         return Resultant(sp.Matrix([force1, force2]), torque).about(origin, about)
-
-    def constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
-        """Return a number as it is, and a value that depends on parameters as a constant of the model."""
-        value = sp.expand(value)
-        if value.is_Rational:
-            return value
-        symbol = element(self.name, label)
-        self._constants[symbol] = ModelConstant(symbol, value, "", f"{doc}; output {self.name}", unit)
-        return symbol
 
 
 def piece_of_component(scene: Scene, component: str) -> tuple[BeamBody, int, dict[str, Fraction]]:

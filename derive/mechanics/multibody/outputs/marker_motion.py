@@ -26,14 +26,19 @@ FRAME = Key(
 _ORDERS = ("", "time derivative of the ", "second time derivative of the ")
 
 
-class MarkerVector(OutputType):
-    """Two components of the position of a marker, or of one of its time derivatives as the frame observes them."""
+class ObservedMotion(OutputType):
+    """A quantity of the motion of a marker that a frame observes, or one of its time derivatives."""
 
-    labels = ("1", "2")
     keys = (MARKER, FRAME)
 
     def __init__(self, doc: str, order: int, unit: str) -> None:
         self.doc, self.order, self.unit = doc, order, unit
+
+
+class MarkerVector(ObservedMotion):
+    """Two components of the position of a marker, or of one of its time derivatives as the frame observes them."""
+
+    labels = ("1", "2")
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return the components along e1 and e2 of the frame."""
@@ -47,13 +52,8 @@ class MarkerVector(OutputType):
         return f"{motion} along e1 of {frame}", f"{motion} along e2 of {frame}"
 
 
-class MarkerRotation(OutputType):
+class MarkerRotation(ObservedMotion):
     """The rotation of the section at a marker, or one of its time derivatives, relative to the frame."""
-
-    keys = (MARKER, FRAME)
-
-    def __init__(self, doc: str, order: int, unit: str) -> None:
-        self.doc, self.order, self.unit = doc, order, unit
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component, the rotation about e3 or its time derivative."""

@@ -23,10 +23,9 @@ from derive.mechanics.bodies.spatial_beam_part import spatial_part
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.motion.vectors import cross, dot
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.multibody.section_values import SectionValues
 from derive.mechanics.multibody.space.forces import moved_to
 from derive.mechanics.multibody.space.output_parts import SpatialParts
-from derive.mechanics.symbols import element
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.beam_pieces import piece_name
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
@@ -39,25 +38,19 @@ COORDINATES = 7
 """Its coordinates."""
 
 
-class SpatialBeamSection:
+class SpatialBeamSection(SectionValues):
     """A section of a beam at a place xi, with the constants of what is asked for."""
 
     def __init__(
         self, name: str, parts: SpatialParts, beam: SpatialBeam, at: Fraction, position: sp.Matrix, axes: sp.Matrix
     ) -> None:
         """name: what the names of its constants begin with; position: inertial; axes: of components, as columns."""
-        self.name, self.parts, self.beam, self.at = name, parts, beam, at
+        super().__init__(name, "section", parts.instances[beam.name])
+        self.parts, self.beam, self.at = parts, beam, at
         self.position, self.axes = position, axes
-        self.instance = parts.instances[beam.name]
         self.shapes = section_shapes(beam)
         self.length = length_of(beam)
         self.mass = quantity.value(beam.mass) / cut_into(beam)
-        self._constants: dict[sp.Symbol, ModelConstant] = {}
-
-    @property
-    def constants(self) -> tuple[ModelConstant, ...]:
-        """The constants that have been used so far."""
-        return tuple(self._constants.values())
 
     # ---- deformation
 
@@ -212,28 +205,12 @@ class SpatialBeamSection:
         gravity, _ = quantity.gravity(self.parts.scene.gravity)
         alike = replace(self.beam, name="", start=NOT_GIVEN_IN_SPACE, markers=(), loads=())
         part, rows = spatial_part(alike, self.at, gravity)
-        motion, frame = part.motion, self.parts.at(MarkerRef(self.beam.name, BODY_FRAME))
-        known: dict[sp.Basic, sp.Expr] = dict(zip(motion.rotation, frame.frame, strict=True))
-        for own, of_instance in zip(motion.coordinates, self.instance.coordinates, strict=True):
-            known[own.q] = of_instance.q
-        for own_row, row in zip(motion.rows, self.instance.rows, strict=True):
-            known |= {own_row.v: row.v, own_row.a: row.a}
-        for c in part.constants:
-            if c not in gravity:
-                known[c.symbol] = sp.S.Zero if c.zero else self.constant(c.symbol.name, c.value, c.doc, c.unit)
+        frame = self.parts.at(MarkerRef(self.beam.name, BODY_FRAME))
+        known = {**dict(zip(part.motion.rotation, frame.frame, strict=True)), **self.known(part, gravity)}
         needed = [row.xreplace(known) for row in rows]
         force, torque = sp.Matrix(needed[:3]), sp.Matrix(frame.frame) * sp.Matrix(needed[3:])
         lever = sp.Matrix(frame.position) - about
         return -force, -torque - cross(lever, force)
-
-    def constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
-        """Return a number as it is, and a value that depends on parameters as a constant of the model."""
-        value = sp.expand(value)
-        if value.is_Rational:
-            return value
-        symbol = element(self.name, label)
-        self._constants[symbol] = ModelConstant(symbol, value, "", f"{doc}; section {self.name}", unit)
-        return symbol
 
 
 def section_at_marker(parts: SpatialParts, marker: MarkerRef, of_frame: bool = False) -> SpatialBeamSection:

@@ -45,14 +45,19 @@ def joint_motion(
     """The motion of the second marker of a joint against the first: a coordinate, that of a drive, or a function."""
     freedom = joint.type.coupled(joint.joint)
     assert freedom is not None, "the specification refuses other joints"
-    loads = _unit_loads(joint, at)
+    of: SpatialJoint = joint.joint
+    first, second = at(of.first), at(of.second)
     match joint:
         case SpatialEliminatedJoint():
+            if freedom is Freedom.ROTATION:
+                axis = sp.Matrix(first.axes[:, 2])  # that of the second marker as well
+                loads = MarkerLoad(of.first, none(), -axis), MarkerLoad(of.second, none(), axis)
+            else:
+                loads = _unit_loads(of, row_motion(of, freedom.motion, first, second, None, ()))
             return JointMotion(freedom, _of_coordinate(joint, freedom, instances), True, loads)
         case SpatialJointInstance():
-            first, second = at(joint.joint.first), at(joint.joint.second)
-            motion = row_motion(joint.joint, freedom.motion, first, second, None, rows)
-            return JointMotion(freedom, motion, freedom is Freedom.DISPLACEMENT, loads)
+            motion = row_motion(of, freedom.motion, first, second, None, rows)
+            return JointMotion(freedom, motion, freedom is Freedom.DISPLACEMENT, _unit_loads(of, motion))
 
 
 def counted_rotation(
@@ -117,15 +122,7 @@ def _of_coordinate(joint: SpatialEliminatedJoint, freedom: Freedom, instances: M
     return RowMotion(sign * own.coordinates[number].q, sign * row.v, sp.S.Zero, {row.name: sp.Integer(sign)})
 
 
-def _unit_loads(joint: SpatialJointInstance | SpatialEliminatedJoint, at: At) -> tuple[MarkerLoad, MarkerLoad]:
+def _unit_loads(joint: SpatialJoint, motion: RowMotion) -> tuple[MarkerLoad, MarkerLoad]:
     """The loads of a unit multiplier of the motion of a joint on its two bodies."""
-    of: SpatialJoint = joint.joint
-    first, second = at(of.first), at(of.second)
-    freedom = joint.type.coupled(of)
-    assert freedom is not None, "the specification refuses other joints"
-    if isinstance(joint, SpatialEliminatedJoint) and freedom is Freedom.ROTATION:
-        axis = sp.Matrix(first.axes[:, 2])  # that of the second marker as well
-        return MarkerLoad(of.first, none(), -axis), MarkerLoad(of.second, none(), axis)
-    motion = row_motion(of, freedom.motion, first, second, None, ())
     f1, m1, f2, m2 = motion.loads
-    return MarkerLoad(of.first, f1, m1), MarkerLoad(of.second, f2, m2)
+    return MarkerLoad(joint.first, f1, m1), MarkerLoad(joint.second, f2, m2)

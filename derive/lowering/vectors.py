@@ -1,4 +1,4 @@
-"""Vectors and matrices of three rows in CasADi, for loops over links; cross products of constants fold."""
+"""Vectors and matrices of three rows in CasADi; products of constants fold."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import casadi as ca
 
 Vector = list[ca.SX]
 Matrix = list[list[ca.SX]]
+ZERO = ca.SX(0)
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 """The entries of a symmetric matrix in their order in arrays."""
 
@@ -54,7 +55,7 @@ def product(a: Matrix, b: Matrix) -> Matrix:
     return [[dot(row, column) for column in columns] for row in a]
 
 
-def transposed(a: Matrix) -> Matrix:
+def transposed(a: Sequence[Sequence[ca.SX]]) -> Matrix:
     """The transpose."""
     return [list(row) for row in zip(*a, strict=True)]
 
