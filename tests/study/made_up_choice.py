@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,10 +19,11 @@ from derive.study.accuracy.measurement import CompiledLadderModel, Curves, Line,
 from derive.study.accuracy.modelled_bodies import flexible_members
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice import trials
+from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.reference_errors import Agreement, TrustedReference
 from derive.study.choice.trials import Trials
-from derive.study.choice.trusted_reference import COARSE, FINE
+from derive.study.choice.trusted_reference import COARSE, FINE, trusted_references
 
 RIGID = LadderModel(Shapes.RIGID)
 TRUNCATED, FULL, FIRST = DisplacementOrder.TRUNCATED, DisplacementOrder.FULL, DisplacementOrder.FIRST_ORDER
@@ -117,6 +118,11 @@ def trials_of(
 ) -> Trials:
     monkeypatch.setattr(trials, "measured", MadeUpTrials(runs, **how).measured)  # type: ignore[arg-type]
     return Trials(runs, known, error)
+
+
+def reference(runs: ModelRuns, error: float, rigid: Sequence[BeamShare] = ()) -> TrustedReference:
+    """The first reference that is good enough."""
+    return next(trusted_references(runs, error, lambda _: None, rigid))
 
 
 def reference_of(*errors: tuple[LadderModel, float], truncation: float = 0.0) -> TrustedReference:

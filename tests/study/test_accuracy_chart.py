@@ -13,6 +13,7 @@ from test_accuracy import FIRST, TRUNCATED, crank_slider
 
 from browser import CHROMIUM, browsed
 from derive.percentages import percent
+from derive.simulation.validity.mode_content import ModeError
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
@@ -100,6 +101,26 @@ def test_the_chart_says_what_it_shows() -> None:
     assert "it does not start" in page and "http" not in page.replace("http://www.w3.org", "")
     rows = list(csv.DictReader(run_table(chart).csv.splitlines()))
     assert len(rows) == 7 and rows[-1]["valid"] == "False"
+
+
+def test_bodies_that_miss_stiffness_or_modes_are_hollow_and_what_they_miss_is_below_the_chart() -> None:
+    """Craig-Bampton modes of a rod were 32 % off and drawn as valid: the terminal alone knew of its axial force."""
+    softer = "rod: joints press it with 6.78e+03 N, which changes its bending stiffness by about 652 %"
+    few = ModeError("rod", 4, 100.0, 0.48, of_loads=True)
+    noted = (replace(LINES[0], spins={"rod, axial": softer}), replace(LINES[1], missed=(few,)), LINES[2])
+    chart = replace(a_chart(), lines=noted)
+    svg = accuracy_svg(chart)
+    groups = [svg[svg.index(f'id="line_0_{n}"') :].split("<use", 2)[1] for n in range(3)]
+    assert ["fill-opacity: 0;" in group for group in groups] == [True, True, False]
+    assert all(line.valid for line in noted) and chart.headline.recommended is not None
+    text = " ".join(box.text for box in text_boxes(svg))
+    assert f"Without stiffness that loads or spin add (hollow): {softer} (1 beam, P2, truncated)" in text
+    assert "With too few modes (hollow), " in text and "hollow: in doubt" in text and not outside(svg)
+    assert "hollow" not in " ".join(box.text for box in text_boxes(accuracy_svg(replace(chart, lines=noted[2:]))))
+    page = accuracy_html(chart)
+    assert "stiffness that loads or spin add is missing" in page and "the modes of rod are too few" in page
+    assert "hollow" not in accuracy_text(chart) and "With too few modes, the error" in accuracy_text(chart)
+    assert [len(group) for group in label_groups([LINES[0], replace(LINES[0], missed=(few,))])] == [1, 1]
 
 
 def test_errors_that_vanish_are_drawn_at_the_lower_end() -> None:

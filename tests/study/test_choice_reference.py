@@ -7,7 +7,18 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from made_up_choice import BASE, FULL, RIGID, TRUNCATED, MadeUpRuns, chain, converging, decreasing, polynomials
+from made_up_choice import (
+    BASE,
+    FULL,
+    RIGID,
+    TRUNCATED,
+    MadeUpRuns,
+    chain,
+    converging,
+    decreasing,
+    polynomials,
+    reference,
+)
 
 from conftest import ROOT
 from derive.simulation.observables.beams import beam_bodies
@@ -18,12 +29,12 @@ from derive.spec.model.specification import AnyScene
 from derive.spec.toml.read import parse, read
 from derive.study.accuracy.ladder_model import LadderModel, Shapes, mixed
 from derive.study.accuracy.modelled_bodies import flexible_members
-from derive.study.choice import trusted_reference
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.full_scene import without_rotary_inertia
 from derive.study.choice.reference_errors import Agreement, TrustedReference
+from derive.study.choice.reference_models import MOST_BEAMS
 from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
-from derive.study.choice.trusted_reference import NotConverged
+from derive.study.choice.trusted_reference import NotConverged, rounded_up
 
 
 def test_a_larger_error_needs_no_other_references() -> None:
@@ -31,7 +42,7 @@ def test_a_larger_error_needs_no_other_references() -> None:
     asked: dict[float, list[LadderModel]] = {}
     for error in (0.009, 0.01, 0.03, 0.1):
         runs = MadeUpRuns(chain(1), converging)
-        known = trusted_reference.trusted_reference(runs, error, lambda _: None)
+        known = reference(runs, error)
         assert known.difference <= error / 3 and known.error <= error / 1.5
         assert known.agreements[3].label.startswith("larger steps")
         asked[error] = runs.asked
@@ -59,7 +70,7 @@ def test_the_error_that_a_message_promises_is_confirmed(slow: float, beams: int)
         runs = MadeUpRuns(chain(beams), errors, seconds)
         rigid = hardly_matter(rigid_shares(runs, error, lambda _: None), error)
         assert bool(rigid) == (beams > 1 and error > 1e-3)
-        return trusted_reference.trusted_reference(runs, error, lambda _: None, rigid)
+        return reference(runs, error, rigid)
 
     with pytest.raises(NotConverged, match=r"Ask for an error of [\d.]+ % or more") as caught:
         searched(1e-4)
@@ -79,7 +90,7 @@ def test_more_beams_have_fewer_shapes_where_these_hardly_matter(of_shapes: float
         return {"b0": 0.2 / model.pieces**3 + of_shapes * 4.0**-model.count / model.pieces**2}
 
     runs = MadeUpRuns(chain(1), errors)
-    known = trusted_reference.trusted_reference(runs, error, lambda _: None)
+    known = reference(runs, error)
     assert known.model == polynomials(3 if again else 2, 3) and (polynomials(3, 3) in runs.asked) == again
     shapes = next(a for a in known.agreements if a.label.startswith("fewer shapes"))
     assert shapes.error == pytest.approx(of_shapes * 3 * 4.0**-3 / 9, rel=0.05)
@@ -99,7 +110,7 @@ def test_modes_of_another_kind_confirm_a_reference_that_agrees_with_fewer_modes(
         return {"rod": 0.5 * 0.7**model.count + of_other}
 
     runs = MadeUpRuns(scene, errors)
-    known = trusted_reference.trusted_reference(runs, 0.06, lambda _: None)
+    known = reference(runs, 0.06)
     assert known.model == LadderModel(Shapes.CRAIG_BAMPTON, counts[-1])
     assert [model.count for model in runs.asked if model.shapes is Shapes.ATTACHMENT] == counts
     assert [a.label.split(":")[0] for a in known.agreements] == ["fewer modes", "other modes", "larger steps"]
@@ -116,8 +127,21 @@ def test_the_error_of_a_reference_covers_pieces_that_converge_slowly(power: floa
     def of_pieces(model: LadderModel, _: float) -> dict[str, float]:
         return {"b0": 0.05 / (model.pieces**power + more)}
 
-    known = trusted_reference.trusted_reference(MadeUpRuns(chain(1), of_pieces), error, lambda _: None)
+    known = reference(MadeUpRuns(chain(1), of_pieces), error)
     assert known.difference <= error / 3 and known.error >= 0.05 / (known.model.pieces**power + more) * (1 - 1e-3)
+
+
+def test_the_most_beams_get_no_more_shapes_where_these_hardly_matter() -> None:
+    """A rod in space at 0.3 % got more shapes for minutes where only more beams than are tried would have helped."""
+
+    def of_pieces(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.05 / model.pieces**2 + 1e-5 * 4.0**-model.count}
+
+    runs = MadeUpRuns(chain(1), of_pieces)
+    with pytest.raises(NotConverged, match=r"finer ones are not tried. Ask for an error of 0\.\d+ % or more"):
+        reference(runs, 1e-3)
+    assert max(model.pieces for model in runs.asked) == MOST_BEAMS
+    assert max(model.count for model in runs.asked) == polynomials(3).count
 
 
 def test_errors_of_a_reference_that_point_the_same_way_add_up() -> None:
@@ -130,7 +154,7 @@ def test_errors_of_a_reference_that_point_the_same_way_add_up() -> None:
 
 @pytest.mark.parametrize(("ratio", "up"), [(0.00312, 0.0032), (0.14201, 0.15), (0.003, 0.0031), (0.0999, 0.1)])
 def test_a_promised_error_is_rounded_up(ratio: float, up: float) -> None:
-    assert trusted_reference.rounded_up(ratio) == pytest.approx(up)
+    assert rounded_up(ratio) == pytest.approx(up)
 
 
 def test_what_differs_most_is_refined_and_full_models_of_two_beams_only_where_truncation_matters() -> None:
@@ -142,7 +166,7 @@ def test_what_differs_most_is_refined_and_full_models_of_two_beams_only_where_tr
 
     for errors, full, truncation in ((of_beams, [1], 1e-4), (of_truncation, [1, 2], 0.08)):
         runs = MadeUpRuns(chain(1), errors)
-        known = trusted_reference.trusted_reference(runs, 0.07, lambda _: None)
+        known = reference(runs, 0.07)
         assert known.model == polynomials(2, 3) and known.truncation == pytest.approx(truncation)
         assert [model.pieces for model in runs.asked if model.order is FULL] == full
         assert max(model.count for model in runs.asked) == 3
@@ -174,7 +198,7 @@ def test_beams_that_hardly_matter_are_rigid_in_references() -> None:
     small = hardly_matter(rigid, 0.1)
     assert [of.beam for of in small] == ["b1"] and hardly_matter(rigid, 0.03) == ()
     runs.asked.clear()
-    known = trusted_reference.trusted_reference(runs, 0.1, lambda _: None, small)
+    known = reference(runs, 0.1, small)
     assert all(model.of("b1") == RIGID != model.of("b0") for model in runs.asked)
     assert ("b1 flexible", pytest.approx(0.002)) in [(a.label, a.difference) for a in known.agreements]
     assert known.model == mixed({"b0": polynomials(3, 2), "b1": RIGID})
@@ -192,7 +216,7 @@ def test_bodies_with_models_of_different_kinds_keep_them_beside_one_that_hardly_
     scales = {"rod": 0.5, "loose": 1e-4}
     runs = MadeUpRuns(two, lambda model, _: {name: of * 0.7 ** model.of(name).count for name, of in scales.items()})
     small = (BeamShare("loose", RIGID, 1e-4),)
-    known = trusted_reference.trusted_reference(runs, 0.06, lambda _: None, small)
+    known = reference(runs, 0.06, small)
     assert known.model == mixed({"rod": LadderModel(Shapes.CRAIG_BAMPTON, 14), "loose": RIGID})
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up_choice import reference
 
 from conftest import ROOT
 from derive.cli.main import main
@@ -29,7 +30,7 @@ from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.reference_errors import Agreement, TrustedReference
 from derive.study.choice.screening import Screening, screening
 from derive.study.choice.search import Choice, cheapest_model
-from derive.study.choice.trusted_reference import NotConverged, trusted_reference
+from derive.study.choice.trusted_reference import NotConverged
 from derive.study.choice.written_specification import chosen_specification, relative_path
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
@@ -179,14 +180,14 @@ def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.Monkey
     assert one.axial == pytest.approx(0.227, abs=1e-3)  # what a run with P2 to P5 sees
     assert "axial force up to 23 % of its buckling load" in one.text
     monkeypatch.setattr(one_beam, "candidates", lambda *_: (RIGID, SINE, FINE))
-    monkeypatch.setattr(search, "trusted_reference", lambda *_: known)
+    monkeypatch.setattr(search, "trusted_references", lambda *_: [known])
     found = {error: cheapest_model(runs, error) for error in (0.01, 0.05, 0.15, 1e-4)}
     assert [label(found[error]) for error in (0.01, 0.05, 0.15)] == ["1 sine, truncated"] * 2 + ["1 sine, first"]
     assert found[1e-4].chosen is None
     text = choice_text(found[1e-4])
     assert "No model that was tried has an error of at most 0.01 %" in text
     assert "The best model is 1 beam, P2 to P4" in text
-    monkeypatch.setattr(search, "trusted_reference", lambda *_: replace(known, errors=((FINE, 8e-4),)))
+    monkeypatch.setattr(search, "trusted_references", lambda *_: [replace(known, errors=((FINE, 8e-4),))])
     steps = neighbours(cheapest_model(runs, 0.01))  # what the reference has needed shows what more costs
     assert [one.model.label for one, _ in steps["step up"]][-1] == "1 beam, P2 to P4, truncated"
 
@@ -201,7 +202,7 @@ def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.M
         NotConverged,
         match=r"accurate enough: 2 beams, P2, P3, truncated differs by .* from the model with fewer shapes",
     ):
-        trusted_reference(runs_of(scene), 1e-3, quiet)
+        reference(runs_of(scene), 1e-3)
 
 
 def test_paths_on_another_drive_are_written_whole(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -259,7 +260,7 @@ def test_the_command(
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     """It writes what `build` accepts, and never overwrites anything."""
-    monkeypatch.setattr(search, "trusted_reference", lambda *_: set_a[1])
+    monkeypatch.setattr(search, "trusted_references", lambda *_: [set_a[1]])
     monkeypatch.setattr(one_beam, "candidates", lambda *_: (RIGID, PARABOLA, SINE))
     monkeypatch.setattr(one_beam, "_try_first_order", lambda *_: None)
     out = tmp_path / "new" / "chosen.toml"  # the scene refers to a file

@@ -86,6 +86,15 @@ def test_models_of_another_specification_that_are_the_same_have_its_name() -> No
     assert beams == ladder(FEW, BEAM)[1:]
 
 
+def test_another_specification_without_a_model_of_the_orders_is_refused() -> None:
+    """`--orders truncated` left component modes out, and the study ended without them and without a word."""
+    text = (
+        r"spatial_crank_slider has no model of order truncated .* modes are of first order where a file has no elements"
+    )
+    with pytest.raises(SpecError, match=text):
+        ladders((BEAM, beside(FINITE, BEAM)), replace(FEW, orders=("truncated",)))
+
+
 def test_another_specification_has_to_have_the_plotted_markers() -> None:
     markers = tuple(marker for marker in BEAM.bodies[1].markers if marker.name != "middle")
     without = replace(BEAM, bodies=(BEAM.bodies[0], replace(BEAM.bodies[1], markers=markers), BEAM.bodies[2]), plots=())

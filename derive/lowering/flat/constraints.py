@@ -99,7 +99,7 @@ With more of them lowering takes its time.
 
 def _solved(context: Context, function: ModelFunction, outputs: Mapping[str, OutputElements]) -> Kernel:
     """The kernel of the accelerations, by articulated bodies or by the factors of the KKT matrix: the cheaper one."""
-    symbols = context.symbols(context.t, context.q, context.v)
+    symbols = context.symbols_of_accelerations
     tree = tree_dynamics(context, symbols)
     candidates = []
     if tree and by_articulated_bodies(context, tree):

@@ -52,6 +52,20 @@ def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
     return Input(Argument(symbol.name, (), doc, scalar=True), (symbol,))
 
 
+@dataclass(frozen=True, eq=False)
+class KktSolution:
+    """The solution of a system with the KKT matrix.
+
+    pivots: the values of its factorisation, in their order. values: of the accelerations, then of the multipliers.
+    checks: of the pivots. text: in which order they are eliminated.
+    """
+
+    pivots: tuple[StepItem, ...]
+    values: list[ca.SX]
+    checks: tuple[StepItem, ...]
+    text: str
+
+
 class Context:
     """The data that all kernels of a model share during its lowering to straight-line code."""
 
@@ -93,12 +107,21 @@ class Context:
         every = (self.t, self.q, self.v, self.vdot, self.lam, self.u, self.k, self.y, self.ydot, self.cj)
         self._symbols: dict[tuple[sp.Symbol, ...], Symbols] = {}
         self._constant_symbols: Symbols | None = None
+        self.solutions: dict[Symbols, KktSolution] = {}
         self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
 
     @cached_property
     def force_rows(self) -> tuple[sp.Expr, ...]:
         """The rows of h."""
         return force_rows(self.equations)
+
+    @cached_property
+    def symbols_of_accelerations(self) -> Symbols:
+        """The symbols of t, q and v that the functions for accelerations share, one with multipliers and one without.
+
+        They need the same solution, which is kept in `solutions`.
+        """
+        return self.symbols(self.t, self.q, self.v)
 
     def symbols(self, *inputs: Input) -> Symbols:
         """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them.
@@ -140,6 +163,8 @@ class Context:
         self.coefficients = (*self.coefficients, constant)
         self._symbols.clear()
         self._constant_symbols = None
+        self.solutions.clear()
+        self.__dict__.pop("symbols_of_accelerations", None)
         self.constants.coefficients |= {str(constant.symbol)}
 
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:

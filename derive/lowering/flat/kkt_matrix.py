@@ -18,7 +18,7 @@ from derive.lowering.elimination_orders import EliminationRule, coordinates_firs
 from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, Input, stores
+from derive.lowering.flat.context import Context, Input, KktSolution, stores
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.joint_turns import JointTurns, axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
@@ -149,14 +149,41 @@ def by_factors(
 
     Raises LoweringError if a pivot vanishes in every state: DependentConstraints if constraints are redundant.
     """
+    solution = context.solutions.get(symbols) or _solution(context, symbols, right)
+    if symbols is context.symbols_of_accelerations:
+        context.solutions[symbols] = solution
+    results, start = [], 0
+    for name, elements in outputs.items():
+        results.append(stores(name, solution.values[start : start + len(elements.names)]))
+        start += len(elements.names)
+    present = [value for value in solution.values[:start] if not value.is_zero()]
+    finite = RequiredValue(Requirement.FINITE, balanced(present), ReturnCode.NOT_FINITE, "a result is not finite")
+    return context.kernel(
+        function,
+        outputs,
+        symbols,
+        Step("pivots", Source.FACTORISATION, solution.text, solution.pivots),
+        Step(
+            "solution",
+            Source.FACTORISATION,
+            "forward, diagonal and back substitution",
+            tuple(item for items in results for item in items),
+        ),
+        Step("check", "", "check the pivots and that the result is finite", (*solution.checks, finite)),
+        inputs=inputs,
+    )
+
+
+def _solution(context: Context, symbols: Symbols, right: list[ca.SX]) -> KktSolution:
+    """The solution of the system, with relative rotations where possible; see `by_factors`."""
     idle = not context.proximal and any(not c.jacobian for c in context.equations.constraints)
     try:
         if idle:
             raise LoweringError("a constraint has no coordinates")
         if joints := joint_turns(context, symbols):
             with suppress(LoweringError):  # where a constraint would keep none of its coordinates
-                return _with_pivots(context, function, outputs, symbols, right, inputs, joints)
-        return _with_pivots(context, function, outputs, symbols, right, inputs, None)
+                return _with_pivots(context, symbols, right, joints)
+        return _with_pivots(context, symbols, right, None)
     except LoweringError:
         if redundant := _redundant(context, symbols):
             raise DependentConstraints(redundancy_text(redundant)) from None
@@ -180,16 +207,8 @@ def _redundant(context: Context, symbols: Symbols) -> tuple[Dependence, ...]:
     return dependences(G, int(np.linalg.matrix_rank(G, 1e-9)), context.multipliers)
 
 
-def _with_pivots(
-    context: Context,
-    function: ModelFunction,
-    outputs: Mapping[str, OutputElements],
-    symbols: Symbols,
-    right: list[ca.SX],
-    inputs: tuple[Input, ...],
-    joints: JointTurns | None,
-) -> Kernel:
-    """The kernel that solves the system, with relative rotations at some joints. Raises LoweringError.
+def _with_pivots(context: Context, symbols: Symbols, right: list[ca.SX], joints: JointTurns | None) -> KktSolution:
+    """The solution of the system, with relative rotations at some joints. Raises LoweringError.
 
     The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and all
     checks come last, since compilers move nothing across their branches.
@@ -216,12 +235,6 @@ def _with_pivots(
     for j, pivot in zip(factors.order, factors.pivots, strict=True):
         items += [NamedValue(f"pivot_{names[j]}", pivot), EarlyValue(eliminated[j])]
     checks = (*pivot_checks(symbols, factors, names), *axis_checks(symbols, relative, names))
-    results, start = [], 0
-    for name, elements in outputs.items():
-        results.append(stores(name, solution[start : start + len(elements.names)]))
-        start += len(elements.names)
-    present = [value for value in solution[:start] if not value.is_zero()]
-    finite = RequiredValue(Requirement.FINITE, balanced(present), ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(
         [
             *(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs),
@@ -230,17 +243,4 @@ def _with_pivots(
         ]
     )
     term = f"; pivots of multipliers with a proximal term, refined {REFINEMENTS} times" if context.proximal else ""
-    return context.kernel(
-        function,
-        outputs,
-        symbols,
-        Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}{term}", tuple(items)),
-        Step(
-            "solution",
-            Source.FACTORISATION,
-            "forward, diagonal and back substitution",
-            tuple(item for items in results for item in items),
-        ),
-        Step("check", "", "check the pivots and that the result is finite", (*checks, finite)),
-        inputs=inputs,
-    )
+    return KktSolution(tuple(items), solution, checks, f"eliminate {order}; fill-in {factors.fill}{term}")

@@ -28,10 +28,17 @@ def beside(scene: AnyScene, compared: AnyScene) -> AnyScene:
 
 
 def ladders(scenes: Sequence[AnyScene], limits: LadderRange) -> list[tuple[LadderModel, ...]]:
-    """The models of each scene; of the rigid models that of the first alone, and those that are the same have names."""
+    """The models of each scene; of the rigid models that of the first alone, and those that are the same have names.
+
+    Raises SpecError if a scene beside the first one has none.
+    """
     result: list[tuple[LadderModel, ...]] = []
     for scene in scenes:
         earlier = {model for models in result for model in models}
-        own = (m for m in ladder(limits, scene) if not (earlier and m.shapes is Shapes.RIGID))
+        own = [m for m in ladder(limits, scene) if not (earlier and m.shapes is Shapes.RIGID)]
+        if not own:
+            text = f"{scene.name} has no model of order {' or '.join(limits.orders)} with these numbers of shapes"
+            first = "; component modes are of first order where a file has no elements" * ("first" not in limits.orders)
+            raise SpecError((Problem("bodies", f"{text}{first}. Allow other orders or numbers, or leave it out"),))
         result.append(tuple(replace(m, of_scene=scene.name) if m in earlier else m for m in own))
     return result

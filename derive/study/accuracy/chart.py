@@ -59,7 +59,7 @@ def accuracy_svg(chart: LadderChart, alone: bool = True) -> str:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    lane = _wrapped(doubt_lines(chart.lines, chart.shown), 8) if alone else []
+    lane = _wrapped(doubt_lines(chart.lines, chart.shown, drawn=True), 8) if alone else []
     above = _title(chart) if alone else []
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -110,7 +110,7 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
         pale = id(line) not in useful
         look: dict[str, Any] = {"color": colour(line.model), "linewidth": 1.1 if pale else 1.9}
         look |= {"alpha": 0.5 if pale else 1, "marker": _marker(line.model), "markersize": 3.5 if pale else 5}
-        look |= {} if line.valid else {"fillstyle": "none"}
+        look |= {} if line.valid and not line.noted else {"fillstyle": "none"}
         x, y = [cost(p) for p in shown], errors(shown)
         dashes = DASHES[line.integrator] if line.valid else (3, 2)
         axes.plot(x, y, gid=f"line_{number}_{n}", dashes=dashes, **look)
@@ -239,6 +239,7 @@ def _head(figure: Figure, chart: LadderChart, above: Sequence[tuple[str, bool]],
     drawn = {_marker(line.model) for line in chart.drawn}
     signs = "  ".join(text for marker, text in SIGNS.items() if marker in drawn)
     signs += "; stairs: no cheaper run is better"
+    signs += "; hollow: in doubt" if any(line.noted or not line.valid for line in chart.drawn) else ""
     signs += "  ◆ other programs" if chart.peers else ""
     names = dict.fromkeys(line.integrator for line in chart.drawn if line.integrator != "adaptive")
     signs += "".join(f"; {DASH_NAMES[name]}: {name}" for name in names)
@@ -269,6 +270,7 @@ def line_title(line: Line, shown: Sequence[str]) -> str:
         for p in line.points
     ]
     reasons = [doubt(line, shown), line.warning.warning if line.warning else ""]
+    reasons += [*(of.note for of in line.missed), *line.spins.values()]
     return "\n".join([f"{line.label}, {line.coordinates} coordinates", *runs, *filter(None, reasons)])
 
 

@@ -59,7 +59,7 @@ def label_groups(lines: Sequence[Line]) -> list[list[Line]]:
                 for g in groups
                 if line.best <= NEAR * g[0].best
                 and colour(g[0].model) == colour(line.model)
-                and g[0].valid == line.valid
+                and (g[0].valid, g[0].noted) == (line.valid, line.noted)
             ),
             None,
         )

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from derive.percentages import implied_percent, percent
 from derive.study.accuracy.measurement import Line
+from derive.study.spin_notes import spin_notes
 
 CAUSES = {
     "deflection": "the deflection",
@@ -31,10 +32,13 @@ def doubt(line: Line, shown: Sequence[str]) -> str:
 
 
 def doubt_reason(line: Line, shown: Sequence[str]) -> str:
-    """The doubt of a monitor on a line, and why the measured error may be smaller; or why a run failed; or nothing."""
+    """The doubt of a monitor on a line, and why the measured error may be smaller; or why a run failed, or what it
+    notes of finite-element bodies; or nothing."""
     warning = line.warning
     if warning is None:
-        return line.failure
+        few = [f"the modes of {of.body} are too few" for of in line.missed]
+        softer = ["stiffness that loads or spin add is missing"] if line.spins else []
+        return line.failure or "; ".join([*few, *softer])
     text = f"{CAUSES[warning.cause.value]} of {warning.beam} is in doubt"
     if shown and warning.beam not in shown:
         return f"{text}, and the plot shows {' and '.join(shown)}"
@@ -43,29 +47,35 @@ def doubt_reason(line: Line, shown: Sequence[str]) -> str:
     return text
 
 
-def doubt_lines(lines: Sequence[Line], shown: Sequence[str]) -> list[str]:
-    """The models with doubts or notes, with implied and measured errors, and those that failed, by their reasons."""
+def doubt_lines(lines: Sequence[Line], shown: Sequence[str], drawn: bool = False) -> list[str]:
+    """The models with doubts or notes, with implied and measured errors, and those that failed, by their reasons.
+
+    drawn: for a chart, with how it draws them, and with the stiffness that models miss, which texts have as a note.
+    """
     reasons: dict[str, list[str]] = {}
     noted: dict[str, list[str]] = {}
     failures: dict[str, list[str]] = {}
-    for line in lines:
-        if line.warning is not None and line.integrator == "adaptive":
+    adaptive = [line for line in lines if line.integrator == "adaptive"]
+    for line in adaptive:
+        if line.warning is not None:
             measured = percent(line.best) if line.points else "not measured"
             models = reasons.setdefault(doubt_reason(line, shown), [])
             models.append(f"{line.label} ({implied_percent(line.warning.error)}, {measured})")
-        for of in line.missed if line.integrator == "adaptive" else ():
+        for of in line.missed:
             text = f"{line.label} ({implied_percent(of.error)}, {percent(line.best)})"
             noted.setdefault(f"the modes of {of.body}", []).append(text)
+    for line in lines:
         if line.failure:
             failures.setdefault(line.failure, []).append(line.label)
-    valid = "Not valid (hollow, dashed), with the error that a monitor implies, and the measured one:"
-    modes = (
-        "With too few modes, the error of the deformation that is implied, and the measured one of what the plot shows:"
-    )
-    groups = ((valid, reasons), (modes, noted), ("Without a result:", failures))
-    return [
+    dashed, hollow = (" (hollow, dashed)", " (hollow)") if drawn else ("", "")
+    valid = f"Not valid{dashed}, with the error that a monitor implies, and the measured one:"
+    modes = f"With too few modes{hollow}, the error of the deformation that is implied, and the measured one of what "
+    groups = ((valid, reasons), (f"{modes}the plot shows:", noted), ("Without a result:", failures))
+    result = [
         line
         for heading, of in groups
         if of
         for line in (heading, *(f"{reason}: {'; '.join(models)}" for reason, models in of.items()))
     ]
+    softer = spin_notes((line.label, line.spins) for line in adaptive) if drawn else []
+    return [*result, *([f"Without stiffness that loads or spin add{hollow}:", *softer] if softer else [])]

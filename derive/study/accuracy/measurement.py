@@ -233,9 +233,9 @@ class Line:
 
     warning: the monitor with the largest implied error, of those that are beyond their limits in the finest run, if
     there is one. failure: why a run failed, or why there is none; empty if there is nothing. integrator: the method of
-    its runs. spins: the notes on finite-element bodies that spin fast, by their names. missed: the finite-element
-    bodies of which a run notes that their modes do not suffice, in the finest run; a model stays valid, as a run has
-    no warning then. curves: those of the plots in the finest run.
+    its runs. spins: the notes on finite-element bodies that spin fast or are loaded along, by their names. missed: the
+    finite-element bodies of which a run notes that their modes do not suffice, in the finest run; a model stays valid,
+    as a run has no warning then. curves: those of the plots in the finest run.
     """
 
     model: LadderModel
@@ -257,6 +257,11 @@ class Line:
     def valid(self) -> bool:
         """Whether the model has run without failure, and no monitor warns."""
         return self.warning is None and not self.failure
+
+    @property
+    def noted(self) -> bool:
+        """Whether a run notes that finite-element bodies miss modes, or stiffness that loads or spin add."""
+        return bool(self.spins or self.missed)
 
     @property
     def implied(self) -> float | None:

@@ -160,8 +160,15 @@ def study_accuracy(
         except KeyboardInterrupt:
             finished.record_interruption(sum(map(len, models)))
             raise
-    doubts = {line.model: line for line in lines}
-    every = (*lines, *(replace(of, warning=doubts[of.model].warning, missed=doubts[of.model].missed) for of in fixed))
+    adaptive = {line.model: line for line in lines}
+    doubts = [adaptive[of.model] for of in fixed]
+    every = (
+        *lines,
+        *(
+            replace(of, warning=doubt.warning, missed=doubt.missed, spins=doubt.spins)
+            for of, doubt in zip(fixed, doubts, strict=True)
+        ),
+    )
     return replace(empty, lines=every, notes=finished.notes)
 
 

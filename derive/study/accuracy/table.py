@@ -71,9 +71,8 @@ def accuracy_text(chart: LadderChart) -> str:
         reference += f", which has an error of {percent(chart.reference.error)} itself"
     rows = [reference, *model_table(chart).only(IN_TEXT).reversed.text]
     rows += [f"  {peer.name}: {peer_text(peer.runs[-1])}" for peer in chart.peers]
-    doubts = (text.replace(" (hollow, dashed)", "") for text in doubt_lines(chart.lines, chart.shown))
     result = (f"{title}: {text}" for title, text in headline_texts(chart.headline, chart.shown))
-    for texts in (doubts, chart.notes, result):
+    for texts in (doubt_lines(chart.lines, chart.shown), chart.notes, result):
         lines = [line for text in texts for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
         rows += ["", *lines] if lines else []
     if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):

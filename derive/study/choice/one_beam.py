@@ -12,7 +12,7 @@ from derive.errors import TisserandError
 from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.spatial_scene import SpatialScene
-from derive.study.accuracy.ladder_model import LadderModel
+from derive.study.accuracy.ladder_model import COMPONENT_MODES, LadderModel
 from derive.study.accuracy.modelled_bodies import Flexible, flexible_members
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice.beam_shares import SMALL, TOLERANCE
@@ -32,7 +32,8 @@ from derive.study.choice.trials import Trials, usable
 NEAR = 1.5
 """A model may be cheaper than a good one if its predicted operations are below this times those of the good one."""
 WORTH = 0.5
-"""A model is derived if its predicted operations are below this times those of a good model of the reference."""
+"""A beam is derived if its predicted operations are below this times those of a good model of the reference. Modes are
+derived if theirs are below those: they take seconds, where beams in pieces take a minute."""
 SIMPLER = 0.5
 """The least ratio of the operations of a model of first order to those of second order."""
 BEYOND = 2
@@ -105,7 +106,8 @@ def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
     in_pieces = [of for of in _good_of_reference(trials) if of.pieces > 1]  # monitors often doubt those in one
     good = in_pieces + [of.model for of in trials.good if of.model == trials.runs.models.flexible]
     least = min(map(trials.cost.operations, good), default=math.inf)
-    dearer |= model not in trials.runs.ready and trials.cost.operations(model) > WORTH * least
+    worth = 1.0 if model.shapes in COMPONENT_MODES else WORTH
+    dearer |= model not in trials.runs.ready and trials.cost.operations(model) > worth * least
     return not (model in trials or too_far or dearer or doubted or cannot_do(model, errors, trials.budget))
 
 

@@ -21,7 +21,7 @@ FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
 """The flexible model of a beam that is examined first, and that references need as well."""
 FIRST = replace(FLEXIBLE, pieces=2)
 """The model of a beam in the reference that is tried first."""
-MOST_BEAMS, MOST_SHAPES = 5, 5
+MOST_BEAMS, MOST_SHAPES = 8, 5
 """The largest numbers of pieces of each beam, and of shapes of each piece, of references."""
 FULL_SHAPES = 2
 """The number of shapes of full models: the terms that truncation drops are largest in the lowest shapes."""

@@ -1,15 +1,16 @@
 """The search for the cheapest model of a scene that is accurate enough.
 
-First a reference is made that can be trusted. A scene with one beam is then tried with models from cheap to dear. In
-a scene with several beams each gets a model of its own: its share in the error is measured, see `beam_shares`, and
-combinations are run from cheap to dear, and if none is accurate enough, full models, where truncation may be the
-reason. Those that made the reference come last. The chosen model has been run and compared with the reference, and none
-of its monitors implies a larger error.
+First a reference is made that can be trusted, and a finer one where its error leaves open whether a cheaper model is
+accurate enough. A scene with one beam is then tried with models from cheap to dear. In a scene with several beams each
+gets a model of its own: its share in the error is measured, see `beam_shares`, and combinations are run from cheap to
+dear, and if none is accurate enough, full models, where truncation may be the reason. Those that made the reference
+come last. The chosen model has been run and compared with the reference, and none of its monitors implies a larger
+error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from derive.display import Tabulated
@@ -30,7 +31,7 @@ from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
 from derive.study.choice.screening import Screening
 from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials, accurate, usable
-from derive.study.choice.trusted_reference import trusted_reference
+from derive.study.choice.trusted_reference import trusted_references
 from derive.study.choice.untried import untried
 from derive.study.spin_notes import spin_notes
 
@@ -145,14 +146,13 @@ def cheapest_model(
     Raises NotConverged, SpecError, SimulationError, CompilerError.
     """
     rigid = rigid_shares(runs, error, report)
-    known = trusted_reference(runs, error, report, hardly_matter(rigid, error))
-    trials = Trials(runs, known, error, report)
-    base, shares = None, tuple[BeamShare, ...]()
-    if runs.lone:
-        try_one_beam(trials)
-    elif not trials.is_good(trials.run(LadderModel(Shapes.RIGID))):  # the answer for a slow motion
-        base = _base(known, trials.cost, error)
-        shares = try_several_beams(trials, base, rigid)
+    for known in trusted_references(runs, error, report, hardly_matter(rigid, error)):
+        trials = Trials(runs, known, error, report)
+        base, shares = _try_models(trials, rigid)
+        if (near := trials.undecided) is None:
+            break
+        reason = f"with an error of {percent(known.error)} it leaves open whether {near.label} is good"
+        report(f"reference: {known.model.label}: {reason}, and is refined")
     if not trials.good and not runs.lone:
         trials.run_until_good(_with_all_terms(trials))
     if not trials.good:
@@ -161,6 +161,16 @@ def cheapest_model(
     shown = undeformed_note([plot.name for plot in runs.scene.plots], known.error)
     left_out = (*shown, *untried(runs.scene, runs.models.modes), *spin_notes(runs.spins.items()))
     return Choice(runs.scene, error, known, trials.timed(), base, shares, screened, left_out)
+
+
+def _try_models(trials: Trials, rigid: Sequence[BeamShare]) -> tuple[LadderModel | None, tuple[BeamShare, ...]]:
+    """Run models of second order from cheap to dear; the base and the shares of a scene with several bodies."""
+    if trials.runs.lone:
+        try_one_beam(trials)
+    elif not trials.is_good(trials.run(LadderModel(Shapes.RIGID))):  # the answer for a slow motion
+        base = _base(trials.known, trials.cost, trials.error)
+        return base, try_several_beams(trials, base, rigid)
+    return None, ()
 
 
 def _base(known: TrustedReference, cost: PredictedCost, error: float) -> LadderModel:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
@@ -20,6 +21,10 @@ from derive.study.choice.reference_errors import TrustedReference
 TOLERANCES = (1e-3, 1e-5, 1e-7)
 LIMITED = 2.0
 """Truncation may be the reason of an error of up to this times the change that truncation makes."""
+HALF = 0.5
+"""A finer reference is worth its models if this part of the error of the one before would make a cheaper model good."""
+CLEARLY = 0.9
+"""The most operations of such a model relative to those of the good one that is known."""
 RUNS = 3
 """The number of measurements of the time of each run: the choice is by operations."""
 OF_MOTION = (Cause.DEFLECTION, Cause.MASS_MATRIX)
@@ -73,6 +78,21 @@ class Trials:
     def is_good(self, line: Line) -> bool:
         """Whether a model is accurate enough."""
         return self._point(line) is not None
+
+    @property
+    def undecided(self) -> Line | None:
+        """The cheapest model that would be good with half the error of the reference; None if there is none.
+
+        It is clearly cheaper than those that are good.
+        """
+        most = CLEARLY * min(map(self.operations, self.good), default=math.inf)
+        near = [
+            (point.operations, n)
+            for n, line in enumerate(self.lines)
+            for point in line.points
+            if point.operations < most and accurate(line, point, self.error, HALF * self.known.error)
+        ]
+        return self.lines[min(near)[1]] if near else None
 
     def run(self, model: LadderModel) -> Line:
         """The line of a model, which is derived and run if it has not been before."""

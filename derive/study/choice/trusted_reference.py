@@ -8,7 +8,7 @@ error, so that a search for a larger error goes through the same models and ends
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.full_scene import without_rotary_inertia
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.reference_errors import ROOM, SHARE, Agreement, TrustedReference
-from derive.study.choice.reference_models import CoarserModels
+from derive.study.choice.reference_models import MOST_BEAMS, CoarserModels
 from derive.study.choice.rigid_shares import MATTERS
 
 FINE, COARSE = 1e-10, 1e-8
@@ -55,18 +55,21 @@ class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the requested error."""
 
 
-def trusted_reference(
+def trusted_references(
     runs: ModelRuns, error: float, report: Progress, rigid: Sequence[BeamShare] = ()
-) -> TrustedReference:
-    """A reference that differs from coarser models by at most a third of `error`, and has two thirds of it at most.
+) -> Iterator[TrustedReference]:
+    """Yield references that differ from coarser models by at most a third of `error`, and have two thirds of it.
 
-    Raises NotConverged.
+    The first one is the coarsest, and those after it are finer: a search takes them where the error of the first one
+    leaves open whether a model is accurate enough.
+
+    Raises NotConverged if there is none.
 
     report: takes a line on each comparison. rigid: the shares of beams that hardly matter, and are rigid.
     """
     references = _References(runs, report, rigid)
     model: LadderModel | None = runs.models.first
-    further = ""
+    further, found = "", False
     while model is not None:
         if references.made and (seconds := references.predicted_seconds(model)) > LONGEST:
             further = f"; {model.label} would need {duration_text(seconds)} for a run"
@@ -76,14 +79,18 @@ def trusted_reference(
             if known.suffices(error):
                 known = references.confirmed(known)
         except TisserandError as failure:
-            if not references.made or isinstance(failure, NotConverged):
+            if not found and (not references.made or isinstance(failure, NotConverged)):
                 raise NotConverged(f"the reference cannot be made: {failure}") from failure
             further = f"; {model.label} cannot be run: {first_line(failure)}"
             break
         if known.suffices(error):
-            return known
+            found = True
+            yield known
         model = references.finer(model)
-    raise NotConverged(_without_reference(references, error, further))
+    else:
+        further = "; finer ones are not tried"
+    if not found:
+        raise NotConverged(_without_reference(references, error, further))
 
 
 def _without_reference(references: _References, error: float, further: str) -> str:
@@ -143,7 +150,9 @@ class _References:
         if full := self._full(model, max(a.decisive for a in agreements)):
             agreements.append(full)
             by_beams.append(full.difference)
-        self._beams_first = max(by_beams, default=0.0) > CHEAPER * max(by_shapes, default=0.0)
+        of_beams, of_shapes = (max(of, default=0.0) for of in (by_beams, by_shapes))
+        self._beams_first = of_beams > CHEAPER * of_shapes
+        self._exhausted = pieces >= MOST_BEAMS and of_shapes <= SETTLED * of_beams
         curves, mixture = self._curves(self._runs, model, FINE), self._mixture(model)
         report = (lambda _: None) if self.made else self._report  # each reference leaves out the same
         plots = reference_plots(self._runs.bare, mixture.label, curves, report)
@@ -188,8 +197,11 @@ class _References:
     def finer(self, model: LadderModel) -> LadderModel | None:
         """The model after the last one, refined in the direction that differs most; None where there is none.
 
-        Where fewer shapes have made hardly any difference, more beams have these.
+        Where fewer shapes have made hardly any difference, more beams have these, and no beams of the largest number
+        have more.
         """
+        if self._exhausted:
+            return None
         return self._runs.models.finer(self._lean or model, self._beams_first)
 
     def predicted_seconds(self, model: LadderModel) -> float:

@@ -7,10 +7,11 @@ virtual translations of the origin are along the axes of the body.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from derive.algebra import sp
-from derive.mechanics.multibody.space.frame_motion import frame_motion
+from derive.mechanics.multibody.space.frame_motion import KEPT, frame_motion
 from derive.mechanics.terms import OwnAxes
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def own_axes(
     rows: the rows of the body by those of its kind; change: an expression of the kind in symbols of the body.
     """
     frame = frame_motion(motion, section)
-    turned = frame_motion(replace(motion, rotation=sp.ImmutableMatrix(sp.eye(3))), section)
+    turned = frame_motion(_along_its_axes(motion), section)
     known = {d.symbol: d.expr for d in frame.definitions}
     others: dict[sp.Symbol, sp.Expr] = {}
     for d in turned.definitions:
@@ -45,3 +46,9 @@ def own_axes(
         tuple((rows[row], changed(work)) for row, work in turned.any_work),
         *(sp.ImmutableMatrix(of.applyfunc(changed)) for of in vectors),
     )
+
+
+@lru_cache(KEPT)
+def _along_its_axes(motion: Motion) -> Motion:
+    """The motion with the unit tensor for Q: one for all markers, since the motion of a frame is kept by its body."""
+    return replace(motion, rotation=sp.ImmutableMatrix(sp.eye(3)))
