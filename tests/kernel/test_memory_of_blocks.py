@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from clouds import in_blocks, state
 from test_sums_over_modes import looped, summed
 
@@ -39,7 +40,10 @@ def test_what_bodies_keep_lies_in_tiles() -> None:
     written, read = (with_kept_in_tiles(node, kept) for node in nodes[1:])
     (target,) = (e for node in every([written]) for e in accessed_by(node) if e.array == "kept")
     assert isinstance(target, Element) and target.index
-    assert {(term.stride, term.of) for term in target.index.terms} == {(FEWEST_COLUMNS * LANES, Of.CEILING), (1, Of.VALUE)}
+    assert {(term.stride, term.of) for term in target.index.terms} == {
+        (FEWEST_COLUMNS * LANES, Of.CEILING),
+        (1, Of.VALUE),
+    }
     places = [target.index.at({"i": i, LANE: lane}) for i in (0, 2) for lane in range(LANES)]
     assert places == [*range(4, 8), *range(FEWEST_COLUMNS * LANES + 4, FEWEST_COLUMNS * LANES + 8)]
     assert target in [e for node in every([read]) for e in accessed_by(node)]
@@ -82,11 +86,16 @@ def test_arrays_share_the_memory_that_they_need_in_turn() -> None:
     assert overlaid((a, b), lines[:2]) == ((a, b), lines[:2])
 
 
-def test_bodies_with_modes_have_less_memory_with_the_same_results() -> None:
-    """The rows of joints lie where the sums over modes were."""
-    kernel, nodes = in_blocks(summed(3).kernel("accel"))
+@pytest.mark.parametrize("count", [3, pytest.param(6, marks=pytest.mark.long)])
+def test_bodies_with_modes_have_less_memory_with_the_same_results(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rows of joints lie where the sums over modes were; of six bodies, two blocks keep their numbers in tiles."""
+    monkeypatch.setattr("derive.ir.tiles.FEWEST_COLUMNS", 32)
+    kernel, nodes = in_blocks(summed(count).kernel("accel"))
     shared = [node for node in nodes if isinstance(node, Local) and node.array.startswith(NAME)]
     assert shared
-    expected = interpret(looped(3).kernel("accel"), state(kernel))["vdot"]
+    places = [e.index for node in every(nodes) for e in accessed_by(node) if e.array.startswith("kept") if e.index]
+    in_tiles = any(term.of is Of.CEILING for index in places for term in index.terms)
+    assert in_tiles is (count > LANES)
+    expected = interpret(looped(count).kernel("accel"), state(kernel))["vdot"]
     found = interpret(kernel, state(kernel), nodes=nodes)["vdot"]
     assert np.abs(np.subtract(found, expected)).max() < 2e-13 * np.abs(expected).max()
