@@ -282,7 +282,7 @@ def test_a_run_that_stops_where_joints_hold_a_beam_along_its_axis_is_at_no_dead_
         return closest_state(*arguments)
 
     monkeypatch.setattr(assembly, "closest_state", closest)
-    rod = {"length": 0.5, "mass": 0.3, "rotary_inertia": 4e-6, "bending_stiffness": 30}
+    rod: dict[str, Any] = {"length": 0.5, "mass": 0.3, "rotary_inertia": 4e-6, "bending_stiffness": 30}
     rod |= {"torsion": {"ansatz": ["xi"], "stiffness": 20}, "markers": {"left": -1, "right": 1}}
     turned = {"axis": [0, 1, 0], "angle": -0.6}
     scene = derive.spatial_scene(
