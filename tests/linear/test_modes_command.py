@@ -104,7 +104,8 @@ def test_wrong_uses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     driven.write_text(f'{PENDULUM}[drives.motor]\njoint = "pin"\nmotion = "t - pi/2"\n')
     assert main(["modes", str(driven), "--out", str(tmp_path / "new")]) == 2
     text = capsys.readouterr().err
-    assert "drives move at t = 0 has no static equilibrium: motor" in text and "--at 0" in text
+    assert "drives move at t = 0 has no static equilibrium: motor" in text
+    assert 'start = "steady"' in text and "--at 0" in text
     beam = str(ROOT / "scenes/free_beam_mean.toml")
     assert main(["modes", beam, "--at", "0", "--out", str(tmp_path / "new")]) == 2
     assert "leave out --at" in capsys.readouterr().err and not (tmp_path / "new").exists()

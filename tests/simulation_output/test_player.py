@@ -18,7 +18,7 @@ from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.marker_positions import marker_positions
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
+from derive.simulation.observables.player_data import MAX_FRAMES, curves_data, player_data, speeds
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.planar_bodies import RigidBody
@@ -97,6 +97,15 @@ def test_what_does_not_change_is_told_once_and_much_is_thinned() -> None:
     many = slider.motion(32, 401)
     text = page(many, [])
     assert len(text) < 300_000 and 100 < len(data_of(text)["time"]["values"]) <= MAX_FRAMES
+
+
+def test_what_varies_little_about_a_large_value_has_no_stairs() -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    sag = Column("sag", "m", 3 + 2e-3 * np.cos(9 * t))
+    (curve,) = curves_data([sag], np.arange(101))
+    assert np.abs(decoded(curve["values"]) - sag.values).max() < 1e-3 * 4e-3
+    (curve,) = curves_data([replace(sag, values=3 + 1e-5 * t)], np.arange(101))
+    assert len(curve["values"]["values"]) == 1
 
 
 def test_outlines_speeds_and_guides() -> None:

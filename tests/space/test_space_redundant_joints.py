@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -9,9 +12,11 @@ from scipy.spatial.transform import Rotation
 
 import derive
 from derive.pipeline import generate
+from derive.simulation.constraints.closest_state import ClosestState, closest_state
 from derive.simulation.errors import InextensibleBeam
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulate import with_simulation
+from derive.simulation.space import assembly
 from derive.spec.toml.read import parse
 from explicit_motion import moved
 
@@ -261,3 +266,34 @@ def test_a_beam_that_is_clamped_at_both_ends_needs_the_table_that_the_message_na
     with pytest.raises(InextensibleBeam, match=f"{only} l_x and r_x have no .*Give a beam the table that it lacks"):
         clamped(torsion)
     assert clamped(f"{axial}\n{torsion}").t[-1] == 0.01
+
+
+def test_a_run_that_stops_where_joints_hold_a_beam_along_its_axis_is_at_no_dead_centre(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The chord between the joints is as long as the beam, which one of them bends: it would have to stretch.
+
+    Its bent start is found in few iterations: before, steps towards the guess took more than 500.
+    """
+    iterations = itertools.count()
+
+    def closest(*arguments: Any) -> ClosestState:
+        assert next(iterations) < 100
+        return closest_state(*arguments)
+
+    monkeypatch.setattr(assembly, "closest_state", closest)
+    rod: dict[str, Any] = {"length": 0.5, "mass": 0.3, "rotary_inertia": 4e-6, "bending_stiffness": 30}
+    rod |= {"torsion": {"ansatz": ["xi"], "stiffness": 20}, "markers": {"left": -1, "right": 1}}
+    turned = {"axis": [0, 1, 0], "angle": -0.6}
+    scene = derive.spatial_scene(
+        "bent",
+        ground={"left": (0, 0, 0), "right": (0.4, 0, 0.3)},
+        bodies={"rod": rod | {"start": {"guess": True, "position": [0.2, 0.05, 0.15], "rotation": turned}}},
+        joints={
+            "left": {"kind": "universal", "between": ["ground.left", "rod.left"]},
+            "right": {"kind": "spherical", "between": ["ground.right", "rod.right"]},
+        },
+        simulation={"duration": 1e-3, "output": 1e-3},
+    )
+    with pytest.raises(InextensibleBeam, match=r"left_x, left_z, right_x and right_z have no .*Give a beam the table"):
+        derive.simulate(scene)

@@ -99,24 +99,28 @@ def dependence(
     if best.rank < native.nlambda:
         return RedundantConstraints(dependences(best.scaled, best.rank, native.multipliers))
     multipliers = involved(singular, native.multipliers)
-    if _held_along_beams(native, k, t, q, drives):
+    if held_along_beams(native, k, t, q, drives):
         return InextensibleBeam(t, multipliers, native.in_space)
     return SingularConfiguration(t, singular.smallest, multipliers)
 
 
-def _held_along_beams(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str]) -> bool:
+def held_along_beams(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = (), limit: float = SINGULAR
+) -> bool:
     """Whether constraints that depend on each other in q resist the extension of beams rather than a motion of bodies.
 
     Then the mechanism whose deformations are locked is no more singular in q than in all neighbouring states.
+    limit: singular values up to it count as zero.
     """
     rigid = ~velocities_with(native, Role.AMPLITUDE)
     if np.all(rigid):
         return False
-    around = (
-        spectrum(native, k, time, state, rigid).rank
-        for time, state in neighbouring_states(native, k, t, q, drives, rigid)
-    )
-    return max(around, default=0) <= spectrum(native, k, t, q, rigid).rank
+
+    def independent_ones(time: float, state: Vector) -> int:
+        return int(np.sum(spectrum(native, k, time, state, rigid).values > limit))
+
+    around = (independent_ones(*state) for state in neighbouring_states(native, k, t, q, drives, rigid))
+    return max(around, default=0) <= independent_ones(t, q)
 
 
 def involved(singular: Spectrum, names: Sequence[str], limit: float = SINGULAR) -> tuple[str, ...]:

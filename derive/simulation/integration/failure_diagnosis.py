@@ -9,11 +9,12 @@ from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with
 from derive.simulation.constraints.mass_definiteness import lost_inertia_of, nearly_indefinite
 from derive.simulation.constraints.neighbouring_states import driven_multipliers, neighbouring_states
-from derive.simulation.constraints.redundancy import involved
+from derive.simulation.constraints.redundancy import held_along_beams, involved
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import (
     DriftTooLarge,
     DriveCannotBeFollowed,
+    InextensibleBeam,
     IntegrationStopped,
     MassMatrixNotDefinite,
     SimulationError,
@@ -50,8 +51,10 @@ def diagnose_error(
     return diagnose_failure(native, k, t, y, None, str(error))
 
 
-def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
-    """The error for a dead centre at y = [q; v], if there is one."""
+def _dead_centre(
+    native: ConstrainedSystem, k: Vector, t: float, y: Vector
+) -> SingularConfiguration | InextensibleBeam | None:
+    """The error for a dead centre at y = [q; v], or for beams that joints hold along their axes there, if any."""
     if not native.nlambda or not np.all(np.isfinite(y)):
         return None
     try:
@@ -62,7 +65,17 @@ def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> S
         return None
     names = involved(singular, native.multipliers, NEARLY_SINGULAR)
     driven = [name for name in names if name in driven_multipliers(native, k, t, y[: native.nq])]
+    # A model that resolves redundant joints comes after one that does not, unless a drive is the reason.
+    if (driven or native.proximal) and _always_held(native, k, t, y[: native.nq]):
+        return InextensibleBeam(t, names, native.in_space)
     if driven:
         locked = not any(time > t for time, _ in neighbouring_states(native, k, t, y[: native.nq]))
         return DriveCannotBeFollowed(t, singular.smallest, names, driven, locked)
     return SingularConfiguration(t, singular.smallest, names)
+
+
+def _always_held(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> bool:
+    """Whether joints hold beams along their axes at q (nq,), and nearly so in neighbouring states: no motion passes."""
+    around = (spectrum(native, k, *state).smallest for state in neighbouring_states(native, k, t, q))
+    nearly = max(around, default=0.0) < NEARLY_SINGULAR
+    return nearly and held_along_beams(native, k, t, q, limit=NEARLY_SINGULAR)

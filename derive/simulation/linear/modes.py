@@ -40,6 +40,7 @@ from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import depends_on_time
 
 ADVICE = "The option --at 0, in Python at=0, takes the initial state instead."
+OF_ROTORS = 'Where everything rotates at a constant speed, start = "steady" in [scene] takes that steady motion.'
 
 
 ROWS = 1000.0
@@ -183,7 +184,8 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
             state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
         except MovingDrives as error:
             raise SimulationError(
-                f"a scene whose drives move at t = 0 has no static equilibrium: {enumeration(error.drives)}. {ADVICE}"
+                f"a scene whose drives move at t = 0 has no static equilibrium: {enumeration(error.drives)}. "
+                f"{OF_ROTORS} {ADVICE}"
             ) from None
     else:
         state = _of_body(spec, at)

@@ -120,7 +120,8 @@ def curves_data(curves: Sequence[Column], chosen: NDArray[np.intp]) -> list[Plai
 
 def _curve(column: Column) -> Plain:
     """A curve with the ticks of its axis; one that does not change has one tick."""
-    values = channel(column.values, 1e-4 * float(np.abs(column.values).max()))
+    step, span = 1e-4 * float(np.abs(column.values).max()), float(np.ptp(column.values))
+    values = channel(column.values, min(step, 1e-3 * span) if span > step else step)
     shown = column.values[:1] if len(values["values"]) == 1 else column.values
     return {"name": column.name, "unit": column.unit, "values": values, "ticks": _ticks(shown, *CURVE_TICKS)}
 

@@ -29,6 +29,11 @@ SMALL = 1e-12
 LARGEST = 0.3
 """rad, and part of the size: the largest change in one step of the fit."""
 RANK = 1e-9
+DECREASE = 1e-12
+"""The least relative decrease of deviations in a step, after which the fit goes on."""
+SLOW = 1e-3
+"""The same where bodies deform, which lets many configurations come about as near to the guesses."""
+HALVINGS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +71,7 @@ class WithSpatialTargets:
         self.mass_pattern = native.mass_pattern
         rows = native.nlambda + sum(_size(target) for target in targets)
         self.constraint_pattern: Pattern = pattern(rows, self.nv, {(i, j) for i in range(rows) for j in range(self.nv)})
+        self._last: tuple[bytes, tuple[Vector, Matrix]] | None = None
 
     def mass(self, q: Vector, k: Vector) -> Vector:
         """Values of the lower triangle of M."""
@@ -73,12 +79,17 @@ class WithSpatialTargets:
 
     def constraints(self, t: float, q: Vector, k: Vector) -> Vector:
         """The constraints g, and the deviations of the targets from their values."""
-        return np.concatenate([self._native.constraints(t, q, k), self._assembler.missed(self._targets, q)[0]])
+        return np.concatenate([self._native.constraints(t, q, k), self._missed(q)[0]])
 
     def constraint_jacobian(self, t: float, q: Vector, k: Vector) -> Vector:
         """Values of the derivatives of `constraints` by the velocities, by columns."""
-        rows = self._assembler.missed(self._targets, q)[1]
-        return np.vstack([constraint_matrix(self._native, t, q, k), rows]).T.ravel()
+        return np.vstack([constraint_matrix(self._native, t, q, k), self._missed(q)[1]]).T.ravel()
+
+    def _missed(self, q: Vector) -> tuple[Vector, Matrix]:
+        """The deviations of the targets and their derivatives, computed once for both of an iteration."""
+        if self._last is None or self._last[0] != q.tobytes():
+            self._last = q.tobytes(), self._assembler.missed(self._targets, q)
+        return self._last[1]
 
 
 def _size(target: SpatialTarget) -> int:
@@ -117,10 +128,11 @@ def assembled(assembler: SpatialAssembler, guess: Vector, targets: Sequence[Spat
                 if not state.converged:
                     best = state if kept and (best is None or state.error < best.error) else best
                     continue
-                q = _unwound(assembler, system, soft, guess, _fitted(assembler, system, soft, state.q, free))
+                near = _fitted(assembler, system, soft, state.q, free, free is not rigid)
+                q = _unwound(assembler, system, soft, guess, near)
                 fitted = ClosestState(q, native.constraints(t, q, k))
                 closed.append((float(np.linalg.norm(assembler.missed(soft, q)[0])), fitted))
-                if angle == 0.0:
+                if angle == 0.0 or free is not rigid:  # rigid bodies may be closed in ways that are far apart
                     break
             if closed:
                 nearest = min(closed, key=lambda each: each[0])[1]
@@ -137,16 +149,21 @@ def _fitted(
     soft: Sequence[SpatialTarget],
     q: Vector,
     free: Mask,
+    deforming: bool,
 ) -> Vector:
-    """The configuration near q on the constraints of a system that misses soft targets least, by Gauss-Newton steps."""
+    """The configuration near q on the constraints of a system that misses soft targets least, by Gauss-Newton steps.
+
+    deforming: whether bodies deform to meet the constraints.
+    """
     if not soft:
         return q
     native, k, t = assembler.native, assembler.k, assembler.t
-    before = float("inf")
+    before, fewest = float("inf"), 0
+    least = SLOW if deforming else DECREASE
     for _ in range(ITERATIONS):
         r, J = assembler.missed(soft, q)
         error = float(np.linalg.norm(r))
-        if not error < before * (1 - 1e-12):
+        if not error < before * (1 - least):
             break
         before = error
         step = _step(constraint_matrix(system, t, q, k)[:, free], r, J[:, free])
@@ -155,10 +172,10 @@ def _fitted(
             break
         change = np.zeros(native.nv)
         change[free] = step * min(1.0, LARGEST / length)
-        for halving in range(12):
+        for halving in range(fewest, HALVINGS):
             trial = closest_state(system, k, t, displaced(native, q, 0.5**halving * change), free)
             if trial.converged and np.linalg.norm(assembler.missed(soft, trial.q)[0]) <= error:
-                q = trial.q
+                q, fewest = trial.q, max(0, halving - 1)
                 break
         else:
             break

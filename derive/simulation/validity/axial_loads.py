@@ -1,10 +1,12 @@
 """Finite-element bodies of first order that their joints pull or press along the line between them.
 
 An axial force P changes the bending stiffness of a body, which first order does not know: the geometric stiffness of
-K0F and K0t is missing. A uniform body between two joints at a distance l that vibrates as a half sine wave with the
-frequency omega has omega^2 + pi^2 P/(m l). P is the mean of the axial forces at both ends, which differ by the inertia
-of the body. Where the joints are closer to each other than half of its length, the force acts on a part of it alone,
-and is left out. A body that joints hold at one end alone has loads, weight and acceleration along it, `end_loads`.
+K0F and K0t is missing. It adds the integral of P w'^2 between the joints to twice the strain energy of a vibration with
+the deflection w in the floating frame; of a uniform body between two joints, a half sine wave, that is P over the load
+of Euler. The masses that move with the body make the vibration slow, and are in neither. P is the mean of the axial
+forces at both ends, which differ by the inertia of the body. Where the joints are closer to each other than half of its
+length, the force acts on a part of it alone, and is left out. A body that joints hold at one end alone has loads,
+weight and acceleration along it, `end_loads`.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from collections.abc import Mapping
 from itertools import combinations
 
 import numpy as np
+from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 
 from derive.percentages import percent
 from derive.runtime.native_call import Matrix, ModelError, Vector
@@ -22,6 +25,7 @@ from derive.simulation.free_body import flexible_body
 from derive.simulation.space.marker_frames import modal_frames_of
 from derive.simulation.validity.end_loads import held_end
 from derive.simulation.validity.fast_spin import fast_spin_notes, remedy_of
+from derive.simulation.validity.held_beam import HeldMode
 from derive.simulation.validity.missed_modes import MissedModes, rows_of_run
 from derive.simulation.validity.mode_content import modal_stiffness
 from derive.simulation.validity.monitoring_outputs import MOST_LOADED
@@ -33,6 +37,8 @@ from derive.spec.model.specification import AnyScene
 
 APART = 0.5
 """The least distance of the joints over the length of the body along the line between them."""
+HIGHEST = 6
+"""The degree of the polynomial along the line that is the deflection of a vibration."""
 
 
 def missing_stiffness_notes(
@@ -80,15 +86,15 @@ def _note(
     ends = _ends(body, loads.markers)
     if ends is None:
         return _note_of_cantilever(loads, t, q, v)
-    (left, right), axis, length = ends
+    (left, right), axis = ends
     some = rows_of_run(len(t))
     try:
         forces = [loads.forces(*state) for state in zip(t[some], q[some], v[some], strict=True)]
     except ModelError:
         return ""
     tension = np.array([(at[right] - at[left]) @ axis / 2 for at in forces])
-    squared = _squared_frequency(loads, float(t[0]), q[0])
-    change = np.pi**2 * tension / (loads.total_mass(q[0]) * length * squared) if squared else np.zeros(len(tension))
+    modes = _vibrations(loads, float(t[0]), q[0])
+    change = tension * (_of_unit_tension(loads, modes[0], (left, right), axis) if modes else 0.0)
     rms = float(np.sqrt(np.mean(change**2)))
     if not rms > ERROR_LIMIT:
         return ""
@@ -135,8 +141,8 @@ def _knows_axial_forces(body: FlexibleBody) -> bool:
     return spec.computes_geometric_stiffness or own
 
 
-def _ends(body: FlexibleBody, markers: set[str]) -> tuple[tuple[str, str], Vector, float] | None:
-    """The two markers of joints that are farthest apart, the line between them, and their distance (m), or None."""
+def _ends(body: FlexibleBody, markers: set[str]) -> tuple[tuple[str, str], Vector] | None:
+    """The two markers of joints that are farthest apart, and the line between them, or None."""
     frames = modal_frames_of(body)
     places = {name: np.asarray(frames[name].point.position, float) for name in sorted(markers)}
     pairs = {pair: places[pair[1]] - places[pair[0]] for pair in combinations(places, 2)}
@@ -148,11 +154,36 @@ def _ends(body: FlexibleBody, markers: set[str]) -> tuple[tuple[str, str], Vecto
         return None
     axis = pairs[pair] / length
     extent = float(np.ptp(body.body.data.positions @ axis)) if body.body.data.positions is not None else length
-    return (pair, axis, length) if length >= APART * extent else None
+    return (pair, axis) if length >= APART * extent else None
+
+
+def _of_unit_tension(loads: MissedModes, mode: HeldMode, ends: tuple[str, str], axis: Vector) -> float:
+    """The part of the stiffness of a vibration that a tension of 1 N between two markers adds to it."""
+    from derive.reduction.body import prepare  # only for finite-element bodies
+
+    shapes = prepare(loads.body.body).shapes
+    amplitudes = mode.motion[loads.places.amplitudes]
+    field = np.tensordot(amplitudes, shapes.phi, 1)
+    along = shapes.x @ axis
+    middle, half = (along.max() + along.min()) / 2, float(np.ptp(along)) / 2
+    z = (along - middle) / half
+    degree = min(HIGHEST, len(np.unique(z.round(6))) - 1)
+    w = np.linalg.lstsq(legvander(z, degree), field - np.outer(field @ axis, axis))[0]
+    nodes = {marker.name: list(marker.nodes) for marker in loads.body.markers}
+    first, last = (float(z[nodes[name]].mean()) for name in ends)
+    points, weights = leggauss(degree + 1)
+    slopes = legval((first + last + (last - first) * points) / 2, legder(w)) / half
+    squared = float(np.sum(slopes**2, axis=0) @ weights) * (last - first) / 2 * half
+    return squared / mode.frequency**2  # twice its strain energy, J
 
 
 def _squared_frequency(loads: MissedModes, t: float, q: Vector) -> float:
     """The square of the lowest frequency of a body as its joints hold it, (rad/s)^2; 0 where they admit none."""
-    native = loads.native
-    modes = loads.vibrations(t, q, modal_stiffness(native, loads.k, undeformed(native, q), loads.places))
+    modes = _vibrations(loads, t, q)
     return modes[0].frequency ** 2 if modes else 0.0
+
+
+def _vibrations(loads: MissedModes, t: float, q: Vector) -> tuple[HeldMode, ...]:
+    """The vibrations of a body as its joints hold it in a state q (nq,) at t (s)."""
+    stiffness = modal_stiffness(loads.native, loads.k, undeformed(loads.native, q), loads.places)
+    return loads.vibrations(t, q, stiffness)
