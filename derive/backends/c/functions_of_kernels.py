@@ -209,8 +209,9 @@ def _is_sine(part: Expr) -> bool:
     return isinstance(part, Operation) and part.kind in (Operator.SIN, Operator.COS)
 
 
-def constant_array(array: ConstantArray) -> list[str]:
+def constant_array(array: ConstantArray, in_tiles: bool = False) -> list[str]:
     """The definition of a constant array."""
+    placed = " TISSERAND_IN_TILES" if in_tiles else ""
     kind = "int" if array.integers else "double"
     values = (str(value) if array.integers else repr(float(value)) for value in array.values)
-    return [f"static const {kind} {array.name}[] = {{", *prefixed([", ".join(values)], "    "), "};", ""]
+    return [f"static const {kind} {array.name}[]{placed} = {{", *prefixed([", ".join(values)], "    "), "};", ""]

@@ -103,8 +103,8 @@ class CNests(ValuesInLanes):
                 return self._declared([node])
             case Alias():
                 kind = "double" if node.array in self.outputs else "const double"
-                unknown = [f"    TISSERAND_UNKNOWN({node.name});"] if node.name in self.filled else []
-                return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};", *unknown)
+                tile = [f"    TISSERAND_TILE({node.name});"] if node.name in self.filled else []
+                return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};", *tile)
             case Integer():
                 value = f"{node.array}[{index_text(node.index)}]{f' * {node.times}' if node.times else ''}"
                 return plain(f"    const {self.counter} {node.name} = {value};")

@@ -216,7 +216,8 @@ def _helpers(model: Model, sums: LinearSums, forms: Mapping[str, Variants], bloc
         *(table.array for table in sums.tables),
     )
     tables = numbers_of_instances(constants)
-    arrays = (line for array in (*constants, *map(tiled, tables.values())) for line in constant_array(array))
+    arrays = [line for array in constants for line in constant_array(array)]
+    arrays += [line for array in tables.values() for line in constant_array(tiled(array), in_tiles=True)]
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
 
 
