@@ -94,9 +94,8 @@ def loops_over_rows(model: Model, name: str) -> Iterator[For]:
     return loops_over(ROW, model, name)
 
 
-@pytest.mark.parametrize(
-    ("count", "alike"), [(3, False), *(pytest.param(*of, marks=pytest.mark.long) for of in ((6, False), (3, True)))]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("count", "alike"), [(3, False), (6, False), (3, True)])
 def test_loops_over_rows_compute_the_sums(count: int, alike: bool) -> None:
     """Of blocks of bodies that overlap, of fewer bodies than lanes, and of bodies that are alike."""
     model = looped(count, alike)

@@ -110,6 +110,7 @@ def test_a_column_loses_the_part_of_its_stiffness_that_its_load_is_of_the_one_th
     assert changes(column((0.4 * EULER, 0, 0))) == pytest.approx([part], abs=0.01)
 
 
+@pytest.mark.long
 def test_what_changes_little_or_does_not_hold_the_rod_as_a_cantilever_has_no_note() -> None:
     assert not changes(column((0, 0, 0.1 * EULER)))
     assert not changes(column((-0.02 * EULER, 0, 0)))

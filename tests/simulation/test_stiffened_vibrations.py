@@ -98,6 +98,7 @@ def test_vibrations_with_almost_equal_frequencies_are_late_by_themselves() -> No
     assert almost[0] == pytest.approx(0, abs=0.01) and almost[1] == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.long
 def test_a_spinning_blade_in_three_shapes_is_late() -> None:
     """Its lowest mode is 45 times as stiff as at rest, less 36 that the spin takes away: all shares count for the rest.
 

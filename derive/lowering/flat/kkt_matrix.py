@@ -149,9 +149,39 @@ def by_factors(
 
     Raises LoweringError if a pivot vanishes in every state: DependentConstraints if constraints are redundant.
     """
-    solution = context.solutions.get(symbols) or _solution(context, symbols, right)
-    if symbols is context.symbols_of_accelerations:
-        context.solutions[symbols] = solution
+
+    def made(solution: KktSolution) -> Kernel:
+        kernel = _kernel(context, function, outputs, symbols, solution, inputs)
+        if symbols is context.symbols_of_accelerations:
+            context.solutions[symbols] = solution
+        return kernel
+
+    idle = not context.proximal and any(not c.jacobian for c in context.equations.constraints)
+    kept = context.solutions.get(symbols)
+    try:
+        if idle:
+            raise LoweringError("a constraint has no coordinates")
+        if kept:
+            return made(kept)
+        if joints := joint_turns(context, symbols):
+            with suppress(LoweringError):  # where a constraint would keep none of its coordinates
+                return made(_with_pivots(context, symbols, right, joints))
+        return made(_with_pivots(context, symbols, right, None))
+    except LoweringError:  # of a pivot, or of a division by it
+        if redundant := _redundant(context, symbols):
+            raise DependentConstraints(redundancy_text(redundant)) from None
+        raise
+
+
+def _kernel(
+    context: Context,
+    function: ModelFunction,
+    outputs: Mapping[str, OutputElements],
+    symbols: Symbols,
+    solution: KktSolution,
+    inputs: tuple[Input, ...],
+) -> Kernel:
+    """The kernel with a solution. Raises LoweringError if it divides by zero in every state."""
     results, start = [], 0
     for name, elements in outputs.items():
         results.append(stores(name, solution.values[start : start + len(elements.names)]))
@@ -172,22 +202,6 @@ def by_factors(
         Step("check", "", "check the pivots and that the result is finite", (*solution.checks, finite)),
         inputs=inputs,
     )
-
-
-def _solution(context: Context, symbols: Symbols, right: list[ca.SX]) -> KktSolution:
-    """The solution of the system, with relative rotations where possible; see `by_factors`."""
-    idle = not context.proximal and any(not c.jacobian for c in context.equations.constraints)
-    try:
-        if idle:
-            raise LoweringError("a constraint has no coordinates")
-        if joints := joint_turns(context, symbols):
-            with suppress(LoweringError):  # where a constraint would keep none of its coordinates
-                return _with_pivots(context, symbols, right, joints)
-        return _with_pivots(context, symbols, right, None)
-    except LoweringError:
-        if redundant := _redundant(context, symbols):
-            raise DependentConstraints(redundancy_text(redundant)) from None
-        raise
 
 
 def _redundant(context: Context, symbols: Symbols) -> tuple[Dependence, ...]:
